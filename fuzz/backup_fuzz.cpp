@@ -50,7 +50,7 @@ std::vector<MemoryItem> fuzzed_items()
 {
     const auto check = [](std::string_view name, std::span<const std::byte> bytes) {
         const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-        return read_server_settings(text, std::string{name}).map([](const auto&) {});
+        return read_server_settings(text, std::string{name}).transform([](const auto&) {});
     };
     return {MemoryItem{.name = "Settings",
                        .files = {"server.json"},

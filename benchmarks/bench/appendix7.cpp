@@ -40,7 +40,7 @@ public:
             if (wants(options_.modes, mode_name(mode))) {
                 auto done = services(mode).and_then([&] { return startups(mode); });
                 if (!done) {
-                    return tl::unexpected{std::move(done).error()};
+                    return Unexpected{std::move(done).error()};
                 }
             }
         }
@@ -76,7 +76,7 @@ Configured<void> SevenRun::services(SamplingMode mode)
         if (plant == nullptr) {
             auto started = MappedPlant::start(served(options_), mode);
             if (!started) {
-                return tl::unexpected{std::move(started).error()};
+                return Unexpected{std::move(started).error()};
             }
             plant = *std::move(started);
             client.emplace();
@@ -142,7 +142,7 @@ Configured<void> SevenRun::startups(SamplingMode mode)
         row.manual_ms = figures.seconds.at(static_cast<std::size_t>(mode)) * 1e3;
         const auto started = measure_mapped_startup(model, mode, row.rounds);
         if (!started) {
-            return tl::unexpected{started.error()};
+            return Unexpected{started.error()};
         }
         row.measured_ms = started->mapped_ms;
         row.floor_ms = started->plain_ms;

@@ -193,7 +193,7 @@ struct Subcommand {
 
 } // namespace
 
-tl::expected<CommandLine, int> read_command_line(int argc, char** argv)
+Expected<CommandLine, int> read_command_line(int argc, char** argv)
 {
     CommandLine line;
     CLI::App app{"Measures an OPC UA server: connect, Read and Write of N values, Browse, "
@@ -215,7 +215,7 @@ tl::expected<CommandLine, int> read_command_line(int argc, char** argv)
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return tl::make_unexpected(app.exit(error));
+        return Unexpected{app.exit(error)};
     }
     for (const Subcommand& each : subcommands) {
         line.command = each.app->parsed() ? each.command : line.command;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include "appendix7.hpp"
 #include "growth.hpp"
@@ -42,6 +42,6 @@ struct CommandLine {
 
 /// The error is the exit code of a program that has nothing more to do: the words are wrong, which
 /// was said, or it was asked for help.
-[[nodiscard]] tl::expected<CommandLine, int> read_command_line(int argc, char** argv);
+[[nodiscard]] Expected<CommandLine, int> read_command_line(int argc, char** argv);
 
 } // namespace busbar::bench

@@ -61,27 +61,27 @@ bool take_row(Run& run, const Json& row)
     return true;
 }
 
-tl::expected<Run, std::string> read_run(const std::string& path)
+Expected<Run, std::string> read_run(const std::string& path)
 {
     std::ifstream file{path, std::ios::binary};
     if (!file) {
-        return tl::unexpected{path + ": the file cannot be read"};
+        return Unexpected{path + ": the file cannot be read"};
     }
     const std::string text{std::istreambuf_iterator<char>{file}, {}};
     const auto json = detail::parse_json(text);
     if (!json) {
-        return tl::unexpected{path + ": " + json.error()};
+        return Unexpected{path + ": " + json.error()};
     }
     const Json* const rows = json->kind == Json::Kind::Object ? json->find("rows") : nullptr;
     if (rows == nullptr || rows->kind != Json::Kind::List) {
-        return tl::unexpected{path + ": found no \"rows\", expected what --json prints"};
+        return Unexpected{path + ": found no \"rows\", expected what --json prints"};
     }
     Run run;
     for (std::size_t i = 0; i < rows->items.size(); ++i) {
         const Json& row = rows->items[i];
         if (row.kind != Json::Kind::Object || !take_row(run, row)) {
-            return tl::unexpected{path + ": row " + std::to_string(i + 1) +
-                                  ": found no \"load\", expected what --json prints of loads"};
+            return Unexpected{path + ": row " + std::to_string(i + 1) +
+                              ": found no \"load\", expected what --json prints of loads"};
         }
     }
     return run;
@@ -121,13 +121,13 @@ Compared compare(const Rounds& before, const Rounds& after)
 
 } // namespace
 
-tl::expected<std::vector<Compared>, std::string> compare(const std::string& before,
-                                                         const std::string& after)
+Expected<std::vector<Compared>, std::string> compare(const std::string& before,
+                                                     const std::string& after)
 {
     const auto first = read_run(before);
     const auto second = read_run(after);
     if (!first || !second) {
-        return tl::unexpected{first ? second.error() : first.error()};
+        return Unexpected{first ? second.error() : first.error()};
     }
     std::vector<Compared> lines;
     for (const std::string& load : first->loads) {
@@ -144,7 +144,7 @@ tl::expected<std::vector<Compared>, std::string> compare(const std::string& befo
         }
     }
     if (lines.empty()) {
-        return tl::unexpected{before + " and " + after + ": found no load that both have"};
+        return Unexpected{before + " and " + after + ": found no load that both have"};
     }
     return lines;
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 namespace busbar::bench {
 
@@ -24,8 +24,8 @@ struct Compared {
 
 /// Compares the loads that both files have, as --json printed them: what a request costs, which is
 /// better if it is less. The error says which file cannot be read and where in it.
-[[nodiscard]] tl::expected<std::vector<Compared>, std::string> compare(const std::string& before,
-                                                                       const std::string& after);
+[[nodiscard]] Expected<std::vector<Compared>, std::string> compare(const std::string& before,
+                                                                   const std::string& after);
 void print(const std::vector<Compared>& lines);
 
 } // namespace busbar::bench

@@ -29,7 +29,7 @@ Configured<ModelSet> import(const MappedModel& model)
 }
 
 /// Bad_OutOfMemory and the like, which no figure comes of.
-tl::unexpected<Problem> impossible(const char* where, StatusCode status)
+Unexpected<Problem> impossible(const char* where, StatusCode status)
 {
     return misconfigured(where, "cannot be made", status);
 }
@@ -54,7 +54,7 @@ Configured<std::unique_ptr<MappedPlant>> MappedPlant::start(const MappedModel& m
                     .and_then([&] { return plant->map(model); })
                     .and_then([&] { return plant->make_image(model.variable_count()); });
     if (!made) {
-        return tl::unexpected{std::move(made).error()};
+        return Unexpected{std::move(made).error()};
     }
     plant->source_->start();
     plant->plc_ = std::thread{[&one = *plant] { one.scan_until_stopped(); }};
@@ -78,11 +78,11 @@ Configured<void> MappedPlant::make_labels(std::size_t variables)
 {
     auto program = program_of_labels(variables);
     if (!program) {
-        return tl::unexpected{std::move(program).error()};
+        return Unexpected{std::move(program).error()};
     }
     auto labels = SimulatedLabels::create(*std::move(program), {.max_waiting = max_waiting});
     if (!labels) {
-        return tl::unexpected{std::move(labels).error()};
+        return Unexpected{std::move(labels).error()};
     }
     labels_ = *std::move(labels);
     const auto running = labels_->program();
@@ -125,7 +125,7 @@ Configured<void> MappedPlant::make_server()
                                                 .waker = &loop_.waker()};
     auto made = server::Server::create(std::move(config), environment);
     if (!made) {
-        return tl::unexpected{std::move(made).error()};
+        return Unexpected{std::move(made).error()};
     }
     server_.emplace(*std::move(made));
     return {};
@@ -135,7 +135,7 @@ Configured<void> MappedPlant::map(const MappedModel& model)
 {
     const auto models = import(model);
     if (!models) {
-        return tl::unexpected{models.error()};
+        return Unexpected{models.error()};
     }
     MappedOptions options;
     options.sampling = mode_;

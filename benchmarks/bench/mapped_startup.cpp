@@ -50,7 +50,7 @@ struct ServerParts {
         auto made = server::Server::create(
             std::move(config), {.random = &random, .wall_clock = &wall_clock, .log = &log});
         if (!made) {
-            return tl::unexpected{std::move(made).error()};
+            return Unexpected{std::move(made).error()};
         }
         server.emplace(*std::move(made));
         return {};
@@ -75,7 +75,7 @@ public:
         double ms = 0;
         const auto found = add_time(ms, [&] { return serve(document); });
         if (!found) {
-            return tl::unexpected{found.error()};
+            return Unexpected{found.error()};
         }
         // Labels are resolved in the first scan, sampling begins in the second.
         for (int i = 0; i < 3 || source_->is_updating(); ++i) {
@@ -97,14 +97,14 @@ private:
     {
         const auto project = read_project(document, "bench.busbar");
         if (!project) {
-            return tl::unexpected{project.error()};
+            return Unexpected{project.error()};
         }
         const auto models = check(*project).and_then([&] { return load_models(*project); });
         if (!models) {
-            return tl::unexpected{models.error()};
+            return Unexpected{models.error()};
         }
         if (auto made = parts_.make(); !made) {
-            return tl::unexpected{std::move(made).error()};
+            return Unexpected{std::move(made).error()};
         }
         server::Server& server = *parts_.server;
         static_cast<void>(server.add_source(*source_));
@@ -141,9 +141,9 @@ Configured<double> start_plain(const std::vector<ProjectModel>& files)
         const auto loaded = model::load_nodesets(parts.server->address_space(), sources,
                                                  model::limits_for_large_models());
         parts.server->start(TimePoint{});
-        return loaded ? Configured<void>{} : tl::unexpected{loaded.error().front()};
+        return loaded ? Configured<void>{} : Unexpected{loaded.error().front()};
     });
-    return made.map([&] { return ms; });
+    return made.transform([&] { return ms; });
 }
 
 } // namespace
@@ -158,7 +158,7 @@ Configured<MappedStartup> measure_mapped_startup(const MappedModel& model, Sampl
     const auto document = document_of(project);
     const auto program = program_of_labels(model.variable_count());
     if (!document || !program) {
-        return tl::unexpected{document ? program.error() : document.error()};
+        return Unexpected{document ? program.error() : document.error()};
     }
     MappedStartup mean;
     for (int i = 0; i < rounds; ++i) {
@@ -166,7 +166,7 @@ Configured<MappedStartup> measure_mapped_startup(const MappedModel& model, Sampl
             *document, model.is_mapped ? model.variable_count() : 0);
         const auto plain = mapped ? start_plain(project.models) : mapped;
         if (!plain) {
-            return tl::unexpected{plain.error()};
+            return Unexpected{plain.error()};
         }
         mean.mapped_ms += *mapped / rounds;
         mean.plain_ms += *plain / rounds;

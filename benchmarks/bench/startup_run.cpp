@@ -79,7 +79,7 @@ public:
         life_->power_on();
         point_.running_ms = thread_time_ms() - begin;
         if (life_->operating_status() != OperatingStatus::Running) {
-            return tl::unexpected{problem_.value_or(Problem{.where = "start", .text = "failed"})};
+            return Unexpected{problem_.value_or(Problem{.where = "start", .text = "failed"})};
         }
         if (const auto saved = timed(point_.saving_ms, [&] { return log_->write_pending(); });
             !saved || log_->lost() != 0) {
@@ -151,12 +151,12 @@ Configured<void> StartingMachine::make_program()
 {
     auto read = timed(phase(Declarations), [&] { return read_declarations(*text_, "startup.st"); });
     if (!read) {
-        return tl::unexpected{read.error()};
+        return Unexpected{read.error()};
     }
     auto program =
         timed(phase(Choosing), [&] { return PublishedProgram::create(*std::move(read), limits_); });
     if (!program) {
-        return tl::unexpected{program.error()};
+        return Unexpected{program.error()};
     }
     program_ = *std::move(program);
     return {};
@@ -173,7 +173,7 @@ Configured<void> StartingMachine::make_server()
     auto made = timed(phase(Making),
                       [&] { return server::Server::create(std::move(config), environment); });
     if (!made) {
-        return tl::unexpected{std::move(made).error()};
+        return Unexpected{std::move(made).error()};
     }
     server_.emplace(*std::move(made));
     server_->start(TimePoint{});
@@ -189,7 +189,7 @@ Configured<void> StartingMachine::publish()
 {
     auto image = timed(phase(Image), [&] { return program_->make_image(namespace_index_, {}); });
     if (!image) {
-        return tl::unexpected{image.error()};
+        return Unexpected{image.error()};
     }
     image_ = *std::move(image);
     source_.emplace(image_->image());
@@ -200,7 +200,7 @@ Configured<void> StartingMachine::publish()
                                     options);
     });
     if (!nodes) {
-        return tl::unexpected{nodes.error()};
+        return Unexpected{nodes.error()};
     }
     timed(phase(Records), [&] {
         tell(*log_, publication());
@@ -239,7 +239,7 @@ Configured<std::vector<StartupPoint>> measure_startup(const StartupOptions& opti
             }
             auto point = fastest(count, counts == &options.limited, options.rounds);
             if (!point) {
-                return tl::unexpected{std::move(point).error()};
+                return Unexpected{std::move(point).error()};
             }
             points.push_back(*point);
         }

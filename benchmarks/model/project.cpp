@@ -51,7 +51,7 @@ public:
         return import()
             .and_then([&] { return write(); })
             .and_then([&] { return verify(); })
-            .map([&] { return point_; });
+            .transform([&] { return point_; });
     }
 
 private:
@@ -72,7 +72,7 @@ Configured<void> ProjectRun::import()
     const std::size_t before = heap_in_use();
     const auto models = timed(phase(Import), [&] { return load_models(project_); });
     if (!models) {
-        return tl::unexpected{models.error()};
+        return Unexpected{models.error()};
     }
     point_.held_bytes = heap_in_use() - before;
     if (auto checked = check(*models); !checked) {
@@ -122,7 +122,7 @@ Configured<void> ProjectRun::verify()
         timed(phase(Verify), [&]() -> Configured<std::vector<ProjectDifference>> {
             return store_.document()
                 .and_then([](const std::string& file) { return read_project(file, "store"); })
-                .map([&](const Project& there) {
+                .transform([&](const Project& there) {
                     auto all = setting_differences(project_, there);
                     const auto models = model_differences(project_, there);
                     all.insert(all.end(), models.begin(), models.end());
@@ -130,7 +130,7 @@ Configured<void> ProjectRun::verify()
                 });
         });
     if (!differences) {
-        return tl::unexpected{differences.error()};
+        return Unexpected{differences.error()};
     }
     return differences->empty() ? Configured<void>{}
                                 : misconfigured(differences->front().where, "differs");
@@ -144,7 +144,7 @@ Configured<std::vector<ProjectPoint>> measure_projects(const ProjectOptions& opt
     for (const MappedModel* const model : {&options.limited, &options.open}) {
         auto point = ProjectRun{*model, model == &options.limited}.run();
         if (!point) {
-            return tl::unexpected{std::move(point).error()};
+            return Unexpected{std::move(point).error()};
         }
         points.push_back(*point);
     }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <busbar/core/text.hpp>
+
 namespace busbar::cli {
 
 JsonWriter& JsonWriter::open_object()

@@ -133,12 +133,12 @@ server::Server Generation::make_server()
     environment.users = &admission_.users();
     environment.roles = &administered_.roles();
     environment.channel_worker = &channel_worker_; // of which it makes no use before it is served
-    return expect(
-        server::Server::create(config_.server, environment).map_error([this](Problem problem) {
-            problem.where =
-                (origin_.file.empty() ? "the server" : origin_.file) + ": " + problem.where;
-            return problem;
-        }));
+    return expect(server::Server::create(config_.server, environment)
+                      .transform_error([this](Problem problem) {
+                          problem.where = (origin_.file.empty() ? "the server" : origin_.file) +
+                                          ": " + problem.where;
+                          return problem;
+                      }));
 }
 
 void Generation::attach(const Requests& requests)

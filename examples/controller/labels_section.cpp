@@ -11,7 +11,7 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
     controller::Program program =
         config.program != nullptr ? *config.program : controller::Program{};
     return expect(controller::SimulatedLabels::create(std::move(program), config.options)
-                      .map_error([&](Problem problem) {
+                      .transform_error([&](Problem problem) {
                           return in_file(std::move(problem), config.program_file);
                       }));
 }

@@ -250,7 +250,7 @@ Configured<void> Machine::edit(const MachineProgram& program, Adding add)
         return misconfigured("online edit", "the server does not run", status::Bad_InvalidState);
     }
     if (!*added) {
-        return tl::unexpected{added->error()};
+        return Unexpected{added->error()};
     }
     retained_->keep(**added);
     tell(log(), program.publication(), (*added)->group);

@@ -112,7 +112,7 @@ Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
     const auto* const text = options.get_if<String>();
     if (text != nullptr && text->view().starts_with(by_command)) {
         return controller::read_restore_command(text->view().substr(by_command.size()))
-            .map([](const controller::RestoreChoice& choice) {
+            .transform([](const controller::RestoreChoice& choice) {
                 return Wish{Task::Restore, choice.security_profile};
             });
     }
@@ -243,7 +243,7 @@ Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::
 {
     const auto restored = memory_.restore(bytes, {.security_profile = wish.with_security});
     if (!restored) {
-        return tl::unexpected{restored.error()};
+        return Unexpected{restored.error()};
     }
     const bool has_data = *restored != controller::Restored::Nothing;
     const bool lacks_profile = *restored == controller::Restored::WithoutProfile;
@@ -260,12 +260,12 @@ Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::
 Configured<std::string> MachineBackup::verify(const Wish& wish,
                                               std::span<const std::byte> bytes) const
 {
-    return memory_.verify(bytes, {.security_profile = wish.with_security}).map(report_of);
+    return memory_.verify(bytes, {.security_profile = wish.with_security}).transform(report_of);
 }
 
 Configured<std::string> MachineBackup::clear(const Wish& wish)
 {
-    return memory_.clear_all(wish.with_security, needs_.mode()).map([&] {
+    return memory_.clear_all(wish.with_security, needs_.mode()).transform([&] {
         needs_.log.write(LogLevel::Info, source,
                          "all memory was cleared; it counts after a restart, which is due");
         return std::string{R"({"cleared":true})"};

@@ -51,7 +51,7 @@ Configured<SettingValues> values_in(const Settings& settings, std::span<const st
             values = list.changes();
             return loaded;
         });
-    return read.map([&] { return std::move(values); });
+    return read.transform([&] { return std::move(values); });
 }
 
 Bytes document_of(const SettingValues& values)
@@ -74,7 +74,7 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile)
     part.take = [&settings, is_other](std::span<const std::byte> whole) -> Configured<Bytes> {
         auto values = values_in(settings, whole);
         if (!values) {
-            return tl::unexpected{std::move(values.error())};
+            return Unexpected{std::move(values.error())};
         }
         std::erase_if(*values, is_other);
         return document_of(*values);
@@ -84,7 +84,7 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile)
         auto all = values_in(settings, whole);
         auto values = values_in(settings, own);
         if (!all || !values) {
-            return tl::unexpected{std::move(all ? values.error() : all.error())};
+            return Unexpected{std::move(all ? values.error() : all.error())};
         }
         std::erase_if(*all, [&](const auto& each) { return !is_other(each); });
         std::erase_if(*values, is_other);

@@ -87,7 +87,7 @@ Configured<controller::ProgramAddition> MachineProgram::edit(const controller::P
     if (auto shown = nodes_->add_variables(server.address_space(), program_->publication(),
                                            program_->handles());
         !shown) {
-        return tl::unexpected{std::move(shown).error()};
+        return Unexpected{std::move(shown).error()};
     }
     return added;
 }

@@ -51,7 +51,7 @@ std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerCo
 {
     const MachineConfig& machine = config.machine;
     return expect(controller::PublishedProgram::create(*machine.program, machine.publishing)
-                      .map_error([&](Problem problem) {
+                      .transform_error([&](Problem problem) {
                           return in_file(std::move(problem), machine.program_file);
                       }));
 }

@@ -177,7 +177,7 @@ Configured<std::unique_ptr<controller::Plc>> try_plc(const ControllerConfig& con
     const auto image = program->make_image(
         1, {.image = config.image, .elementary = config.machine.types.elementary});
     return image ? controller::Plc::create(config.plc, program->types(), *image)
-                 : tl::unexpected{image.error()};
+                 : Unexpected{image.error()};
 }
 
 } // namespace

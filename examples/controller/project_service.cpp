@@ -153,7 +153,7 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
 Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
 {
     if (auto written = needs_.store.replace(bytes); !written) {
-        return tl::unexpected{std::move(written.error())};
+        return Unexpected{std::move(written.error())};
     }
     is_update_due_ = true;
     needs_.log.write(LogLevel::Info, project_source,
@@ -166,7 +166,7 @@ Configured<std::string> ProjectService::verify(std::span<const std::byte> bytes)
     const auto file = controller::read_project(
         {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "project");
     if (!file) {
-        return tl::unexpected{file.error()};
+        return Unexpected{file.error()};
     }
     const controller::Project& server = *needs_.store.current();
     auto differences = controller::setting_differences(*file, server);
@@ -182,7 +182,7 @@ Configured<std::string> ProjectService::update(std::span<const std::byte> bytes)
                              status::Bad_InvalidArgument);
     }
     if (auto updated = needs_.update(); !updated) {
-        return tl::unexpected{std::move(updated.error())};
+        return Unexpected{std::move(updated.error())};
     }
     is_update_due_ = false;
     return std::string{R"({"updated":true})"};

@@ -134,7 +134,7 @@ Configured<void> Settings::check(const SettingValues& changes)
         }
         return running_.check ? running_.check(all.config) : Configured<void>{};
     } catch (const ConfigError& error) {
-        return tl::unexpected{error.problem()};
+        return Unexpected{error.problem()};
     }
 }
 

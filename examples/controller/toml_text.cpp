@@ -82,21 +82,20 @@ std::size_t line_of_failure(std::string_view text)
 
 } // namespace
 
-tl::expected<toml::table, TomlProblem> parse_toml(std::string_view text)
+Expected<toml::table, TomlProblem> parse_toml(std::string_view text)
 {
     if (const auto stray = find_stray(text)) {
-        return tl::unexpected{TomlProblem{line_at(text, *stray),
-                                          "found a character that is not ASCII, expected it "
-                                          "in strings and comments only"}};
+        return Unexpected{TomlProblem{line_at(text, *stray),
+                                      "found a character that is not ASCII, expected it "
+                                      "in strings and comments only"}};
     }
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
-        return tl::unexpected{
-            TomlProblem{error.source().begin.line, std::string{error.description()}}};
+        return Unexpected{TomlProblem{error.source().begin.line, std::string{error.description()}}};
     } catch (const TomlFailure&) {
-        return tl::unexpected{TomlProblem{line_of_failure(text), "found no TOML, expected a key, a "
-                                                                 "[table] or a comment"}};
+        return Unexpected{TomlProblem{line_of_failure(text), "found no TOML, expected a key, a "
+                                                             "[table] or a comment"}};
     }
 }
 

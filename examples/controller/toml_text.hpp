@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include "toml.hpp"
 
@@ -17,6 +17,6 @@ struct TomlProblem {
 
 /// A TOML text as a table. What is not ASCII may stand in strings and comments only, as TOML 1.0
 /// has it.
-[[nodiscard]] tl::expected<toml::table, TomlProblem> parse_toml(std::string_view text);
+[[nodiscard]] Expected<toml::table, TomlProblem> parse_toml(std::string_view text);
 
 } // namespace busbar::example

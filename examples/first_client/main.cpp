@@ -40,7 +40,7 @@ static Result<void> watch(net::BlockingClient& client, std::chrono::seconds time
         names[(*handles)[i]] = items[i].node.text();
     }
     client.run_for(time);
-    return handles.map([](auto) {});
+    return handles.transform([](auto) {});
 }
 
 int main(int argc, char** argv)

@@ -38,11 +38,11 @@ Configured<std::optional<Json>> read_json_file(Storage& storage, std::string_vie
         return misconfigured(storage.place(file), printable(json.error()));
     }
     if (json->kind != Json::Kind::Object) {
-        return tl::unexpected{wrong_member(storage, file, "the file", &*json, "an object")};
+        return Unexpected{wrong_member(storage, file, "the file", &*json, "an object")};
     }
     const auto found = number_of(*json, "version");
     if (found != version) {
-        return tl::unexpected{
+        return Unexpected{
             wrong_member(storage, file, "version", json->find("version"), std::to_string(version))};
     }
     return std::optional{*std::move(json)};

@@ -44,8 +44,8 @@ std::vector<std::string> strings_input(const MethodCall& call, std::size_t index
     return all;
 }
 
-tl::unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,
-                                           std::string remedy = {})
+Unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,
+                                       std::string remedy = {})
 {
     return refuse(
         {status, "own certificate", std::move(found), "Part 12, 7.10.5", std::move(remedy)});
@@ -230,17 +230,17 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
     subject->valid_days = (days == 0 ? crypto::default_valid_days : days) + 1;
     subject->valid_from = DateTime{needs_.clock.now().ticks - day};
     using Made = Result<crypto::OwnCertificate>;
-    const auto made = std::make_shared<Made>(tl::unexpected{StatusCode{status::Bad_InternalError}});
+    const auto made = std::make_shared<Made>(Unexpected{StatusCode{status::Bad_InternalError}});
     const auto shared = std::make_shared<MethodCall>(std::move(call));
     run_slowly(
         shared,
         [made, wanted = *subject, bits = bits == 0 ? needs_.files.key_bits : bits] {
             auto key = crypto::PrivateKey::generate(bits);
             auto certificate =
-                key ? crypto::create_self_signed(*key, wanted) : tl::unexpected{key.error()};
+                key ? crypto::create_self_signed(*key, wanted) : Unexpected{key.error()};
             *made = certificate
                         ? Made{crypto::OwnCertificate{{*std::move(certificate)}, *std::move(key)}}
-                        : Made{tl::unexpected{certificate.error()}};
+                        : Made{Unexpected{certificate.error()}};
         },
         [this, made, shared] {
             if (!*made) {

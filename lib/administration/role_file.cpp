@@ -73,18 +73,18 @@ struct Wrong {
 };
 
 template <typename T>
-using Read = tl::expected<T, Wrong>;
+using Read = Expected<T, Wrong>;
 
 Read<IdentityMappingRuleType> identity_of(const Json& json, const RoleLimits& limits)
 {
     const auto type = number_of(json, "criteria_type");
     const std::string* const criteria = text_of(json, "criteria");
     if (!type || criteria == nullptr) {
-        return tl::unexpected{Wrong{"identities", "a list of rules"}};
+        return Unexpected{Wrong{"identities", "a list of rules"}};
     }
     const IdentityMappingRuleType rule{static_cast<IdentityCriteriaType>(*type), String{*criteria}};
     if (check_rule(rule, limits.max_text).is_bad()) {
-        return tl::unexpected{Wrong{"identities", "rules that can be used"}};
+        return Unexpected{Wrong{"identities", "rules that can be used"}};
     }
     return rule;
 }
@@ -96,7 +96,7 @@ Read<EndpointType> endpoint_of(const Json& json)
     const std::string* const policy = text_of(json, "security_policy_uri");
     const std::string* const transport = text_of(json, "transport_profile_uri");
     if (url == nullptr || !mode || *mode > 3 || policy == nullptr || transport == nullptr) {
-        return tl::unexpected{Wrong{"endpoints", "a list of endpoints"}};
+        return Unexpected{Wrong{"endpoints", "a list of endpoints"}};
     }
     return EndpointType{String{*url}, static_cast<MessageSecurityMode>(*mode), String{*policy},
                         String{*transport}};
@@ -105,7 +105,7 @@ Read<EndpointType> endpoint_of(const Json& json)
 Read<std::string> application_of(const Json& json)
 {
     if (json.kind != Json::Kind::String) {
-        return tl::unexpected{Wrong{"applications", "a list of ApplicationUris"}};
+        return Unexpected{Wrong{"applications", "a list of ApplicationUris"}};
     }
     return json.text;
 }
@@ -198,16 +198,15 @@ Configured<std::vector<RoleRules>> read_roles(Storage& storage, std::string_view
     const auto json = read_json_file(storage, file, version);
     if (!json || !*json) {
         return json ? Configured<std::vector<RoleRules>>{std::move(roles)}
-                    : tl::unexpected{json.error()};
+                    : Unexpected{json.error()};
     }
     const Json* const list = list_of(**json, "roles");
     if (list == nullptr) {
-        return tl::unexpected{
-            wrong_member(storage, file, "roles", (*json)->find("roles"), "a list")};
+        return Unexpected{wrong_member(storage, file, "roles", (*json)->find("roles"), "a list")};
     }
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         if (const auto wrong = read_role(list->items[i], limits, roles)) {
-            return tl::unexpected{wrong_member(
+            return Unexpected{wrong_member(
                 storage, file, "roles[" + std::to_string(i) + "]." + std::string{wrong->member},
                 list->items[i].find(wrong->member), wrong->expected)};
         }

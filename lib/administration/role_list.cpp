@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 9> well_known{
     "Anonymous", "AuthenticatedUser", "TrustedApplication", "Observer",     "Operator",
     "Engineer",  "Supervisor",        "ConfigureAdmin",     "SecurityAdmin"};
 
-tl::unexpected<Refusal> refuse_role(StatusCode status, std::string_view role, std::string found)
+Unexpected<Refusal> refuse_role(StatusCode status, std::string_view role, std::string found)
 {
     return refuse({status,
                    "role set",
@@ -136,7 +136,7 @@ Configured<void> RoleList::load()
 {
     auto roles = detail::read_roles(*storage_, file_, limits_);
     if (!roles) {
-        return tl::unexpected{roles.error()};
+        return Unexpected{roles.error()};
     }
     const std::lock_guard lock{mutex_};
     roles_ = *std::move(roles);
@@ -299,14 +299,14 @@ Checked<void> RoleList::remove_endpoint(std::string_view role, const EndpointTyp
 Checked<void> RoleList::set_applications_exclude(std::string_view role, bool excludes)
 {
     return change(role, [&](RoleRules& changed) {
-        return check_fixed(changed).map([&] { changed.applications_exclude = excludes; });
+        return check_fixed(changed).transform([&] { changed.applications_exclude = excludes; });
     });
 }
 
 Checked<void> RoleList::set_endpoints_exclude(std::string_view role, bool excludes)
 {
     return change(role, [&](RoleRules& changed) {
-        return check_fixed(changed).map([&] { changed.endpoints_exclude = excludes; });
+        return check_fixed(changed).transform([&] { changed.endpoints_exclude = excludes; });
     });
 }
 

@@ -237,7 +237,7 @@ void ServerConfiguration::get_rejected_list(MethodCall call)
             const auto bytes = read_file(group.store->storage(), entry.file, max_rejected_bytes);
             const auto certificate =
                 bytes ? crypto::Certificate::parse_file(*bytes)
-                      : Result<crypto::Certificate>{tl::unexpected{status_of(bytes.error())}};
+                      : Result<crypto::Certificate>{Unexpected{status_of(bytes.error())}};
             if (!certificate || size + certificate->der().size() > max_rejected_bytes) {
                 continue;
             }

@@ -20,8 +20,8 @@ constexpr std::size_t max_text = 65'536;
 /// Of the file: what can be read again.
 constexpr std::size_t max_settings_size = 4U << 20U;
 
-tl::unexpected<Problem> wrong_value(const Setting& setting, const Variant& value,
-                                    std::string expected, StatusCode status)
+Unexpected<Problem> wrong_value(const Setting& setting, const Variant& value, std::string expected,
+                                StatusCode status)
 {
     return misconfigured(setting.name,
                          "found " + detail::shown(value) + ", expected " + std::move(expected),
@@ -151,12 +151,12 @@ Configured<void> SettingList::load()
 {
     const auto json = detail::read_json_file(*storage_, file_, settings_version);
     if (!json || !*json) {
-        return json ? Configured<void>{} : tl::unexpected{json.error()};
+        return json ? Configured<void>{} : Unexpected{json.error()};
     }
     const auto* const all = (*json)->find("settings");
     const auto wrong = [&](const std::string& member, const detail::Json* found,
                            std::string_view expected) {
-        return tl::unexpected{
+        return Unexpected{
             detail::wrong_member(*storage_, file_, "settings" + member, found, expected)};
     };
     if (all == nullptr || all->kind != detail::Json::Kind::Object) {

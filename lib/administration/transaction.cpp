@@ -22,7 +22,7 @@ crypto::TrustListParts both(const crypto::TrustListParts& a, const crypto::Trust
             a.issuer_crls || b.issuer_crls};
 }
 
-tl::unexpected<Refusal> refuse_files(StorageError error)
+Unexpected<Refusal> refuse_files(StorageError error)
 {
     return refuse({status::Bad_ResourceUnavailable, "transaction",
                    "the files cannot be written: " + std::string{text(error)}, "",

@@ -31,7 +31,7 @@ Array<ByteString> ders_of(bool is_wanted, const std::vector<T>& objects)
     return result;
 }
 
-tl::unexpected<Refusal> refuse_list(StatusCode status, std::string found, std::string remedy = {})
+Unexpected<Refusal> refuse_list(StatusCode status, std::string found, std::string remedy = {})
 {
     return refuse({status, "trust list", std::move(found), "Part 12, 7.8.2", std::move(remedy)});
 }

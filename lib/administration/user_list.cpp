@@ -22,8 +22,8 @@ constexpr std::uint32_t all_bits = user_bit::no_delete | user_bit::disabled |
                                    user_bit::no_change_by_user | user_bit::must_change_password;
 constexpr std::size_t max_description_size = 256;
 
-tl::unexpected<Refusal> refuse_user(StatusCode status, std::string_view name, std::string found,
-                                    std::string remedy = {})
+Unexpected<Refusal> refuse_user(StatusCode status, std::string_view name, std::string found,
+                                std::string remedy = {})
 {
     return refuse({status, "user list", "user \"" + printable(name) + "\" " + std::move(found),
                    "Part 18, 5.2", std::move(remedy)});
@@ -123,7 +123,7 @@ struct Wrong {
 };
 
 /// A user as the file has it, or what is wrong.
-tl::expected<User, Wrong> user_of(const Json& json)
+Expected<User, Wrong> user_of(const Json& json)
 {
     const std::string* const name = detail::text_of(json, "name");
     const std::string* const hash = detail::text_of(json, "password_hash");
@@ -131,20 +131,20 @@ tl::expected<User, Wrong> user_of(const Json& json)
     const std::string* const description = detail::text_of(json, "description");
     const Json* const roles = detail::list_of(json, "roles");
     if (name == nullptr || name->empty()) {
-        return tl::unexpected{Wrong{"name", "a name"}};
+        return Unexpected{Wrong{"name", "a name"}};
     }
     if (hash == nullptr || !crypto::is_password_hash(*hash)) {
-        return tl::unexpected{Wrong{"password_hash", "the hash of a password"}};
+        return Unexpected{Wrong{"password_hash", "the hash of a password"}};
     }
     if (!configuration || !check_configuration(*name, *configuration)) {
-        return tl::unexpected{Wrong{"configuration", "bits of UserConfigurationMask"}};
+        return Unexpected{Wrong{"configuration", "bits of UserConfigurationMask"}};
     }
     if (description == nullptr) {
-        return tl::unexpected{Wrong{"description", "a text"}};
+        return Unexpected{Wrong{"description", "a text"}};
     }
     const auto is_text = [](const Json& role) { return role.kind == Json::Kind::String; };
     if (roles == nullptr || !std::all_of(roles->items.begin(), roles->items.end(), is_text)) {
-        return tl::unexpected{Wrong{"roles", "a list of texts"}};
+        return Unexpected{Wrong{"roles", "a list of texts"}};
     }
     User user{*name, *hash, *configuration, *description, {}};
     for (const Json& role : roles->items) {
@@ -166,26 +166,26 @@ Configured<void> UserList::load()
 {
     const auto json = detail::read_json_file(*storage_, file_, version);
     if (!json) {
-        return tl::unexpected{json.error()};
+        return Unexpected{json.error()};
     }
     std::vector<User> users;
     if (*json) {
         const Json* const list = detail::list_of(**json, "users");
         if (list == nullptr) {
-            return tl::unexpected{
+            return Unexpected{
                 detail::wrong_member(*storage_, file_, "users", (*json)->find("users"), "a list")};
         }
         for (std::size_t i = 0; i < list->items.size(); ++i) {
             auto user = user_of(list->items[i]);
             if (user && find_in(users, user->name) != nullptr) {
-                user = tl::unexpected{Wrong{"name", "each name once"}};
+                user = Unexpected{Wrong{"name", "each name once"}};
             }
             if (!user) {
                 const auto [member, expected] = user.error();
                 // A hash is not for a log.
                 const Json* const found =
                     member == "password_hash" ? nullptr : list->items[i].find(member);
-                return tl::unexpected{detail::wrong_member(
+                return Unexpected{detail::wrong_member(
                     *storage_, file_, "users[" + std::to_string(i) + "]." + std::string{member},
                     found, expected)};
             }

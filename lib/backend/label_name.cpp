@@ -55,13 +55,13 @@ public:
         do {
             LabelName::Part part;
             if (!read_name(part, name.parts.empty()) || !read_indices(part)) {
-                return tl::unexpected<Problem>{std::move(problem_)};
+                return Unexpected<Problem>{std::move(problem_)};
             }
             name.parts.push_back(std::move(part));
         } while (skip('.'));
         if (at_ != text_.size()) {
             fail(name.parts.back().indices.empty() ? "'.', '[' or the end" : "'.' or the end");
-            return tl::unexpected<Problem>{std::move(problem_)};
+            return Unexpected<Problem>{std::move(problem_)};
         }
         return name;
     }

@@ -18,7 +18,7 @@ namespace {
 constexpr std::chrono::milliseconds min_lifetime{1'000};
 
 /// An answer to OpenSecureChannel that says no, or says nothing that can be used.
-tl::unexpected<Refusal> refuse_answer(StatusCode status, std::string found, std::string remedy = {})
+Unexpected<Refusal> refuse_answer(StatusCode status, std::string found, std::string remedy = {})
 {
     return refuse({status, "OpenSecureChannel response", std::move(found), "Part 4, 5.6.2",
                    std::move(remedy)});

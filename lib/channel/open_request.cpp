@@ -19,9 +19,9 @@ std::string mode_text(MessageSecurityMode mode)
                          : std::string{known};
 }
 
-tl::unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,
-                                           std::string_view rule, std::string remedy,
-                                           const crypto::Certificate* certificate = nullptr)
+Unexpected<Refusal> refuse_certificate(StatusCode status, std::string found, std::string_view rule,
+                                       std::string remedy,
+                                       const crypto::Certificate* certificate = nullptr)
 {
     Refusal refusal{status, "sender certificate", std::move(found), rule, std::move(remedy)};
     if (certificate != nullptr) {
@@ -31,7 +31,7 @@ tl::unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,
     return refuse(std::move(refusal));
 }
 
-tl::unexpected<Refusal> refuse_policy(const AsymmetricHeader& header)
+Unexpected<Refusal> refuse_policy(const AsymmetricHeader& header)
 {
     return refuse(
         {status::Bad_SecurityPolicyRejected, "security policy",

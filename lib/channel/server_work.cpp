@@ -9,7 +9,7 @@ using namespace detail;
 
 namespace {
 
-tl::unexpected<Refusal> no_room()
+Unexpected<Refusal> no_room()
 {
     return refuse({status::Bad_TcpServerTooBusy, "OpenSecureChannel",
                    "more than the worker has room for", "Part 6, 7.1.5",
@@ -74,7 +74,7 @@ void ServerChannel::Impl::work_done(StatusCode status)
     if (status.is_bad()) {
         is_at_work = false;
         if (status == status::Bad_TcpServerTooBusy) {
-            give_up(no_room().value());
+            give_up(no_room().error());
         } else {
             fail_with(status, status, "asymmetric work");
         }

@@ -70,7 +70,7 @@ class JsonReader {
 public:
     JsonReader(std::string_view text, const JsonLimits& limits) : text_{text}, limits_{limits} {}
 
-    [[nodiscard]] tl::expected<Json, std::string> read()
+    [[nodiscard]] Expected<Json, std::string> read()
     {
         Json json;
         if (text_.size() > limits_.max_size) {
@@ -83,7 +83,7 @@ public:
             }
         }
         if (!error_.empty()) {
-            return tl::unexpected{std::move(error_)};
+            return Unexpected{std::move(error_)};
         }
         return json;
     }
@@ -298,7 +298,7 @@ std::string Json::describe() const
     return {};
 }
 
-tl::expected<Json, std::string> parse_json(std::string_view text, const JsonLimits& limits)
+Expected<Json, std::string> parse_json(std::string_view text, const JsonLimits& limits)
 {
     return JsonReader{text, limits}.read();
 }

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/api.hpp>
 
@@ -47,7 +47,7 @@ struct JsonLimits {
 /// Refused besides what is not JSON: a member that is there twice (RFC 8259, 4 leaves open what it
 /// means) and a half of a surrogate pair. A Number may be any that JSON can write: its range is for
 /// the type to say.
-[[nodiscard]] BUSBAR_API tl::expected<Json, std::string> parse_json(std::string_view text,
-                                                                    const JsonLimits& limits = {});
+[[nodiscard]] BUSBAR_API Expected<Json, std::string> parse_json(std::string_view text,
+                                                                const JsonLimits& limits = {});
 
 } // namespace busbar::detail

@@ -1,4 +1,4 @@
-#include <busbar/core/status_code.hpp>
+#include <busbar/core/text.hpp>
 
 #include <charconv>
 

@@ -70,22 +70,22 @@ std::span<const std::byte> der_of(const FolderFile& file)
                                          : file.revocation_list()->der();
 }
 
-tl::unexpected<Refusal> refuse_own(std::string_view check)
+Unexpected<Refusal> refuse_own(std::string_view check)
 {
     return refuse({status::Bad_NotSupported, check,
                    "a certificate of the own list comes with its private key, not alone", "",
                    "Install both together"});
 }
 
-tl::unexpected<Refusal> refuse_missing(std::string_view check, StoreList list,
-                                       std::string_view thumbprint)
+Unexpected<Refusal> refuse_missing(std::string_view check, StoreList list,
+                                   std::string_view thumbprint)
 {
     return refuse({status::Bad_NotFound, check,
                    name_of(list) + " holds nothing with the thumbprint " + printable(thumbprint),
                    "", ""});
 }
 
-tl::unexpected<Refusal> refuse_disk(StorageError error, std::string_view check, StoreList list)
+Unexpected<Refusal> refuse_disk(StorageError error, std::string_view check, StoreList list)
 {
     return refuse(
         {status_of(error), check,

@@ -116,7 +116,7 @@ private:
                    is_wanted(other, wanted);
         });
     }
-    [[nodiscard]] tl::unexpected<Refusal> refuse_storage(StorageError error) const
+    [[nodiscard]] Unexpected<Refusal> refuse_storage(StorageError error) const
     {
         return refuse({status_of(error), check,
                        "the storage did not take the change of " + std::string{name(list_)} + ": " +

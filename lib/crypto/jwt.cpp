@@ -23,20 +23,20 @@ constexpr std::string_view rule_of_form = "RFC 7515, 5.2; Part 6, 6.5.2";
 constexpr std::string_view rule_of_key = "RFC 8725, 3.1; Part 6, 6.5.2.3";
 constexpr std::string_view rule_of_claims = "RFC 7519, 4.1; Part 6, 6.5.2.3";
 
-tl::unexpected<Refusal> malformed(std::string found)
+Unexpected<Refusal> malformed(std::string found)
 {
     return refuse({status::Bad_IdentityTokenInvalid, "JWT structure", std::move(found),
                    rule_of_form,
                    "The client sent something else than its authorization service issues"});
 }
 
-tl::unexpected<Refusal> unsigned_token(std::string found)
+Unexpected<Refusal> unsigned_token(std::string found)
 {
     return refuse({status::Bad_IdentityTokenRejected, "JWT signature", std::move(found),
                    rule_of_key, "If the authorization service has a new key, configure it"});
 }
 
-tl::unexpected<Refusal> rejected(std::string found, std::string remedy = {})
+Unexpected<Refusal> rejected(std::string found, std::string remedy = {})
 {
     return refuse({status::Bad_IdentityTokenRejected, "JWT claims", std::move(found),
                    rule_of_claims, std::move(remedy)});

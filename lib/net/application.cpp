@@ -64,7 +64,7 @@ Configured<std::unique_ptr<Application>> Application::open(ApplicationSettings s
     const crypto::OwnCertificateStore own{impl->storage};
     auto certificate = own.load_or_create(certificate_of(wanted), impl->wall_clock.now());
     if (!certificate) {
-        return tl::unexpected{problem_of(certificate.error())};
+        return Unexpected{problem_of(certificate.error())};
     }
     impl->identity = channel::ApplicationIdentity{std::move(certificate->certificates),
                                                   std::move(certificate->key)};

@@ -18,7 +18,7 @@ struct ServerApp::Impl {
     void fail_with(Problem problem)
     {
         if (is_good()) {
-            status = tl::unexpected{std::move(problem)};
+            status = Unexpected{std::move(problem)};
         }
     }
     void open(ApplicationSettings settings);

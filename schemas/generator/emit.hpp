@@ -21,7 +21,7 @@ namespace busbar::generator {
 [[nodiscard]] std::string emit_registry_header(const Schema& schema, const Options& options);
 [[nodiscard]] std::string emit_registry_source(const Schema& schema, const Options& options);
 /// ids.hpp: the numeric NodeIds of the namespace as constants.
-[[nodiscard]] tl::expected<std::string, Failure>
+[[nodiscard]] Expected<std::string, Failure>
 emit_ids(const Schema& schema, const nodeset::Document& document, const Options& options);
 
 /// The first lines of every generated file.

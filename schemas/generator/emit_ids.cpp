@@ -66,7 +66,7 @@ private:
 };
 
 /// Rows "Name,identifier,NodeClass".
-tl::expected<Names, Failure> read_ids(const std::string& path)
+Expected<Names, Failure> read_ids(const std::string& path)
 {
     Names names;
     if (path.empty()) {
@@ -74,7 +74,7 @@ tl::expected<Names, Failure> read_ids(const std::string& path)
     }
     std::ifstream file{path};
     if (!file) {
-        return tl::make_unexpected(path + ": cannot be opened");
+        return Unexpected{path + ": cannot be opened"};
     }
     std::string row;
     for (std::size_t line = 1; std::getline(file, row); ++line) {
@@ -83,8 +83,8 @@ tl::expected<Names, Failure> read_ids(const std::string& path)
         const unsigned long id =
             comma == std::string::npos ? 0 : std::strtoul(row.c_str() + comma + 1, &end, 10);
         if (end == nullptr || *end != ',' || id == 0 || id > UINT32_MAX) {
-            return tl::make_unexpected(path + ":" + std::to_string(line) + ": found \"" + row +
-                                       "\", expected Name,identifier,NodeClass");
+            return Unexpected{path + ":" + std::to_string(line) + ": found \"" + row +
+                              "\", expected Name,identifier,NodeClass"};
         }
         names[static_cast<std::uint32_t>(id)] = type_name(row.substr(0, comma));
     }
@@ -120,12 +120,12 @@ std::string constant(const std::string& name, std::uint32_t id)
 
 } // namespace
 
-tl::expected<std::string, Failure> emit_ids(const Schema& schema, const Document& document,
-                                            const Options& options)
+Expected<std::string, Failure> emit_ids(const Schema& schema, const Document& document,
+                                        const Options& options)
 {
     auto names = read_ids(options.ids_file);
     if (!names) {
-        return tl::make_unexpected(names.error());
+        return Unexpected{names.error()};
     }
     add_names(schema, document, *names);
     std::string text = preamble(schema) +

@@ -176,12 +176,12 @@ std::string source(const NodeTables& tables, const Options& options)
 
 } // namespace
 
-tl::expected<void, Failure> emit_nodes(const nodeset::Document& document, const Options& options)
+Expected<void, Failure> emit_nodes(const nodeset::Document& document, const Options& options)
 {
     NodeTableBuilder builder{document, options};
     const auto tables = builder.build();
     if (!tables) {
-        return tl::make_unexpected(tables.error());
+        return Unexpected{tables.error()};
     }
     if (auto written = write_output(options, "nodes.hpp", header(options)); !written) {
         return written;

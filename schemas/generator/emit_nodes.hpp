@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <model/nodeset/document.hpp>
 
@@ -14,7 +14,7 @@ namespace busbar::generator {
 ///
 /// For namespace 0 that is `busbar::model::namespace0_nodes()`, for any other `nodes()` in the C++
 /// namespace of the options.
-[[nodiscard]] tl::expected<void, Failure> emit_nodes(const nodeset::Document& document,
-                                                     const Options& options);
+[[nodiscard]] Expected<void, Failure> emit_nodes(const nodeset::Document& document,
+                                                 const Options& options);
 
 } // namespace busbar::generator

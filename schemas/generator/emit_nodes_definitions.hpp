@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <model/nodeset/document.hpp>
 
@@ -12,7 +12,7 @@ namespace busbar::generator {
 /// the DataType nodes of namespace 0 say, in OPC UA Binary: their number (Int32), then of each its
 /// NodeId, the name of its BrowseName, its supertype, the NodeId of "Default Binary", IsAbstract
 /// and a Variant with the DataTypeDefinition.
-[[nodiscard]] tl::expected<void, Failure> emit_definitions(const nodeset::Document& document,
-                                                           const Options& options);
+[[nodiscard]] Expected<void, Failure> emit_definitions(const nodeset::Document& document,
+                                                       const Options& options);
 
 } // namespace busbar::generator

@@ -66,10 +66,10 @@ NodeTableBuilder::NodeTableBuilder(const nodeset::Document& document, const Opti
 {
 }
 
-tl::expected<NodeTables, Failure> NodeTableBuilder::build()
+Expected<NodeTables, Failure> NodeTableBuilder::build()
 {
     if (auto selected = select(); !selected) {
-        return tl::make_unexpected(selected.error());
+        return Unexpected{selected.error()};
     }
     order();
     collect_links();
@@ -78,7 +78,7 @@ tl::expected<NodeTables, Failure> NodeTableBuilder::build()
     }
     for (const Node* node : ordered_) {
         if (auto added = add_node(*node); !added) {
-            return tl::make_unexpected(added.error());
+            return Unexpected{added.error()};
         }
     }
     fill_slots();
@@ -90,18 +90,18 @@ tl::expected<NodeTables, Failure> NodeTableBuilder::build()
     return std::move(tables_);
 }
 
-tl::expected<void, Failure> NodeTableBuilder::select()
+Expected<void, Failure> NodeTableBuilder::select()
 {
     const auto index = document_.namespace_index(options_.namespace_uri);
     if (!index) {
-        return tl::make_unexpected("no file has the namespace " + options_.namespace_uri);
+        return Unexpected{"no file has the namespace " + options_.namespace_uri};
     }
     namespace_ = *index;
     std::set<NodeId> listed;
     if (!options_.node_list.empty()) {
         std::ifstream file{options_.node_list};
         if (!file) {
-            return tl::make_unexpected(options_.node_list + ": cannot be opened");
+            return Unexpected{options_.node_list + ": cannot be opened"};
         }
         std::string row;
         for (std::size_t line = 1; std::getline(file, row); ++line) {
@@ -112,8 +112,8 @@ tl::expected<void, Failure> NodeTableBuilder::select()
             const bool is_number = row.find_first_not_of("0123456789") == std::string::npos;
             auto id = NodeId::parse(is_number ? "i=" + row : row);
             if (!id) {
-                return tl::make_unexpected(options_.node_list + ":" + std::to_string(line) +
-                                           ": found \"" + row + "\", expected a NodeId");
+                return Unexpected{options_.node_list + ":" + std::to_string(line) + ": found \"" +
+                                  row + "\", expected a NodeId"};
             }
             id->set_namespace_index(namespace_);
             listed.insert(*id);
@@ -121,7 +121,7 @@ tl::expected<void, Failure> NodeTableBuilder::select()
     }
     auto others = nodes_of_other_features(document_, options_);
     if (!others) {
-        return tl::make_unexpected(others.error());
+        return Unexpected{others.error()};
     }
     if (options_.is_addition) {
         return select_addition(*std::move(others));
@@ -136,13 +136,13 @@ tl::expected<void, Failure> NodeTableBuilder::select()
 }
 
 /// What is left out without the features and not with them.
-tl::expected<void, Failure> NodeTableBuilder::select_addition(std::set<NodeId> others)
+Expected<void, Failure> NodeTableBuilder::select_addition(std::set<NodeId> others)
 {
     Options without = options_;
     without.features = options_.given;
     const auto all = nodes_of_other_features(document_, without);
     if (!all) {
-        return tl::make_unexpected(all.error());
+        return Unexpected{all.error()};
     }
     others_ = std::move(others);
     for (const Node& node : document_.nodes()) {
@@ -257,7 +257,7 @@ std::uint32_t NodeTableBuilder::index(const NodeId& id)
     return at->second;
 }
 
-tl::expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
+Expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
 {
     StaticNode entry;
     entry.id = identifier(node.id);
@@ -269,7 +269,7 @@ tl::expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
     entry.first_reference = static_cast<std::uint32_t>(tables_.references.size());
     const auto at = details(node);
     if (!at) {
-        return tl::make_unexpected(at.error());
+        return Unexpected{at.error()};
     }
     entry.details = *at;
     if (is_type(node)) {
@@ -281,7 +281,7 @@ tl::expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
     return add_references(node);
 }
 
-tl::expected<std::uint32_t, Failure> NodeTableBuilder::details(const Node& node)
+Expected<std::uint32_t, Failure> NodeTableBuilder::details(const Node& node)
 {
     if (node.node_class == NodeClass::Variable || node.node_class == NodeClass::VariableType) {
         return variable(node);
@@ -292,7 +292,7 @@ tl::expected<std::uint32_t, Failure> NodeTableBuilder::details(const Node& node)
     } else if (node.node_class == NodeClass::DataType) {
         const auto definition = values_.definition(node);
         if (!definition) {
-            return tl::make_unexpected(definition.error());
+            return Unexpected{definition.error()};
         }
         piece = tables_.values.add(*definition);
     }
@@ -303,11 +303,11 @@ tl::expected<std::uint32_t, Failure> NodeTableBuilder::details(const Node& node)
     return static_cast<std::uint32_t>(tables_.texts.size() - 1);
 }
 
-tl::expected<std::uint32_t, Failure> NodeTableBuilder::variable(const Node& node)
+Expected<std::uint32_t, Failure> NodeTableBuilder::variable(const Node& node)
 {
     const auto value = values_.value(node);
     if (!value) {
-        return tl::make_unexpected(value.error());
+        return Unexpected{value.error()};
     }
     model::StaticVariable entry;
     entry.data_type = index(node.data_type);
@@ -325,7 +325,7 @@ tl::expected<std::uint32_t, Failure> NodeTableBuilder::variable(const Node& node
     return static_cast<std::uint32_t>(tables_.variables.size() - 1);
 }
 
-tl::expected<void, Failure> NodeTableBuilder::add_references(const Node& node)
+Expected<void, Failure> NodeTableBuilder::add_references(const Node& node)
 {
     for (const Link& link : links_[node.id]) {
         const auto [type, is_new] = reference_types_.try_emplace(
@@ -335,7 +335,7 @@ tl::expected<void, Failure> NodeTableBuilder::add_references(const Node& node)
         }
         const std::uint32_t target = index(link.target);
         if (type->second > StaticReference::max_type || target > StaticReference::max_target) {
-            return tl::make_unexpected("more than 256 ReferenceTypes or 8 million nodes");
+            return Unexpected{"more than 256 ReferenceTypes or 8 million nodes"};
         }
         tables_.references.emplace_back(type->second, target, link.is_forward);
     }

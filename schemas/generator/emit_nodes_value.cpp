@@ -8,19 +8,19 @@ namespace busbar::generator {
 
 namespace {
 
-tl::expected<std::string, Failure> encoded(const nodeset::Document& document,
-                                           const nodeset::Node& node, const Variant& value)
+Expected<std::string, Failure> encoded(const nodeset::Document& document, const nodeset::Node& node,
+                                       const Variant& value)
 {
     const auto bytes = binary::to_bytes(value);
     if (!bytes) {
-        return tl::make_unexpected(text(document.problem(node, "a value cannot be encoded")));
+        return Unexpected{text(document.problem(node, "a value cannot be encoded"))};
     }
     return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
 
 } // namespace
 
-tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) const
+Expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) const
 {
     if (!node.value) {
         return std::string{};
@@ -29,8 +29,7 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
     nodeset::XmlValueReader reader{types_, document_.files()[node.file].namespaces, fields_left};
     const Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
-        return tl::make_unexpected(
-            text(document_.problem(node, reader.error(), reader.error_line())));
+        return Unexpected{text(document_.problem(node, reader.error(), reader.error_line()))};
     }
     return encoded(document_, node, value);
 }
@@ -58,7 +57,7 @@ std::string NodeValues::permissions(const nodeset::Node& node)
                  : std::string{};
 }
 
-tl::expected<std::string, Failure> NodeValues::definition(const nodeset::Node& node) const
+Expected<std::string, Failure> NodeValues::definition(const nodeset::Node& node) const
 {
     const nodeset::DataType* const type = types_.find(node.id);
     ExtensionObject definition =

@@ -44,14 +44,14 @@ Children children_of_instances(const nodeset::Document& document)
 }
 
 /// One row's NodeId: a numeric one of namespace 0.
-tl::expected<NodeId, Failure> parse_row(const std::string& place, const std::string& row)
+Expected<NodeId, Failure> parse_row(const std::string& place, const std::string& row)
 {
     const std::size_t comma = row.find(',');
     auto id = comma == std::string::npos ? Result<NodeId>{fail(status::Bad_NodeIdInvalid)}
                                          : NodeId::parse("i=" + row.substr(comma + 1));
     if (!id) {
-        return tl::make_unexpected(place + ": found \"" + row +
-                                   "\", expected a feature, a comma and the number of a NodeId");
+        return Unexpected{place + ": found \"" + row +
+                          "\", expected a feature, a comma and the number of a NodeId"};
     }
     return *std::move(id);
 }
@@ -63,8 +63,8 @@ bool has(const std::vector<std::string>& names, const std::string& name)
 
 } // namespace
 
-tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::Document& document,
-                                                                const Options& options)
+Expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::Document& document,
+                                                            const Options& options)
 {
     std::set<NodeId> left_out;
     if (options.features_file.empty()) {
@@ -72,7 +72,7 @@ tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::D
     }
     std::ifstream file{options.features_file};
     if (!file) {
-        return tl::make_unexpected(options.features_file + ": cannot be opened");
+        return Unexpected{options.features_file + ": cannot be opened"};
     }
     std::vector<NodeId> open;
     std::set<std::string> known;
@@ -81,7 +81,7 @@ tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::D
     for (std::size_t line = 2; std::getline(file, row); ++line) {
         auto id = parse_row(options.features_file + ":" + std::to_string(line), row);
         if (!id) {
-            return tl::make_unexpected(id.error());
+            return Unexpected{id.error()};
         }
         const std::string& feature = *known.insert(row.substr(0, row.find(','))).first;
         if (!has(options.features, feature) && !has(options.given, feature)) {
@@ -91,7 +91,7 @@ tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::D
     for (const auto* names : {&options.features, &options.given}) {
         for (const std::string& feature : *names) {
             if (known.count(feature) == 0) {
-                return tl::make_unexpected(options.features_file + ": found no feature " + feature);
+                return Unexpected{options.features_file + ": found no feature " + feature};
             }
         }
     }

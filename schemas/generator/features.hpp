@@ -2,8 +2,8 @@
 
 #include <set>
 
+#include <busbar/core/expected.hpp>
 #include <model/nodeset/document.hpp>
-#include <tl/expected.hpp>
 
 #include "options.hpp"
 
@@ -11,7 +11,7 @@ namespace busbar::generator {
 
 /// The instances that belong to features which the options do not name: those in the file of
 /// features and what they consist of or organize. Types stay.
-[[nodiscard]] tl::expected<std::set<NodeId>, Failure>
+[[nodiscard]] Expected<std::set<NodeId>, Failure>
 nodes_of_other_features(const nodeset::Document& document, const Options& options);
 
 } // namespace busbar::generator

@@ -90,19 +90,19 @@ struct GroupRow {
     std::size_t line;
 };
 
-tl::expected<std::vector<GroupRow>, Failure> read_groups(const std::string& path)
+Expected<std::vector<GroupRow>, Failure> read_groups(const std::string& path)
 {
     std::ifstream file{path};
     if (!file) {
-        return tl::make_unexpected(path + ": cannot be opened");
+        return Unexpected{path + ": cannot be opened"};
     }
     std::vector<GroupRow> rows;
     std::string text;
     for (std::size_t line = 1; std::getline(file, text); ++line) {
         const std::size_t comma = text.find(',');
         if (comma == std::string::npos) {
-            return tl::make_unexpected(path + ":" + std::to_string(line) + ": found \"" + text +
-                                       "\", expected TypeName,file");
+            return Unexpected{path + ":" + std::to_string(line) + ": found \"" + text +
+                              "\", expected TypeName,file"};
         }
         rows.push_back({text.substr(0, comma), text.substr(comma + 1), line});
     }
@@ -110,7 +110,7 @@ tl::expected<std::vector<GroupRow>, Failure> read_groups(const std::string& path
 }
 
 /// Gives every structure its group; "*" in the file names that of all others.
-tl::expected<void, Failure> assign_groups(Schema& schema, const std::string& path)
+Expected<void, Failure> assign_groups(Schema& schema, const std::string& path)
 {
     std::string others = only_group;
     std::unordered_map<std::string, Type*> by_name;
@@ -119,16 +119,15 @@ tl::expected<void, Failure> assign_groups(Schema& schema, const std::string& pat
     }
     auto rows = path.empty() ? std::vector<GroupRow>{} : read_groups(path);
     if (!rows) {
-        return tl::make_unexpected(rows.error());
+        return Unexpected{rows.error()};
     }
     for (const GroupRow& row : *rows) {
         const auto found = by_name.find(row.type);
         if (row.type == "*") {
             others = row.file;
         } else if (found == by_name.end()) {
-            return tl::make_unexpected(path + ":" + std::to_string(row.line) + ": found " +
-                                       row.type + ", expected a structure of " +
-                                       schema.namespace_uri);
+            return Unexpected{path + ":" + std::to_string(row.line) + ": found " + row.type +
+                              ", expected a structure of " + schema.namespace_uri};
         } else {
             found->second->group = row.file;
         }
@@ -149,7 +148,7 @@ tl::expected<void, Failure> assign_groups(Schema& schema, const std::string& pat
 }
 
 /// The other groups that a group's structures need, or why they may not need them.
-tl::expected<void, Failure> add_includes(Schema& schema, const nodeset::Document& document)
+Expected<void, Failure> add_includes(Schema& schema, const nodeset::Document& document)
 {
     std::set<std::string> before;
     for (Schema::Group& group : schema.groups) {
@@ -161,10 +160,9 @@ tl::expected<void, Failure> add_includes(Schema& schema, const nodeset::Document
                     continue;
                 }
                 if (before.count(part->group) == 0) {
-                    return tl::make_unexpected(place(document, *type->node, type->node->line) +
-                                               type->name + " of group " + group.name + " needs " +
-                                               part->name + " of " + part->group +
-                                               ", which comes later in the list of groups");
+                    return Unexpected{place(document, *type->node, type->node->line) + type->name +
+                                      " of group " + group.name + " needs " + part->name + " of " +
+                                      part->group + ", which comes later in the list of groups"};
                 }
                 needed.insert(part->group);
             }
@@ -177,8 +175,8 @@ tl::expected<void, Failure> add_includes(Schema& schema, const nodeset::Document
 
 } // namespace
 
-tl::expected<void, Failure> lay_out(Schema& schema, const nodeset::Document& document,
-                                    const Options& options)
+Expected<void, Failure> lay_out(Schema& schema, const nodeset::Document& document,
+                                const Options& options)
 {
     if (auto assigned = assign_groups(schema, options.groups_file); !assigned) {
         return assigned;

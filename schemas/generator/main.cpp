@@ -10,7 +10,7 @@ namespace busbar::generator {
 
 namespace {
 
-tl::expected<nodeset::Document, Failure> load(const Options& options)
+Expected<nodeset::Document, Failure> load(const Options& options)
 {
     nodeset::Document document;
     std::vector<std::string> paths;
@@ -25,7 +25,7 @@ tl::expected<nodeset::Document, Failure> load(const Options& options)
         }
     }
     if (!failure.empty()) {
-        return tl::make_unexpected(failure);
+        return Unexpected{failure};
     }
     return document;
 }
@@ -38,15 +38,15 @@ std::string default_namespace(const nodeset::Document& document, const Options& 
     return alone.models().empty() ? document.namespaces().back() : alone.models().front().uri;
 }
 
-tl::expected<void, Failure> emit_types(const nodeset::Document& document, const Options& options)
+Expected<void, Failure> emit_types(const nodeset::Document& document, const Options& options)
 {
     const auto schema = make_schema(document, options);
     if (!schema) {
-        return tl::make_unexpected(schema.error());
+        return Unexpected{schema.error()};
     }
     const auto ids = emit_ids(*schema, document, options);
     if (!ids) {
-        return tl::make_unexpected(ids.error());
+        return Unexpected{ids.error()};
     }
     std::vector<std::pair<std::string, std::string>> files = {
         {"enumerations.hpp", emit_enumerations(*schema, options)},
@@ -67,11 +67,11 @@ tl::expected<void, Failure> emit_types(const nodeset::Document& document, const 
     return {};
 }
 
-tl::expected<void, Failure> run(Options options)
+Expected<void, Failure> run(Options options)
 {
     const auto document = load(options);
     if (!document) {
-        return tl::make_unexpected(document.error());
+        return Unexpected{document.error()};
     }
     if (options.namespace_uri.empty()) {
         options.namespace_uri = default_namespace(*document, options);
@@ -95,7 +95,7 @@ int main(int argc, char** argv)
 {
     using namespace busbar::generator;
     const auto options = parse_options(argc, argv);
-    const auto done = options ? run(*options) : tl::make_unexpected(options.error());
+    const auto done = options ? run(*options) : busbar::Unexpected{options.error()};
     if (!done) {
         std::fprintf(stderr, "busbar-generate: %s\n", done.error().c_str());
         return 1;

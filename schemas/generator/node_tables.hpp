@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include <busbar/core/expected.hpp>
 #include <busbar/model/static_nodes.hpp>
-#include <tl/expected.hpp>
 
 #include "hierarchy.hpp"
 #include "node_values.hpp"
@@ -51,7 +51,7 @@ class NodeTableBuilder {
 public:
     NodeTableBuilder(const nodeset::Document& document, const Options& options);
 
-    [[nodiscard]] tl::expected<NodeTables, Failure> build();
+    [[nodiscard]] Expected<NodeTables, Failure> build();
 
 private:
     struct Link {
@@ -60,16 +60,16 @@ private:
         bool is_forward;
     };
 
-    [[nodiscard]] tl::expected<void, Failure> select();
-    [[nodiscard]] tl::expected<void, Failure> select_addition(std::set<NodeId> others);
+    [[nodiscard]] Expected<void, Failure> select();
+    [[nodiscard]] Expected<void, Failure> select_addition(std::set<NodeId> others);
     void order();
     void order_below(const nodeset::Node& type);
     void collect_links();
     void add_link(const NodeId& source, const NodeId& type, const NodeId& target);
-    [[nodiscard]] tl::expected<void, Failure> add_node(const nodeset::Node& node);
-    [[nodiscard]] tl::expected<std::uint32_t, Failure> details(const nodeset::Node& node);
-    [[nodiscard]] tl::expected<std::uint32_t, Failure> variable(const nodeset::Node& node);
-    [[nodiscard]] tl::expected<void, Failure> add_references(const nodeset::Node& node);
+    [[nodiscard]] Expected<void, Failure> add_node(const nodeset::Node& node);
+    [[nodiscard]] Expected<std::uint32_t, Failure> details(const nodeset::Node& node);
+    [[nodiscard]] Expected<std::uint32_t, Failure> variable(const nodeset::Node& node);
+    [[nodiscard]] Expected<void, Failure> add_references(const nodeset::Node& node);
     void add_extras(const nodeset::Node& node);
     void add_access(const nodeset::Node& node);
     [[nodiscard]] model::StaticIdentifier identifier(const NodeId& id);

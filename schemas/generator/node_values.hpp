@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include <busbar/core/expected.hpp>
 #include <model/nodeset/data_types.hpp>
-#include <tl/expected.hpp>
 
 #include "options.hpp"
 
@@ -18,9 +18,9 @@ public:
     }
 
     /// The Variant that the <Value> of `node` stands for, encoded.
-    [[nodiscard]] tl::expected<std::string, Failure> value(const nodeset::Node& node) const;
+    [[nodiscard]] Expected<std::string, Failure> value(const nodeset::Node& node) const;
     /// The DataTypeDefinition of a DataType, encoded as a Variant; empty if it has none.
-    [[nodiscard]] tl::expected<std::string, Failure> definition(const nodeset::Node& node) const;
+    [[nodiscard]] Expected<std::string, Failure> definition(const nodeset::Node& node) const;
     /// The RolePermissions, encoded as a Variant; empty if the node has none of its own.
     [[nodiscard]] static std::string permissions(const nodeset::Node& node);
 

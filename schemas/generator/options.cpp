@@ -34,9 +34,9 @@ constexpr const char* usage =
     "  --given NAME             with --addition: a feature that is among the others; may be "
     "repeated\n";
 
-tl::unexpected<Failure> wrong(const std::string& what)
+Unexpected<Failure> wrong(const std::string& what)
 {
-    return tl::make_unexpected(what + "\n" + usage);
+    return Unexpected{what + "\n" + usage};
 }
 
 /// "file,namespace,path" or "file".
@@ -94,7 +94,7 @@ std::string* text_option(Options& options, std::string_view name)
 
 } // namespace
 
-tl::expected<Options, Failure> parse_options(int argc, char** argv)
+Expected<Options, Failure> parse_options(int argc, char** argv)
 {
     Options options;
     for (int i = 1; i < argc; ++i) {
@@ -130,8 +130,8 @@ tl::expected<Options, Failure> parse_options(int argc, char** argv)
     return options;
 }
 
-tl::expected<void, Failure> write_output(const Options& options, const std::string& name,
-                                         const std::string& text)
+Expected<void, Failure> write_output(const Options& options, const std::string& name,
+                                     const std::string& text)
 {
     const std::filesystem::path folder{options.output_folder};
     std::error_code error;
@@ -142,12 +142,12 @@ tl::expected<void, Failure> write_output(const Options& options, const std::stri
     }
     std::FILE* const file = error ? nullptr : std::fopen(path.c_str(), "wb");
     if (file == nullptr) {
-        return tl::make_unexpected(
-            path + ": cannot be written: " + (error ? error.message() : std::strerror(errno)));
+        return Unexpected{
+            path + ": cannot be written: " + (error ? error.message() : std::strerror(errno))};
     }
     const bool is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
     if (std::fclose(file) != 0 || !is_written) {
-        return tl::make_unexpected(path + ": cannot be written: " + std::strerror(errno));
+        return Unexpected{path + ": cannot be written: " + std::strerror(errno)};
     }
     return {};
 }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 namespace busbar::generator {
 
@@ -50,10 +50,10 @@ struct Options {
 using Failure = std::string;
 
 /// Writes `text` to the file `name` in the output folder, which it creates.
-[[nodiscard]] tl::expected<void, Failure>
-write_output(const Options& options, const std::string& name, const std::string& text);
+[[nodiscard]] Expected<void, Failure> write_output(const Options& options, const std::string& name,
+                                                   const std::string& text);
 
 /// The options of a command line, or the usage text with what is wrong.
-[[nodiscard]] tl::expected<Options, Failure> parse_options(int argc, char** argv);
+[[nodiscard]] Expected<Options, Failure> parse_options(int argc, char** argv);
 
 } // namespace busbar::generator

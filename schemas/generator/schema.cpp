@@ -40,7 +40,7 @@ public:
     {
     }
 
-    tl::expected<void, Failure> make();
+    Expected<void, Failure> make();
 
 private:
     void make_types();
@@ -83,7 +83,7 @@ std::string SchemaMaker::global_text(NodeId id) const
     return to_string(ExpandedNodeId{std::move(id), uri});
 }
 
-tl::expected<void, Failure> SchemaMaker::make()
+Expected<void, Failure> SchemaMaker::make()
 {
     make_types();
     for (Type& type : schema_.types) {
@@ -97,7 +97,7 @@ tl::expected<void, Failure> SchemaMaker::make()
         }
     }
     if (!failure_.empty()) {
-        return tl::make_unexpected(failure_);
+        return Unexpected{failure_};
     }
     return {};
 }
@@ -328,14 +328,13 @@ std::string place(const Document& document, const Node& node, std::uint32_t line
     return document.files()[node.file].name + ":" + std::to_string(line) + ": ";
 }
 
-tl::expected<Schema, Failure> make_schema(const Document& document, const Options& options)
+Expected<Schema, Failure> make_schema(const Document& document, const Options& options)
 {
     Schema schema;
     schema.namespace_uri = options.namespace_uri;
     const auto index = document.namespace_index(schema.namespace_uri);
     if (!index) {
-        return tl::make_unexpected("found no namespace " + schema.namespace_uri +
-                                   " in the NodeSet2 files");
+        return Unexpected{"found no namespace " + schema.namespace_uri + " in the NodeSet2 files"};
     }
     schema.namespace_index = *index;
     const bool is_inside =
@@ -350,10 +349,10 @@ tl::expected<Schema, Failure> make_schema(const Document& document, const Option
     }
     SchemaMaker maker{document, options, schema};
     if (auto made = maker.make(); !made) {
-        return tl::make_unexpected(made.error());
+        return Unexpected{made.error()};
     }
     if (auto laid_out = lay_out(schema, document, options); !laid_out) {
-        return tl::make_unexpected(laid_out.error());
+        return Unexpected{laid_out.error()};
     }
     return schema;
 }

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <model/nodeset/document.hpp>
 
@@ -91,12 +91,12 @@ struct Schema {
     std::vector<std::string> foreign_includes;
 };
 
-[[nodiscard]] tl::expected<Schema, Failure> make_schema(const nodeset::Document& document,
-                                                        const Options& options);
+[[nodiscard]] Expected<Schema, Failure> make_schema(const nodeset::Document& document,
+                                                    const Options& options);
 
 /// Sorts the structures into files and each file's structures into an order of declaration.
-[[nodiscard]] tl::expected<void, Failure> lay_out(Schema& schema, const nodeset::Document& document,
-                                                  const Options& options);
+[[nodiscard]] Expected<void, Failure> lay_out(Schema& schema, const nodeset::Document& document,
+                                              const Options& options);
 
 /// "file.xml:17: "
 [[nodiscard]] std::string place(const nodeset::Document& document, const nodeset::Node& node,

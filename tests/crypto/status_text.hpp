@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include <busbar/core/status_code.hpp>
+#include <busbar/core/text.hpp>
 
 template <>
 struct Catch::StringMaker<busbar::StatusCode> {

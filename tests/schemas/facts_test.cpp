@@ -18,7 +18,7 @@ struct Input {
     Options options;
 };
 
-tl::expected<Schema, Failure> load(Input& input)
+Expected<Schema, Failure> load(Input& input)
 {
     for (const char* part : {"Types", "Services", "Objects", "Variables1", "Variables2"}) {
         input.options.inputs.push_back(BUSBAR_SOURCE_DIR "/schemas/Opc.Ua." + std::string{part} +

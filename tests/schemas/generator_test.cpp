@@ -33,7 +33,7 @@ std::string field(const std::string& attributes)
     return "<Field Name=\"F\" " + attributes + "/>";
 }
 
-tl::expected<Options, Failure> parse(std::vector<std::string> arguments)
+Expected<Options, Failure> parse(std::vector<std::string> arguments)
 {
     std::vector<char*> pointers;
     for (std::string& argument : arguments) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/channel/client_channel.hpp>
+#include <busbar/crypto/jwt.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/session.hpp>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/type_cache.hpp>
@@ -24,7 +24,7 @@ struct AccessError {
 };
 
 template <typename T>
-using Accessed = tl::expected<T, AccessError>;
+using Accessed = Expected<T, AccessError>;
 
 /// How to read the text of a value with that DataType and ValueRank. Bad_DataTypeIdUnknown if the
 /// DataType is neither built in nor among the types.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/api.hpp>
@@ -54,7 +54,7 @@ struct ValueError {
 /// lists; texts within are in quotes. Objects stand for a LocalizedText, {"Locale": "en", "Text":
 /// "x"}, and for structures by their fields' names. What to_json writes with types can be read as a
 /// Variant.
-[[nodiscard]] BUSBAR_API tl::expected<Variant, ValueError> parse_value(std::string_view text,
-                                                                       const ValueType& type);
+[[nodiscard]] BUSBAR_API Expected<Variant, ValueError> parse_value(std::string_view text,
+                                                                   const ValueType& type);
 
 } // namespace busbar::client

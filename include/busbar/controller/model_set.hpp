@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/model_limits.hpp>
@@ -89,16 +89,15 @@ public:
     ///
     /// Takes time in proportion to the file if its namespace is a new one, else to all of them.
     /// The error has at least one report of ReportResult::Error.
-    [[nodiscard]] tl::expected<ImportResult, ModelReports>
-    import(const model::NodeSetSource& source);
+    [[nodiscard]] Expected<ImportResult, ModelReports> import(const model::NodeSetSource& source);
 
     /// Takes away the last namespace of the list and its mapping (seed 001, 9.6). NotUndermost for
     /// another one, StandardNamespace for namespace 0, NamespaceUnknown.
-    [[nodiscard]] tl::expected<void, ModelReport> remove(std::string_view uri);
+    [[nodiscard]] Expected<void, ModelReport> remove(std::string_view uri);
 
     /// The nodes of one namespace with their mapping as a file, which import() reads as the same.
     /// NamespaceUnknown, also for namespace 0 and that of the application.
-    [[nodiscard]] tl::expected<std::string, ModelReport> export_text(std::string_view uri) const;
+    [[nodiscard]] Expected<std::string, ModelReport> export_text(std::string_view uri) const;
 
     /// The same of all files(), in their order; mapped parts and nodes are gone through once.
     [[nodiscard]] std::vector<std::string> export_texts() const;
@@ -119,7 +118,7 @@ public:
 
     /// Adds the nodes to the AddressSpace of a server. Returns the mapping by the NodeIds that they
     /// have there; `space` is as before if there is a problem.
-    [[nodiscard]] tl::expected<Mapping, ModelReports> load_into(model::AddressSpace& space) const;
+    [[nodiscard]] Expected<Mapping, ModelReports> load_into(model::AddressSpace& space) const;
 
 private:
     struct State;

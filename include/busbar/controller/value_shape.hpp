@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/binary/dynamic_types.hpp>
 #include <busbar/controller/label_conversion.hpp>
@@ -115,7 +115,7 @@ struct ShapeNode;
 /// DynamicTypes that it was made of. Movable; any thread may read it.
 class BUSBAR_API ValueShape {
 public:
-    [[nodiscard]] static tl::expected<ValueShape, ShapeRefusal>
+    [[nodiscard]] static Expected<ValueShape, ShapeRefusal>
     of(const model::SpaceReader& space, const binary::DynamicTypes& types,
        const ValueDeclaration& declaration, std::span<const MappingArray> arrays = {},
        const ShapeLimits& limits = {});

@@ -7,7 +7,6 @@
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <busbar/core/detail/large_memory.hpp>
 
@@ -30,7 +29,6 @@ public:
     explicit Array(std::size_t size) : Array() { resize(size); }
     Array(std::initializer_list<T> values) : Array() { assign(values.begin(), values.end()); }
     explicit Array(std::span<const T> values) : Array() { assign(values.begin(), values.end()); }
-    explicit Array(const std::vector<T>& values) : Array() { assign(values.begin(), values.end()); }
     Array(const Array& other) : Array()
     {
         if (!other.is_null()) {

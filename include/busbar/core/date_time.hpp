@@ -2,7 +2,7 @@
 
 #include <compare>
 #include <cstdint>
-#include <string>
+#include <iosfwd>
 
 #include <busbar/core/api.hpp>
 

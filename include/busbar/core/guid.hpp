@@ -4,7 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <iosfwd>
 #include <string_view>
 
 #include <busbar/core/api.hpp>

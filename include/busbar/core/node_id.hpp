@@ -3,8 +3,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <string>
+#include <iosfwd>
 #include <string_view>
 #include <utility>
 
@@ -71,9 +70,9 @@ private:
     void destroy()
     {
         if (type_ == IdType::String) {
-            std::destroy_at(&string_);
+            string_.~String();
         } else if (type_ == IdType::Opaque) {
-            std::destroy_at(&opaque_);
+            opaque_.~ByteString();
         }
     }
     void copy(const NodeId& other);

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/status_code.hpp>
@@ -28,13 +28,13 @@ struct Problem {
 
 /// What is made of a configuration: a value, or the problem that there is with it.
 template <typename T>
-using Configured = tl::expected<T, Problem>;
+using Configured = Expected<T, Problem>;
 
 /// `return misconfigured("endpoint_url", "is empty");` in a function that returns a Configured.
-[[nodiscard]] inline tl::unexpected<Problem>
+[[nodiscard]] inline Unexpected<Problem>
 misconfigured(std::string where, std::string text, StatusCode code = status::Bad_ConfigurationError)
 {
-    return tl::unexpected<Problem>{Problem{code, std::move(where), std::move(text)}};
+    return Unexpected<Problem>{Problem{code, std::move(where), std::move(text)}};
 }
 
 /// The problem as one line: "endpoint_url: is empty", and behind it the status in parentheses if

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
@@ -32,11 +32,11 @@ struct Refusal {
 
 /// The result of a check that can refuse: a value, or the refusal.
 template <typename T>
-using Checked = tl::expected<T, Refusal>;
+using Checked = Expected<T, Refusal>;
 
-[[nodiscard]] inline tl::unexpected<Refusal> refuse(Refusal refusal)
+[[nodiscard]] inline Unexpected<Refusal> refuse(Refusal refusal)
 {
-    return tl::unexpected<Refusal>{std::move(refusal)};
+    return Unexpected<Refusal>{std::move(refusal)};
 }
 
 /// The refusal as one line:

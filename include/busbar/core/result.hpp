@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/status_code.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -9,12 +9,12 @@ namespace busbar {
 
 /// A value or the StatusCode that says why there is none. The status is never Good.
 template <typename T>
-using Result = tl::expected<T, StatusCode>;
+using Result = Expected<T, StatusCode>;
 
 /// `return fail(status::Bad_DecodingError);` in a function that returns a Result.
-[[nodiscard]] constexpr tl::unexpected<StatusCode> fail(StatusCode code)
+[[nodiscard]] constexpr Unexpected<StatusCode> fail(StatusCode code)
 {
-    return tl::unexpected<StatusCode>{code};
+    return Unexpected<StatusCode>{code};
 }
 
 } // namespace busbar

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
-
-#include <busbar/core/api.hpp>
 
 namespace busbar {
 
@@ -27,9 +24,5 @@ public:
 private:
     std::uint32_t value_{0};
 };
-
-/// The specification's symbolic name ("Bad_Timeout") of `code.code()`; empty if it has none.
-/// The view is of constant data.
-[[nodiscard]] BUSBAR_API std::string_view name(StatusCode code);
 
 } // namespace busbar

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
@@ -29,11 +29,11 @@ enum class StorageError : std::uint8_t {
 };
 
 template <typename T>
-using Stored = tl::expected<T, StorageError>;
+using Stored = Expected<T, StorageError>;
 
-[[nodiscard]] inline tl::unexpected<StorageError> not_stored(StorageError error)
+[[nodiscard]] inline Unexpected<StorageError> not_stored(StorageError error)
 {
-    return tl::unexpected<StorageError>{error};
+    return Unexpected<StorageError>{error};
 }
 
 /// For people: "there is no space left".

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <compare>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iosfwd>
 #include <span>
-#include <string>
 #include <string_view>
+#include <utility>
 
 namespace busbar {
 
@@ -115,7 +117,10 @@ public:
     {
         assign(text.data() == nullptr ? "" : text.data(), text.size());
     }
-    String(const std::string& text) : String{std::string_view{text}} {}
+    template <std::convertible_to<std::string_view> Text> // such as std::string
+    String(const Text& text) : String{std::string_view{text}}
+    {
+    }
     String(const char* text) : String{std::string_view{text}} {}
 
     /// A String that points at `text` and is valid as long as `text` is.
@@ -131,7 +136,11 @@ public:
     {
         return empty() ? std::string_view{} : std::string_view{chars(), size()};
     }
-    [[nodiscard]] std::string str() const { return std::string{view()}; }
+    template <typename Text = std::string>
+    [[nodiscard]] Text str() const
+    {
+        return Text{view()};
+    }
 
     friend bool operator==(const String& a, const String& b)
     {

@@ -3,11 +3,12 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <iosfwd>
 #include <string_view>
 #include <utility>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/status_code.hpp>
 #include <busbar/core/string.hpp>
 
 namespace busbar {
@@ -47,5 +48,9 @@ struct LocalizedText {
 /// `text` with control characters, and bytes that are not UTF-8, written as \xHH; at most
 /// `max_bytes` long. For logs and terminals.
 [[nodiscard]] BUSBAR_API std::string printable(std::string_view text, std::size_t max_bytes = 256);
+
+/// The specification's symbolic name ("Bad_Timeout") of `code.code()`; empty if it has none.
+/// The view is of constant data.
+[[nodiscard]] BUSBAR_API std::string_view name(StatusCode code);
 
 } // namespace busbar

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
@@ -51,7 +51,7 @@ struct NodeSetSummary {
 /// With problems, of which there is at least one then, `space` is as it was before. `where` of each
 /// has the file, the line and the node as the file writes it, as far as they are known:
 /// "tags.xml:17: ns=1;i=5".
-[[nodiscard]] BUSBAR_API tl::expected<NodeSetSummary, std::vector<Problem>>
+[[nodiscard]] BUSBAR_API Expected<NodeSetSummary, std::vector<Problem>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits = {});
 

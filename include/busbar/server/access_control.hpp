@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,11 +11,16 @@
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
-#include <busbar/crypto/jwt.hpp>
-#include <busbar/server/worker.hpp>
 #include <busbar/types/enumerations.hpp>
 
+namespace busbar::crypto {
+struct JwtClaims;
+struct JwtRules;
+} // namespace busbar::crypto
+
 namespace busbar::server {
+
+class Worker;
 
 /// Who a session belongs to.
 struct UserIdentity {
@@ -52,10 +56,7 @@ struct UserIdentity {
 
 /// True if the store or the issuer gave the user the well-known role ConfigureAdmin (Part
 /// 3, 4.9.2).
-[[nodiscard]] inline bool is_configure_admin(const UserIdentity& user)
-{
-    return std::find(user.roles.begin(), user.roles.end(), "ConfigureAdmin") != user.roles.end();
-}
+[[nodiscard]] BUSBAR_API bool is_configure_admin(const UserIdentity& user);
 
 /// The anonymous user of a server without a store: CurrentRead and HistoryRead.
 [[nodiscard]] inline UserIdentity anonymous_reader()

@@ -8,7 +8,6 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/waker.hpp>
-#include <busbar/server/worker.hpp>
 
 namespace busbar::server {
 

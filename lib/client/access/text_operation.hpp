@@ -37,7 +37,7 @@ protected:
     }
     void fail_with(StatusCode status, std::string message)
     {
-        end(tl::unexpected{AccessError{status, std::move(message)}});
+        end(Unexpected{AccessError{status, std::move(message)}});
     }
 
     Requester& requester_;

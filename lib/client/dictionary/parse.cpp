@@ -33,7 +33,7 @@ std::optional<std::uint32_t> number_of(const pugi::xml_attribute& attribute)
                : std::nullopt;
 }
 
-tl::unexpected<Refusal> refused(StatusCode status, std::string found)
+Unexpected<Refusal> refused(StatusCode status, std::string found)
 {
     return refuse({status, "type dictionary", std::move(found), "Part 5, C.2.1",
                    "Values of its types stay encoded; the server has to be corrected"});

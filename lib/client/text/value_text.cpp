@@ -8,9 +8,9 @@ namespace {
 
 using detail::Json;
 
-tl::unexpected<ValueError> refuse(std::string message)
+Unexpected<ValueError> refuse(std::string message)
 {
-    return tl::unexpected{ValueError{std::move(message)}};
+    return Unexpected{ValueError{std::move(message)}};
 }
 
 /// True if the text is JSON and not the value itself.
@@ -69,7 +69,7 @@ std::string to_text(const DataValue& value, const TextOptions& options)
     return notes.empty() ? text : text + " (" + notes + ")";
 }
 
-tl::expected<Variant, ValueError> parse_value(std::string_view text, const ValueType& from)
+Expected<Variant, ValueError> parse_value(std::string_view text, const ValueType& from)
 {
     ValueType type = from;
     if (type.built_in == BuiltInType::Variant) {

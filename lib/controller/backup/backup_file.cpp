@@ -96,7 +96,7 @@ std::string manifest_of(const SavedMemory& memory)
 
 // Reading.
 
-tl::unexpected<Problem> no_backup(std::string text)
+Unexpected<Problem> no_backup(std::string text)
 {
     return misconfigured("backup", std::move(text));
 }
@@ -172,7 +172,7 @@ Configured<SavedMemory> BackupReader::read(const Json& manifest)
     }
     for (const Json& item : items->items) {
         if (auto read = read_item(item, memory); !read) {
-            return tl::unexpected{std::move(read.error())};
+            return Unexpected{std::move(read.error())};
         }
     }
     if (!content_.empty()) {

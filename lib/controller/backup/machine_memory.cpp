@@ -94,7 +94,7 @@ Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& labe
 {
     // What was decided and waits for the medium counts.
     if (auto recovered = recover(); !recovered) {
-        return tl::unexpected{std::move(recovered.error())};
+        return Unexpected{std::move(recovered.error())};
     }
     SavedMemory memory{label, !items_.empty(), {}};
     for (const MemoryItem& item : items_) {
@@ -104,14 +104,14 @@ Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& labe
         }
         auto saved = detail::read_item(*storage_, item, limits_);
         if (!saved) {
-            return tl::unexpected{std::move(saved.error())};
+            return Unexpected{std::move(saved.error())};
         }
         memory.items.push_back(*std::move(saved));
     }
     auto file = detail::write_backup(memory);
     // What is made can be restored.
     if (const auto again = detail::read_backup(file, limits_); !again) {
-        return tl::unexpected{again.error()};
+        return Unexpected{again.error()};
     }
     return file;
 }
@@ -121,16 +121,16 @@ Configured<Restored> MachineMemory::restore(std::span<const std::byte> backup,
 {
     const auto memory = read_for(backup, choice);
     if (!memory) {
-        return tl::unexpected{memory.error()};
+        return Unexpected{memory.error()};
     }
     if (!memory->has_opc_ua) {
-        return clear(true).map([] { return Restored::Nothing; });
+        return clear(true).transform([] { return Restored::Nothing; });
     }
     if (auto recovered = recover(); !recovered) {
-        return tl::unexpected{std::move(recovered.error())};
+        return Unexpected{std::move(recovered.error())};
     }
     if (auto done = put(*memory, choice); !done) {
-        return tl::unexpected{std::move(done.error())};
+        return Unexpected{std::move(done.error())};
     }
     const bool lacks_profile = choice.security_profile && detail::has_profile(items_) &&
                                !detail::has_profile(memory->items);
@@ -146,7 +146,7 @@ Configured<SavedMemory> MachineMemory::read_for(std::span<const std::byte> backu
         return memory;
     }
     const auto is_divided = detail::divide_parts(*memory, items_, choice);
-    return is_divided ? std::move(memory) : tl::unexpected{is_divided.error()};
+    return is_divided ? std::move(memory) : Unexpected{is_divided.error()};
 }
 
 Configured<void> MachineMemory::put(const SavedMemory& memory, const RestoreChoice& choice)
@@ -179,14 +179,14 @@ Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std:
 {
     const auto memory = read_for(backup, choice);
     if (!memory) {
-        return tl::unexpected{memory.error()};
+        return Unexpected{memory.error()};
     }
     if (!memory->has_opc_ua) {
         return misconfigured("backup", "is of a controller without OPC UA server: there is nothing "
                                        "to compare");
     }
     if (auto recovered = recover(); !recovered) {
-        return tl::unexpected{std::move(recovered.error())};
+        return Unexpected{std::move(recovered.error())};
     }
     std::vector<VerifiedItem> verified;
     for (const SavedItem& saved : memory->items) {
@@ -197,7 +197,7 @@ Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std:
             return detail::read_item(*storage_, *item, limits_);
         });
         if (!there) {
-            return tl::unexpected{there.error()};
+            return Unexpected{there.error()};
         }
         verified.push_back(compare(saved, *there));
     }

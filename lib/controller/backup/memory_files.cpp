@@ -7,8 +7,8 @@
 
 namespace busbar::controller::detail {
 
-tl::unexpected<Problem> storage_problem(const Storage& storage, std::string_view name,
-                                        StorageError error)
+Unexpected<Problem> storage_problem(const Storage& storage, std::string_view name,
+                                    StorageError error)
 {
     return misconfigured(storage.place(name), std::string{text(error)}, status_of(error));
 }
@@ -76,7 +76,7 @@ Configured<std::vector<SavedFile>> part_of(const MemoryItem& item, std::span<con
     }
     auto taken = item.part->take(whole);
     if (!taken) {
-        return tl::unexpected{std::move(taken.error())};
+        return Unexpected{std::move(taken.error())};
     }
     if (!taken->empty()) {
         files.push_back({item.files.front(), *std::move(taken)});
@@ -91,9 +91,9 @@ Configured<SavedItem> read_part(Storage& storage, const MemoryItem& item,
 {
     const auto whole = read_whole(storage, *item.part, limits);
     auto files = whole ? part_of(item, *whole)
-                       : Configured<std::vector<SavedFile>>{tl::unexpected{whole.error()}};
+                       : Configured<std::vector<SavedFile>>{Unexpected{whole.error()}};
     if (!files) {
-        return tl::unexpected{std::move(files.error())};
+        return Unexpected{std::move(files.error())};
     }
     return SavedItem{item.name, item.group, *std::move(files)};
 }
@@ -108,7 +108,7 @@ Configured<SavedItem> read_item(Storage& storage, const MemoryItem& item,
     }
     auto names = files_there(storage, item, limits);
     if (!names) {
-        return tl::unexpected{std::move(names.error())};
+        return Unexpected{std::move(names.error())};
     }
     SavedItem saved{item.name, item.group, {}};
     for (std::string& name : *names) {

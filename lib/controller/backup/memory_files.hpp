@@ -11,8 +11,8 @@
 namespace busbar::controller::detail {
 
 /// A problem with a file of the storage.
-[[nodiscard]] tl::unexpected<Problem> storage_problem(const Storage& storage, std::string_view name,
-                                                      StorageError error);
+[[nodiscard]] Unexpected<Problem> storage_problem(const Storage& storage, std::string_view name,
+                                                  StorageError error);
 [[nodiscard]] std::string_view memory_folder_of(std::string_view name);
 /// Whether a file of this name is one of the item.
 [[nodiscard]] bool has_file(const MemoryItem& item, std::string_view name);

@@ -16,7 +16,7 @@ Configured<void> MemoryPlan::put(const MemoryItem& item, const std::vector<Saved
     }
     auto there = files_there(storage_, item, limits_);
     if (!there) {
-        return tl::unexpected{std::move(there.error())};
+        return Unexpected{std::move(there.error())};
     }
     removed_.insert(there->begin(), there->end());
     for (const SavedFile& file : files) {
@@ -33,7 +33,7 @@ Configured<void> MemoryPlan::put_part(const MemoryItem& item, std::span<const st
     if (found == shared_.end()) {
         auto whole = read_whole(storage_, *item.part, limits_);
         if (!whole) {
-            return tl::unexpected{std::move(whole.error())};
+            return Unexpected{std::move(whole.error())};
         }
         const bool is_there = !whole->empty();
         found = shared_.emplace(file, Shared{*std::move(whole), is_there, &item}).first;
@@ -41,7 +41,7 @@ Configured<void> MemoryPlan::put_part(const MemoryItem& item, std::span<const st
     Shared& shared = found->second;
     auto joined = item.part->put(shared.bytes, part);
     if (!joined) {
-        return tl::unexpected{std::move(joined.error())};
+        return Unexpected{std::move(joined.error())};
     }
     shared.bytes = *std::move(joined);
     new_files_.erase(file);
@@ -70,7 +70,7 @@ Configured<void> MemoryPlan::add_initial(const MemoryItem& item)
 {
     const auto there = files_there(storage_, item, limits_);
     if (!there) {
-        return tl::unexpected{there.error()};
+        return Unexpected{there.error()};
     }
     for (const MemoryItem::InitialFile& file : item.initial) {
         const bool is_there = std::find(there->begin(), there->end(), file.name) != there->end() &&

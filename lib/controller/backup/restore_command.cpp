@@ -88,7 +88,7 @@ Configured<RestoreChoice> read_restore_command(std::string_view text)
         }
         const std::string where = std::string{file} + ":" + std::to_string(number);
         if (auto taken = take_line(line, where, choice, is_chosen); !taken) {
-            return tl::unexpected{std::move(taken.error())};
+            return Unexpected{std::move(taken.error())};
         }
     }
     if (!has_section) {

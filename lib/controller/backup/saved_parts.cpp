@@ -91,10 +91,10 @@ bool has_profile(const std::vector<MemoryItem>& items)
     return has_group(items, MemoryGroup::SecurityProfile);
 }
 
-tl::unexpected<Problem> wrong_in_backup(Problem problem)
+Unexpected<Problem> wrong_in_backup(Problem problem)
 {
     problem.where = "backup: " + problem.where;
-    return tl::unexpected{std::move(problem)};
+    return Unexpected{std::move(problem)};
 }
 
 Configured<void> divide_parts(SavedMemory& memory, const std::vector<MemoryItem>& items,
@@ -120,7 +120,7 @@ Configured<void> divide_parts(SavedMemory& memory, const std::vector<MemoryItem>
         }
         auto files = divided(*from, item);
         if (!files) {
-            return tl::unexpected{std::move(files.error())};
+            return Unexpected{std::move(files.error())};
         }
         divided_items.push_back({item.name, item.group, *std::move(files)});
     }

@@ -14,7 +14,7 @@ namespace busbar::controller::detail {
 [[nodiscard]] bool has_profile(const std::vector<MemoryItem>& items);
 
 /// A problem with what a backup has, not with the controller.
-[[nodiscard]] tl::unexpected<Problem> wrong_in_backup(Problem problem);
+[[nodiscard]] Unexpected<Problem> wrong_in_backup(Problem problem);
 
 /// Gives each part of a shared file its own: earlier versions saved such a file whole, in one item.
 /// Items that nobody asked for stay as they are.

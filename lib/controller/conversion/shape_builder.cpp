@@ -10,9 +10,9 @@ namespace busbar::controller::detail {
 
 namespace {
 
-tl::unexpected<ShapeRefusal> refuse(ShapeError error, std::string path, std::string text)
+Unexpected<ShapeRefusal> refuse(ShapeError error, std::string path, std::string text)
 {
-    return tl::unexpected<ShapeRefusal>{ShapeRefusal{error, std::move(path), std::move(text)}};
+    return Unexpected<ShapeRefusal>{ShapeRefusal{error, std::move(path), std::move(text)}};
 }
 
 /// A field of what cannot be mapped keeps its value, and others can be mapped; but some things make
@@ -54,7 +54,7 @@ ShapeBuilder::ShapeBuilder(const model::SpaceReader& space, const binary::Dynami
               [](const auto* a, const auto* b) { return a->path < b->path; });
 }
 
-tl::expected<ShapeNode, ShapeRefusal> ShapeBuilder::build(const ValueDeclaration& declaration)
+Expected<ShapeNode, ShapeRefusal> ShapeBuilder::build(const ValueDeclaration& declaration)
 {
     is_argument_ = declaration.is_argument;
     return value(declaration, {}, 1);
@@ -86,7 +86,7 @@ ShapeBuilder::Node ShapeBuilder::value(const ValueDeclaration& declaration, cons
     auto use = use_of(space_, types_, declaration.data_type);
     if (!use) {
         use.error().path = path;
-        return tl::unexpected<ShapeRefusal>{std::move(use.error())};
+        return Unexpected<ShapeRefusal>{std::move(use.error())};
     }
     ShapeNode node;
     node.leaf = use->leaf;
@@ -121,7 +121,7 @@ ShapeBuilder::Node ShapeBuilder::structure(ShapeNode node, const std::string& pa
     for (std::size_t i = 0; i < different; ++i) {
         auto made = fields(*node.type, path + element_path(node.form, i), depth);
         if (!made) {
-            return tl::unexpected<ShapeRefusal>{std::move(made.error())};
+            return Unexpected<ShapeRefusal>{std::move(made.error())};
         }
         node.leaves += leaves_of(*made);
         node.contents.push_back(*std::move(made));
@@ -142,7 +142,7 @@ ShapeBuilder::Fields ShapeBuilder::fields(const binary::DynamicType& type, const
         const std::string field_path = path + field_step(each.name);
         Node node = field(each, field_path, depth);
         if (!node && spoils_all(node.error().error)) {
-            return tl::unexpected<ShapeRefusal>{std::move(node.error())};
+            return Unexpected<ShapeRefusal>{std::move(node.error())};
         }
         if (!node) {
             kept_.push_back(std::move(node.error()));

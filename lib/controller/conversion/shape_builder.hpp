@@ -17,13 +17,13 @@ public:
     ShapeBuilder(const model::SpaceReader& space, const binary::DynamicTypes& types,
                  std::span<const MappingArray> arrays, const ShapeLimits& limits);
 
-    [[nodiscard]] tl::expected<ShapeNode, ShapeRefusal> build(const ValueDeclaration& declaration);
+    [[nodiscard]] Expected<ShapeNode, ShapeRefusal> build(const ValueDeclaration& declaration);
     /// Fields that were left without leaves.
     [[nodiscard]] std::vector<ShapeRefusal> take_kept() { return std::move(kept_); }
 
 private:
-    using Node = tl::expected<ShapeNode, ShapeRefusal>;
-    using Fields = tl::expected<ShapeNode::Fields, ShapeRefusal>;
+    using Node = Expected<ShapeNode, ShapeRefusal>;
+    using Fields = Expected<ShapeNode::Fields, ShapeRefusal>;
 
     [[nodiscard]] Node value(const ValueDeclaration& declaration, const std::string& path,
                              std::size_t depth);

@@ -9,7 +9,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-using Use = tl::expected<MappedType, ShapeRefusal>;
+using Use = Expected<MappedType, ShapeRefusal>;
 using model::NodeIndex;
 
 class TypeLook {
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    [[nodiscard]] tl::unexpected<ShapeRefusal> refuse(ShapeError error, std::string_view what) const
+    [[nodiscard]] Unexpected<ShapeRefusal> refuse(ShapeError error, std::string_view what) const
     {
         std::string text = "DataType " + to_string(id_);
         if (node_ != model::no_node) {
@@ -54,7 +54,7 @@ private:
         }
         text += " ";
         text += what;
-        return tl::unexpected<ShapeRefusal>{ShapeRefusal{error, {}, std::move(text)}};
+        return Unexpected<ShapeRefusal>{ShapeRefusal{error, {}, std::move(text)}};
     }
 
     [[nodiscard]] bool is_structure_itself() const { return node_ == space_.find(id::Structure); }
@@ -147,7 +147,7 @@ private:
 
 } // namespace
 
-tl::expected<MappedType, ShapeRefusal>
+Expected<MappedType, ShapeRefusal>
 use_of(const model::SpaceReader& space, const binary::DynamicTypes& types, const NodeId& data_type)
 {
     return TypeLook{space, types, data_type}.use();

@@ -14,7 +14,7 @@ struct MappedType {
 
 /// "Data types that can be assigned to other DataTypes" and "Subtype handling" (seed 001, 8.2).
 /// A refusal has no path.
-[[nodiscard]] tl::expected<MappedType, ShapeRefusal>
+[[nodiscard]] Expected<MappedType, ShapeRefusal>
 use_of(const model::SpaceReader& space, const binary::DynamicTypes& types, const NodeId& data_type);
 
 } // namespace busbar::controller::detail

@@ -142,16 +142,16 @@ ValueShape::ValueShape(ValueShape&&) noexcept = default;
 ValueShape& ValueShape::operator=(ValueShape&&) noexcept = default;
 ValueShape::~ValueShape() = default;
 
-tl::expected<ValueShape, ShapeRefusal> ValueShape::of(const model::SpaceReader& space,
-                                                      const binary::DynamicTypes& types,
-                                                      const ValueDeclaration& declaration,
-                                                      std::span<const MappingArray> arrays,
-                                                      const ShapeLimits& limits)
+Expected<ValueShape, ShapeRefusal> ValueShape::of(const model::SpaceReader& space,
+                                                  const binary::DynamicTypes& types,
+                                                  const ValueDeclaration& declaration,
+                                                  std::span<const MappingArray> arrays,
+                                                  const ShapeLimits& limits)
 {
     detail::ShapeBuilder builder{space, types, arrays, limits};
     auto root = builder.build(declaration);
     if (!root) {
-        return tl::unexpected<ShapeRefusal>{std::move(root.error())};
+        return Unexpected<ShapeRefusal>{std::move(root.error())};
     }
     return ValueShape{std::make_unique<ShapeNode>(*std::move(root)), types, builder.take_kept()};
 }

@@ -7,11 +7,10 @@ namespace busbar::controller {
 
 namespace {
 
-tl::unexpected<Problem> problem_of_variable(const Program& program, std::size_t index,
-                                            Problem problem)
+Unexpected<Problem> problem_of_variable(const Program& program, std::size_t index, Problem problem)
 {
     problem.where = detail::place_of_variable(program, index) + problem.where;
-    return tl::unexpected<Problem>{std::move(problem)};
+    return Unexpected<Problem>{std::move(problem)};
 }
 
 std::string text_of_refused_place(StatusCode status)
@@ -86,11 +85,11 @@ Configured<ProgramImage> ProgramImage::create(const ProgramTypes& types,
 {
     auto layout = lay_out(types, variables, encoding_of, options);
     if (!layout) {
-        return tl::unexpected<Problem>{std::move(layout.error())};
+        return Unexpected<Problem>{std::move(layout.error())};
     }
     auto image = server::ProcessImage::create(std::move(*layout), options.image);
     if (auto filled = fill_in(types, variables, image->memory()); !filled) {
-        return tl::unexpected<Problem>{std::move(filled.error())};
+        return Unexpected<Problem>{std::move(filled.error())};
     }
     return ProgramImage{std::move(image), variables, options};
 }
@@ -104,7 +103,7 @@ Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
     }
     auto layout = lay_out(types, variables, encoding_of, options_);
     if (!layout) {
-        return tl::unexpected<Problem>{std::move(layout.error())};
+        return Unexpected<Problem>{std::move(layout.error())};
     }
     Configured<void> filled;
     const auto added =
@@ -113,7 +112,7 @@ Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
             return filled ? StatusCode{} : filled.error().status;
         });
     if (!filled) {
-        return tl::unexpected<Problem>{std::move(filled.error())};
+        return Unexpected<Problem>{std::move(filled.error())};
     }
     if (!added) {
         return misconfigured("", text_of_refused_addition(added.error()), added.error());

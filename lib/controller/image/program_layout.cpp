@@ -36,7 +36,7 @@ Configured<server::ImageVariable> ProgramLayout::variable(const TypeUse& use)
     case ResolvedType::Kind::Structure: {
         auto inner = structure(*type.type);
         if (!inner) {
-            return tl::unexpected<Problem>{std::move(inner.error())};
+            return Unexpected<Problem>{std::move(inner.error())};
         }
         made.type = BuiltInType::ExtensionObject;
         made.structure = std::move(*inner);
@@ -63,7 +63,7 @@ Configured<ProgramLayout::Structure> ProgramLayout::structure(const DerivedType&
         if (!made) {
             Problem problem = std::move(made.error());
             problem.where = "." + printable_name(member.name) + problem.where;
-            return tl::unexpected<Problem>{std::move(problem)};
+            return Unexpected<Problem>{std::move(problem)};
         }
         members.push_back(std::move(*made));
     }

@@ -55,7 +55,7 @@ Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program,
     }
     auto made = std::make_shared<LabelProgram>(Key{}, std::move(program));
     if (auto problem = made->make(options)) {
-        return tl::unexpected<Problem>{std::move(*problem)};
+        return Unexpected<Problem>{std::move(*problem)};
     }
     return made;
 }

@@ -24,7 +24,7 @@ SimulatedLabels::create(Program program, const SimulatedLabelsOptions& options)
 {
     auto made = LabelProgram::create(std::move(program));
     if (!made) {
-        return tl::unexpected<Problem>{std::move(made.error())};
+        return Unexpected<Problem>{std::move(made.error())};
     }
     return std::unique_ptr<SimulatedLabels>{new SimulatedLabels{std::move(*made), options}};
 }
@@ -63,7 +63,7 @@ Configured<void> SimulatedLabels::replace_program(Program program)
 {
     auto made = LabelProgram::create(std::move(program));
     if (!made) {
-        return tl::unexpected<Problem>{std::move(made.error())};
+        return Unexpected<Problem>{std::move(made.error())};
     }
     static_cast<void>(exchange_->to_server.take_all());
     auto job = std::make_unique<detail::LabelJob>();

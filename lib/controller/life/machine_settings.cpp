@@ -55,8 +55,7 @@ Configured<void> check_security(const MessageSecurity& security, const std::stri
     return {};
 }
 
-tl::unexpected<Problem> not_kept(const Storage& storage, const std::string& file,
-                                 StorageError error)
+Unexpected<Problem> not_kept(const Storage& storage, const std::string& file, StorageError error)
 {
     return misconfigured(storage.place(file), std::string{text(error)}, status_of(error));
 }
@@ -134,11 +133,11 @@ Configured<void> MachineSettings::load()
     }
     const auto server_text = read_settings_text(*storage_, server_file_);
     if (!server_text) {
-        return tl::unexpected{server_text.error()};
+        return Unexpected{server_text.error()};
     }
     const auto security_text = read_settings_text(*storage_, security_file_);
     if (!security_text) {
-        return tl::unexpected{security_text.error()};
+        return Unexpected{security_text.error()};
     }
     if (!*server_text && !*security_text) {
         server_ = {};
@@ -152,11 +151,11 @@ Configured<void> MachineSettings::load()
     }
     const auto server = read_server_settings(**server_text, storage_->place(server_file_));
     if (!server) {
-        return tl::unexpected{server.error()};
+        return Unexpected{server.error()};
     }
     const auto security = read_security_settings(**security_text, storage_->place(security_file_));
     if (!security) {
-        return tl::unexpected{security.error()};
+        return Unexpected{security.error()};
     }
     server_ = *server;
     security_ = *security;

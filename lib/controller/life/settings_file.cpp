@@ -87,8 +87,8 @@ std::string sealed(const std::string& body)
 
 // Reading.
 
-tl::unexpected<Problem> wrong_setting(const std::string& place, std::string_view member,
-                                      const Json* found, std::string_view expected)
+Unexpected<Problem> wrong_setting(const std::string& place, std::string_view member,
+                                  const Json* found, std::string_view expected)
 {
     return misconfigured(place + ": " + std::string{member},
                          "found " + (found != nullptr ? printable(found->describe()) : "nothing") +
@@ -207,7 +207,7 @@ Configured<Settings> read_sealed(std::string_view document, const std::string& p
     }
     if (auto checked = check(*settings); !checked) {
         checked.error().where = place + ": " + checked.error().where;
-        return tl::unexpected{std::move(checked.error())};
+        return Unexpected{std::move(checked.error())};
     }
     return *std::move(settings);
 }

@@ -74,7 +74,7 @@ Configured<std::unique_ptr<ExecutionLog>> ExecutionLog::create(Storage& medium,
                                                                ExecutionLogOptions options)
 {
     if (auto problem = problem_of_options(options)) {
-        return tl::unexpected<Problem>{*std::move(problem)};
+        return Unexpected<Problem>{*std::move(problem)};
     }
     return std::unique_ptr<ExecutionLog>{new ExecutionLog{medium, clock, next, std::move(options)}};
 }

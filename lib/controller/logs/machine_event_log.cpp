@@ -41,7 +41,7 @@ MachineEventLog::create(Storage& storage, const WallClock& clock, LogSink& next,
                         MachineEventListener* listener, MachineEventLogOptions options)
 {
     if (auto problem = problem_of_events(options)) {
-        return tl::unexpected<Problem>{*std::move(problem)};
+        return Unexpected<Problem>{*std::move(problem)};
     }
     return std::unique_ptr<MachineEventLog>{
         new MachineEventLog{storage, clock, next, listener, std::move(options)}};

@@ -11,12 +11,11 @@ namespace busbar::controller::detail {
 
 namespace {
 
-tl::unexpected<Problem> changed_online(std::string where, const ProgramPlace& place,
-                                       std::string what)
+Unexpected<Problem> changed_online(std::string where, const ProgramPlace& place, std::string what)
 {
-    return tl::unexpected<Problem>{problem_at(std::move(where), place,
-                                              "is there already and " + std::move(what) +
-                                                  "; that takes a download, no online edit")};
+    return Unexpected<Problem>{problem_at(std::move(where), place,
+                                          "is there already and " + std::move(what) +
+                                              "; that takes a download, no online edit")};
 }
 
 TypeUse use_of(const DerivedType& type)

@@ -53,11 +53,11 @@ PublishedProgram::checked(Program program)
     auto edition = std::make_unique<Edition>(Edition{std::move(program)});
     auto types = ProgramTypes::create(edition->program);
     if (!types) {
-        return tl::unexpected{std::move(types).error()};
+        return Unexpected{std::move(types).error()};
     }
     edition->types = std::move(*types);
     if (auto initial = check_initial_values(*edition->types); !initial) {
-        return tl::unexpected{std::move(initial).error()};
+        return Unexpected{std::move(initial).error()};
     }
     return edition;
 }
@@ -67,7 +67,7 @@ PublishedProgram::create(Program program, const PublishingLimits& limits)
 {
     auto edition = checked(std::move(program));
     if (!edition) {
-        return tl::unexpected{std::move(edition).error()};
+        return Unexpected{std::move(edition).error()};
     }
     auto result = std::make_unique<PublishedProgram>(Key{});
     result->editions_.push_back(std::move(*edition));
@@ -103,12 +103,12 @@ Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t 
 {
     auto edition = checked(std::move(edited));
     if (!edition) {
-        return tl::unexpected{std::move(edition).error()};
+        return Unexpected{std::move(edition).error()};
     }
     const ProgramTypes& types = *(*edition)->types;
     for (const auto& before : editions_) {
         if (auto same = detail::check_unchanged(*before->types, types); !same) {
-            return tl::unexpected{std::move(same).error()};
+            return Unexpected{std::move(same).error()};
         }
     }
     // A copy, so that nothing has changed if the image cannot have them.
@@ -119,7 +119,7 @@ Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t 
         types, variables_of_image(types, added.subspan(group.first_published), in_image_),
         [&](const DerivedType& type) { return MachineTypes::encoding_of(namespace_index, type); });
     if (!in_image) {
-        return tl::unexpected{std::move(in_image).error()};
+        return Unexpected{std::move(in_image).error()};
     }
     editions_.push_back(std::move(*edition));
     *publication_ = std::move(publication);

@@ -80,10 +80,10 @@ std::vector<pugi::xml_node> models_in(const pugi::xml_node& root)
 
 } // namespace
 
-tl::expected<ModelHeader, ModelReport> read_header(std::string_view text, const std::string& name)
+Expected<ModelHeader, ModelReport> read_header(std::string_view text, const std::string& name)
 {
     const auto refuse = [&](ModelCode code, std::string_view found) {
-        return tl::unexpected{ModelReport{code, {}, printable(name), printable(found)}};
+        return Unexpected{ModelReport{code, {}, printable(name), printable(found)}};
     };
     pugi::xml_document document;
     const auto parsed = document.load_buffer(text.data(), text.size());
@@ -118,17 +118,16 @@ tl::expected<ModelHeader, ModelReport> read_header(std::string_view text, const 
     return header;
 }
 
-tl::expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
-                                                   std::uint64_t max_size)
+Expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
+                                               std::uint64_t max_size)
 {
     const auto refuse = [&](ModelCode code, std::string found) {
-        return tl::unexpected{ModelReport{code, {}, printable(source.name), std::move(found)}};
+        return Unexpected{ModelReport{code, {}, printable(source.name), std::move(found)}};
     };
     const std::string too_large = "more than " + std::to_string(max_size) + " bytes";
     if (source.text) {
-        return source.text->size() <= max_size
-                   ? tl::expected<std::string, ModelReport>{*source.text}
-                   : refuse(ModelCode::FilesTooLarge, too_large);
+        return source.text->size() <= max_size ? Expected<std::string, ModelReport>{*source.text}
+                                               : refuse(ModelCode::FilesTooLarge, too_large);
     }
     std::ifstream file{source.name, std::ios::binary};
     std::string text;

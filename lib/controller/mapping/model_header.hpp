@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/controller/model_limits.hpp>
 #include <busbar/controller/model_report.hpp>
@@ -27,11 +27,11 @@ struct ModelHeader {
 };
 
 /// Of a file with one namespace; whether it is valid otherwise shows when it is loaded.
-[[nodiscard]] tl::expected<ModelHeader, ModelReport> read_header(std::string_view text,
-                                                                 const std::string& name);
+[[nodiscard]] Expected<ModelHeader, ModelReport> read_header(std::string_view text,
+                                                             const std::string& name);
 
 /// The text of a source, whose file may have so many bytes.
-[[nodiscard]] tl::expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
-                                                                 std::uint64_t max_size);
+[[nodiscard]] Expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
+                                                             std::uint64_t max_size);
 
 } // namespace busbar::controller::detail

@@ -146,14 +146,14 @@ ModelSet::ModelSet(ModelSet&&) noexcept = default;
 ModelSet& ModelSet::operator=(ModelSet&&) noexcept = default;
 ModelSet::~ModelSet() = default;
 
-tl::expected<ImportResult, ModelReports> ModelSet::import(const model::NodeSetSource& source)
+Expected<ImportResult, ModelReports> ModelSet::import(const model::NodeSetSource& source)
 {
     auto next = std::make_unique<State>();
     next->limits = state_->limits;
     next->application_uri = state_->application_uri;
     Change change{*state_, std::move(*next)};
     if (!change.read(source)) {
-        return tl::unexpected{std::move(change.reports)};
+        return Unexpected{std::move(change.reports)};
     }
     if (auto added = state_->add(change.file, change.header)) {
         return *std::move(added);
@@ -161,16 +161,16 @@ tl::expected<ImportResult, ModelReports> ModelSet::import(const model::NodeSetSo
     ImportResult result;
     if (!change.place() || !change.check_limits() || !change.check_required() ||
         !change.load(result)) {
-        return tl::unexpected{std::move(change.reports)};
+        return Unexpected{std::move(change.reports)};
     }
     state_ = std::make_unique<State>(std::move(change.after));
     return result;
 }
 
-tl::expected<void, ModelReport> ModelSet::remove(std::string_view uri)
+Expected<void, ModelReport> ModelSet::remove(std::string_view uri)
 {
     const auto refuse = [&](ModelCode code) {
-        return tl::unexpected{ModelReport{code, {}, printable(uri), {}}};
+        return Unexpected{ModelReport{code, {}, printable(uri), {}}};
     };
     if (uri == state_->space.namespace_uri(0) || uri == state_->application_uri) {
         return refuse(ModelCode::StandardNamespace);
@@ -191,7 +191,7 @@ tl::expected<void, ModelReport> ModelSet::remove(std::string_view uri)
     model::NodeSetSummary none;
     ModelReports reports;
     if (!next->load(next->files.size(), none, reports)) {
-        return tl::unexpected{reports.list().front()};
+        return Unexpected{reports.list().front()};
     }
     next->mapping = detail::translate(state_->mapping, state_->space, next->space);
     state_ = std::move(next);
@@ -241,12 +241,12 @@ Result<std::string> write_file(const model::SpaceReader& space, std::uint16_t in
 
 } // namespace
 
-tl::expected<std::string, ModelReport> ModelSet::export_text(std::string_view uri) const
+Expected<std::string, ModelReport> ModelSet::export_text(std::string_view uri) const
 {
     const auto& files = state_->files;
     const auto index = state_->space.namespace_index(uri);
     const auto refuse = [&] {
-        return tl::unexpected{ModelReport{ModelCode::NamespaceUnknown, {}, printable(uri), {}}};
+        return Unexpected{ModelReport{ModelCode::NamespaceUnknown, {}, printable(uri), {}}};
     };
     if (!index || std::none_of(files.begin(), files.end(),
                                [&](const ModelFile& file) { return file.uri == uri; })) {
@@ -315,7 +315,7 @@ std::uint64_t ModelSet::file_size() const
     return state_->file_size();
 }
 
-tl::expected<Mapping, ModelReports> ModelSet::load_into(model::AddressSpace& space) const
+Expected<Mapping, ModelReports> ModelSet::load_into(model::AddressSpace& space) const
 {
     std::vector<model::NodeSetSource> sources;
     for (const ModelFile& file : state_->files) {
@@ -329,7 +329,7 @@ tl::expected<Mapping, ModelReports> ModelSet::load_into(model::AddressSpace& spa
         for (const Problem& problem : loaded.error()) {
             reports.add({ModelCode::FileInvalid, {}, problem.where, problem.text});
         }
-        return tl::unexpected{std::move(reports)};
+        return Unexpected{std::move(reports)};
     }
     return detail::translate(state_->mapping, state_->space, space);
 }

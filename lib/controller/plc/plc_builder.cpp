@@ -44,17 +44,17 @@ std::string place(const char* list, std::size_t index, const char* field)
     return std::string{list} + '[' + std::to_string(index) + "]." + field;
 }
 
-tl::unexpected<Problem> wrong_variable(std::size_t index, const char* field, std::string text)
+Unexpected<Problem> wrong_variable(std::size_t index, const char* field, std::string text)
 {
     return misconfigured(place("variables", index, field), std::move(text));
 }
 
-tl::unexpected<Problem> wrong_program(std::size_t index, const char* field, std::string text)
+Unexpected<Problem> wrong_program(std::size_t index, const char* field, std::string text)
 {
     return misconfigured(place("programs", index, field), std::move(text));
 }
 
-tl::unexpected<Problem> wrong_event(std::size_t index, const char* field, std::string text)
+Unexpected<Problem> wrong_event(std::size_t index, const char* field, std::string text)
 {
     return misconfigured(place("events", index, field), std::move(text));
 }
@@ -72,7 +72,7 @@ Configured<std::unique_ptr<Plc>> PlcBuilder::build(server::ImageOptions options)
         checked = set_values();
     }
     if (!checked) {
-        return tl::unexpected{std::move(checked).error()};
+        return Unexpected{std::move(checked).error()};
     }
     finder_ = [this](std::string_view name) { return find(name); };
     return finish();
@@ -89,7 +89,7 @@ Configured<std::unique_ptr<Plc>> PlcBuilder::build(const ProgramTypes& types,
         plc_->variables_.push_back({variable.name, !variable.is_constant});
     }
     if (auto checked = check_names(); !checked) {
-        return tl::unexpected{std::move(checked).error()};
+        return Unexpected{std::move(checked).error()};
     }
     plc_->image_ = image.image();
     finder_ = [names = detail::ProgramNames{types, image}](std::string_view name) {
@@ -105,7 +105,7 @@ Configured<std::unique_ptr<Plc>> PlcBuilder::finish()
         checked = add_events();
     }
     if (!checked) {
-        return tl::unexpected{std::move(checked).error()};
+        return Unexpected{std::move(checked).error()};
     }
     return std::move(plc_);
 }

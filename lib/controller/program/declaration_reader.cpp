@@ -22,7 +22,7 @@ Configured<Program> read_declarations(std::string_view text, std::string_view fi
     detail::DeclarationCursor cursor{declarations, file_name, &places, limits, memory};
     detail::DeclarationParser parser{cursor};
     if (!parser.read()) {
-        return tl::unexpected<Problem>{cursor.problem()};
+        return Unexpected<Problem>{cursor.problem()};
     }
     return std::move(parser.program());
 }

@@ -236,7 +236,7 @@ namespace busbar::controller {
 Configured<void> check_initial_values(const ProgramTypes& types)
 {
     if (auto problem = detail::InitialChecker{types}.check()) {
-        return tl::unexpected<Problem>{std::move(*problem)};
+        return Unexpected<Problem>{std::move(*problem)};
     }
     return {};
 }

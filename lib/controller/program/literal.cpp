@@ -16,9 +16,9 @@ namespace {
 
 using Notation = InitialValue::Notation;
 
-tl::unexpected<std::string> wrong_literal(std::string_view text, std::string_view expected)
+Unexpected<std::string> wrong_literal(std::string_view text, std::string_view expected)
 {
-    return tl::unexpected<std::string>{found_expected(text, expected)};
+    return Unexpected<std::string>{found_expected(text, expected)};
 }
 
 /// Int64 where the number fits.

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/controller/program.hpp>
 #include <busbar/core/api.hpp>
@@ -18,7 +18,7 @@ struct Literal {
 };
 
 /// A value, or what is wrong: "found '16#FG', expected a number of base 16".
-using LiteralResult = tl::expected<Literal, std::string>;
+using LiteralResult = Expected<Literal, std::string>;
 
 /// "found 'text', expected `what`"; of a text of any length, its beginning.
 [[nodiscard]] BUSBAR_API std::string found_expected(std::string_view text, std::string_view what);

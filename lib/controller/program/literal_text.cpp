@@ -103,12 +103,12 @@ LiteralResult read_text_literal(std::string_view text)
     const bool is_wide = text.front() == '"';
     TextBody body{text.substr(1, text.size() - 2), is_wide};
     if (!body.read()) {
-        return tl::unexpected<std::string>{found_expected(
+        return Unexpected<std::string>{found_expected(
             text, is_wide ? "$ before $, \", ', L, N, P, R, T or four hexadecimal digits, not 0000"
                           : "$ before $, \", ', L, N, P, R, T or two hexadecimal digits, not 00")};
     }
     if (first_not_utf8(body.result())) {
-        return tl::unexpected<std::string>{found_expected(text, "a text of UTF-8")};
+        return Unexpected<std::string>{found_expected(text, "a text of UTF-8")};
     }
     return Literal{Variant{String{body.result()}}, InitialValue::Notation::Text};
 }

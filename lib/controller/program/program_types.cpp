@@ -80,7 +80,7 @@ Configured<ProgramTypes> ProgramTypes::create(const Program& program, const Prog
         types.by_name_.emplace(fold_name(program.types[i].name), i);
     }
     if (auto problem = detail::ProgramChecker{types, limits}.check()) {
-        return tl::unexpected<Problem>{std::move(*problem)};
+        return Unexpected<Problem>{std::move(*problem)};
     }
     return types;
 }

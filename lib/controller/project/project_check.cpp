@@ -58,7 +58,7 @@ ValueProblem wrong_value(std::string where, std::string_view found, std::string_
 {
     return misconfigured(std::move(where), "found \"" + printable(found, 64) + "\", expected " +
                                                std::string{expected})
-        .value();
+        .error();
 }
 
 ValueProblem check_characters(const std::string& where, std::string_view value,
@@ -191,7 +191,7 @@ Configured<void> check(const Project& project)
     also([&] { return detail::check_discovery(project.discovery, has_preset); });
     also([&] { return detail::check_users(project, has_preset); });
     also([&] { return detail::check_model_files(project, has_preset); });
-    return wrong ? Configured<void>{tl::unexpected{*std::move(wrong)}} : Configured<void>{};
+    return wrong ? Configured<void>{Unexpected{*std::move(wrong)}} : Configured<void>{};
 }
 
 std::vector<MessageSecurity> allowed_security(const ProjectSecurity& security)

@@ -17,9 +17,9 @@ constexpr std::size_t max_lines_of_section = 64;
 
 } // namespace
 
-tl::unexpected<Problem> ProjectLines::wrong(std::size_t line, std::string_view section,
-                                            std::string_view name, std::string found,
-                                            std::string_view expected) const
+Unexpected<Problem> ProjectLines::wrong(std::size_t line, std::string_view section,
+                                        std::string_view name, std::string found,
+                                        std::string_view expected) const
 {
     std::string where = file_ + ":" + std::to_string(line);
     if (!section.empty()) {
@@ -121,7 +121,7 @@ Configured<ProjectSection> ProjectLines::read_section()
         auto line = is_first ? wrong("\"" + printable(*text, 64) + "\"", "\"[section]\"")
                              : line_of(*text, section.title);
         if (!line) {
-            return tl::unexpected{std::move(line.error())};
+            return Unexpected{std::move(line.error())};
         }
         if (section.lines.size() == max_lines_of_section) {
             return wrong("more values", "at most " + std::to_string(max_lines_of_section));

@@ -49,10 +49,10 @@ public:
     }
 
     /// "line4.busbar:12: [network] host_name".
-    [[nodiscard]] tl::unexpected<Problem> wrong(std::size_t line, std::string_view section,
-                                                std::string_view name, std::string found,
-                                                std::string_view expected) const;
-    [[nodiscard]] tl::unexpected<Problem> wrong(std::string found, std::string_view expected) const
+    [[nodiscard]] Unexpected<Problem> wrong(std::size_t line, std::string_view section,
+                                            std::string_view name, std::string found,
+                                            std::string_view expected) const;
+    [[nodiscard]] Unexpected<Problem> wrong(std::string found, std::string_view expected) const
     {
         return wrong(number_, {}, {}, std::move(found), expected);
     }

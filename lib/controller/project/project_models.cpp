@@ -30,7 +30,7 @@ Configured<ModelSet> load_models(const Project& project, ModelReports* reports)
     for (const ProjectModel& model : project.models) {
         auto imported = models.import({model.name, model.text});
         if (!imported) {
-            return tl::unexpected{first_error(model.name, imported.error())};
+            return Unexpected{first_error(model.name, imported.error())};
         }
         if (reports != nullptr) {
             reports->add(std::move(imported->reports));
@@ -51,7 +51,7 @@ void keep_models(const ModelSet& models, Project& project)
 
 Configured<void> check_models(const Project& project)
 {
-    return load_models(project).map([](const ModelSet&) {});
+    return load_models(project).transform([](const ModelSet&) {});
 }
 
 } // namespace busbar::controller

@@ -66,7 +66,7 @@ private:
     void fail(std::size_t line, std::string_view name, std::string found, std::string_view expected)
     {
         if (!problem_) {
-            problem_ = lines_.wrong(line, section_.title, name, std::move(found), expected).value();
+            problem_ = lines_.wrong(line, section_.title, name, std::move(found), expected).error();
         }
     }
 
@@ -82,7 +82,7 @@ Configured<void> SectionReader::end()
             fail(line.number, line.name, "it", "only values that the section has, each once");
         }
     }
-    return problem_ ? Configured<void>{tl::unexpected{*problem_}} : Configured<void>{};
+    return problem_ ? Configured<void>{Unexpected{*problem_}} : Configured<void>{};
 }
 
 template <typename Visit, typename Of>
@@ -161,7 +161,7 @@ Configured<void> ProjectReader::read_model(ProjectSection& section)
     }
     const auto bytes = lines_.take(size);
     if (!bytes) {
-        return tl::unexpected{bytes.error()};
+        return Unexpected{bytes.error()};
     }
     if (const std::string found = detail::checksum_text(*bytes); found != sum) {
         return lines_.wrong(section.number, section.title, "checksum", printable(sum, 32),
@@ -211,19 +211,19 @@ Configured<void> ProjectReader::read_section(ProjectSection& section)
 Configured<Project> ProjectReader::read()
 {
     if (auto title = lines_.read_title(); !title) {
-        return tl::unexpected{std::move(title.error())};
+        return Unexpected{std::move(title.error())};
     }
     auto section = lines_.read_section();
     auto done = section
                     ? read_values(*section, lines_, project_,
                                   [](auto& reader, auto& to) { detail::visit_project(reader, to); })
-                    : Configured<void>{tl::unexpected{section.error()}};
+                    : Configured<void>{Unexpected{section.error()}};
     while (done && !lines_.is_at_end() && !has_ended_) {
         section = lines_.read_section();
-        done = section ? read_section(*section) : Configured<void>{tl::unexpected{section.error()}};
+        done = section ? read_section(*section) : Configured<void>{Unexpected{section.error()}};
     }
     if (!done) {
-        return tl::unexpected{std::move(done.error())};
+        return Unexpected{std::move(done.error())};
     }
     if (!has_ended_ || !lines_.is_at_end()) {
         return lines_.wrong(has_ended_ ? "more behind [end]" : "the end of the file",

@@ -6,13 +6,13 @@ namespace busbar::controller {
 
 namespace {
 
-tl::unexpected<Problem> storage_problem(const Storage& storage, const std::string& name,
-                                        StorageError error)
+Unexpected<Problem> storage_problem(const Storage& storage, const std::string& name,
+                                    StorageError error)
 {
     return misconfigured(storage.place(name), std::string{text(error)}, status_of(error));
 }
 
-tl::unexpected<Problem> no_transfer()
+Unexpected<Problem> no_transfer()
 {
     return misconfigured("transfer", "is over: it was cancelled or has failed",
                          status::Bad_InvalidState);
@@ -45,7 +45,7 @@ Configured<Project> ProjectStore::read_checked(const std::string& name) const
 {
     const auto document = read(name);
     if (!document) {
-        return tl::unexpected{document.error()};
+        return Unexpected{document.error()};
     }
     auto project = read_project(*document, "project", limits_);
     if (!project) {
@@ -56,7 +56,7 @@ Configured<Project> ProjectStore::read_checked(const std::string& name) const
         checked = check_(*project);
     }
     return checked ? std::move(project)
-                   : Configured<Project>{tl::unexpected{std::move(checked.error())}};
+                   : Configured<Project>{Unexpected{std::move(checked.error())}};
 }
 
 Configured<void> ProjectStore::recover()
@@ -70,7 +70,7 @@ Configured<void> ProjectStore::recover()
     }
     auto project = read_checked(file());
     if (!project) {
-        return tl::unexpected{std::move(project.error())};
+        return Unexpected{std::move(project.error())};
     }
     current_ = *std::move(project);
     return {};
@@ -124,7 +124,7 @@ Configured<void> ProjectStore::make_current()
     // What lies there is what counts, and not what was sent.
     auto project = read_checked(staged());
     if (!project) {
-        return tl::unexpected{std::move(project.error())};
+        return Unexpected{std::move(project.error())};
     }
     if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
         return storage_problem(*storage_, file(), moved.error());
@@ -158,7 +158,7 @@ Configured<void> ProjectStore::replace(std::span<const std::byte> document)
 {
     const auto transfer = begin();
     if (!transfer) {
-        return tl::unexpected{transfer.error()};
+        return Unexpected{transfer.error()};
     }
     return write(*transfer, document).and_then([&] { return commit(*transfer); });
 }

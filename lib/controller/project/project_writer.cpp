@@ -167,7 +167,7 @@ Configured<std::string> document_of(const Project& project, const ProjectLimits&
 {
     const std::vector<ProjectValue> values = values_of(project);
     if (auto checked = check_written(project, values, limits); !checked) {
-        return tl::unexpected{std::move(checked.error())};
+        return Unexpected{std::move(checked.error())};
     }
     std::string document = "busbar project " + std::to_string(project_version) + "\n";
     append_values(document, values);
@@ -177,7 +177,7 @@ Configured<std::string> document_of(const Project& project, const ProjectLimits&
     document += "\n[end]\n";
     append_value(document, "checksum", detail::checksum_text(document));
     if (auto checked = check_count("size", document.size(), limits.max_file_size); !checked) {
-        return tl::unexpected{std::move(checked.error())};
+        return Unexpected{std::move(checked.error())};
     }
     return document;
 }

@@ -14,9 +14,9 @@ namespace {
 /// Nodes by the folded names of what they stand for.
 using NodesByName = std::unordered_map<std::string, model::NodeIndex>;
 
-tl::unexpected<Problem> configuration_problem(const char* list, std::size_t index,
-                                              const std::string& name, std::string text,
-                                              StatusCode code = status::Bad_ConfigurationError)
+Unexpected<Problem> configuration_problem(const char* list, std::size_t index,
+                                          const std::string& name, std::string text,
+                                          StatusCode code = status::Bad_ConfigurationError)
 {
     return misconfigured(std::string{list} + "[" + std::to_string(index) + "] (" + printable(name) +
                              ")",
@@ -130,10 +130,10 @@ Configured<model::NodeIndex> add_machine_configuration(model::AddressSpace& spac
                              configuration.error());
     }
     if (auto tasks = builder.add_tasks(); !tasks) {
-        return tl::unexpected<Problem>{std::move(tasks.error())};
+        return Unexpected<Problem>{std::move(tasks.error())};
     }
     if (auto programs = builder.add_programs(); !programs) {
-        return tl::unexpected<Problem>{std::move(programs.error())};
+        return Unexpected<Problem>{std::move(programs.error())};
     }
     return model::find_by_path(space, *configuration, "GlobalVars");
 }

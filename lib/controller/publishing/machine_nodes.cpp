@@ -94,13 +94,13 @@ Configured<MachineNodes> MachineNodes::create(model::AddressSpace& space, const 
     auto plcopen_vars =
         detail::add_machine_configuration(space, *namespace_index, program, options);
     if (!plcopen_vars) {
-        return tl::unexpected<Problem>{std::move(plcopen_vars.error())};
+        return Unexpected<Problem>{std::move(plcopen_vars.error())};
     }
     if (*plcopen_vars != model::no_node) {
         nodes.plcopen_vars_ = space.handle(*plcopen_vars);
     }
     if (auto added = nodes.add_variables(space, publication); !added) {
-        return tl::unexpected<Problem>{std::move(added.error())};
+        return Unexpected<Problem>{std::move(added.error())};
     }
     // Last, so that nobody is told of what was there from the start (Part 3, 9.32.2).
     if (const auto version = nodes.add_version(space); !version) {
@@ -193,7 +193,7 @@ Configured<void> MachineNodes::add_variables(model::AddressSpace& space,
             for (const model::NodeIndex each : nodes) {
                 static_cast<void>(space.remove(each));
             }
-            return tl::unexpected<Problem>{variable_problem(all[i], node.error())};
+            return Unexpected<Problem>{variable_problem(all[i], node.error())};
         }
         nodes.push_back(*node);
     }

@@ -116,8 +116,7 @@ Configured<void> MachineTypes::add(model::AddressSpace& space,
             const auto added = add_node(space, *found[i], *each.program);
             if (!added) {
                 forget(std::span{found}.subspan(i));
-                return tl::unexpected<Problem>{
-                    type_problem(*each.program, *found[i], added.error())};
+                return Unexpected<Problem>{type_problem(*each.program, *found[i], added.error())};
             }
         }
     }

@@ -19,22 +19,22 @@ struct CloseFile {
 };
 
 /// The bytes of a file, or what prevents reading it.
-tl::expected<std::string, std::string> read_bytes(const std::string& path, std::size_t limit)
+Expected<std::string, std::string> read_bytes(const std::string& path, std::size_t limit)
 {
     const std::unique_ptr<std::FILE, CloseFile> file{std::fopen(path.c_str(), "rb")};
     if (file == nullptr) {
-        return tl::make_unexpected("cannot be opened: " + std::string{std::strerror(errno)});
+        return Unexpected{"cannot be opened: " + std::string{std::strerror(errno)}};
     }
     std::string text;
     std::string block(std::size_t{1} << 16U, '\0');
     while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
         if (text.size() + count > limit) {
-            return tl::make_unexpected("is larger than " + std::to_string(limit) + " bytes");
+            return Unexpected{"is larger than " + std::to_string(limit) + " bytes"};
         }
         text.append(block, 0, count);
     }
     if (std::ferror(file.get()) != 0) {
-        return tl::make_unexpected("cannot be read: " + std::string{std::strerror(errno)});
+        return Unexpected{"cannot be read: " + std::string{std::strerror(errno)}};
     }
     return text;
 }

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/core/node_id.hpp>

@@ -315,9 +315,9 @@ NodeSetSummary Loader::summary() const
 
 namespace busbar::model {
 
-tl::expected<NodeSetSummary, std::vector<Problem>>
-load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
-              const NodeSetLimits& limits)
+Expected<NodeSetSummary, std::vector<Problem>> load_nodesets(AddressSpace& space,
+                                                             std::span<const NodeSetSource> sources,
+                                                             const NodeSetLimits& limits)
 {
     nodeset::Document document{limits, nodeset::namespaces_of(space)};
     std::vector<Problem> errors;
@@ -341,7 +341,7 @@ load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
         errors = plan.errors();
     }
     errors.resize(std::min(errors.size(), std::max<std::size_t>(limits.max_errors, 1)));
-    return tl::make_unexpected(std::move(errors));
+    return Unexpected{std::move(errors)};
 }
 
 } // namespace busbar::model

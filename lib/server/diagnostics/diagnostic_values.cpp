@@ -197,7 +197,7 @@ Result<DataValue> DiagnosticValues::find(const NodeId& node, const ReadingUser& 
     if (!value && value.error() != status::Bad_NodeIdUnknown) {
         return DataValue{value.error()};
     }
-    return std::move(value).map([&](Variant present) {
+    return std::move(value).transform([&](Variant present) {
         return DataValue{std::move(present), status::Good, needs_.wall_clock.now()};
     });
 }

@@ -15,7 +15,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-tl::unexpected<Refusal> refuse_session(StatusCode status, std::string found, std::string remedy)
+Unexpected<Refusal> refuse_session(StatusCode status, std::string found, std::string remedy)
 {
     return refuse({status, "authenticationToken", std::move(found), "Part 4, 5.7.2.1 and 5.7.3.1",
                    std::move(remedy)});

@@ -41,7 +41,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
         if (environment.log != nullptr) {
             environment.log->write(LogLevel::Error, "server", text(checked.error()));
         }
-        return tl::unexpected{std::move(checked).error()};
+        return Unexpected{std::move(checked).error()};
     }
     detail::warn_of_deprecated_policies(config, *environment.log);
     // Part 5, 6.3.2: index 1 is the server's own namespace.
@@ -50,7 +50,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
         const Problem problem{own.error(), "application_uri",
                               "there is no room for one more namespace"};
         environment.log->write(LogLevel::Error, "server", text(problem));
-        return tl::unexpected{problem};
+        return Unexpected{problem};
     }
     auto impl =
         std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
@@ -58,7 +58,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
     impl->add(modules);
     if (auto complete = impl->check_modules(impl->config); !complete) {
         environment.log->write(LogLevel::Error, "server", text(complete.error()));
-        return tl::unexpected{std::move(complete).error()};
+        return Unexpected{std::move(complete).error()};
     }
     impl->claim();
     return Server{std::move(impl)};

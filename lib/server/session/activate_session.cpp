@@ -210,7 +210,7 @@ LoginStep ActivateSession::begin_user() const
     const Session& session = *this->session();
     const EndpointConfig* endpoint = find_endpoint(needs_.config, session);
     if (endpoint == nullptr) {
-        return Login{tl::unexpected{
+        return Login{Unexpected{
             LoginFailure{status::Bad_SecurityPolicyRejected,
                          refusal_of(status::Bad_SecurityPolicyRejected, "endpoint of the session",
                                     "there is no endpoint with the security of the channel")}}};

@@ -123,7 +123,7 @@ Checked<void> check(const SessionNeeds& needs, const ServiceContext& context,
             [&] { return is_secure ? check_certificate(channel, request) : Checked<void>{}; });
 }
 
-tl::unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
+Unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
 {
     return refuse({status::Bad_TooManySessions, "place for a session",
                    std::to_string(count) + " " + std::string{which} + ", which is the limit",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/crypto/jwt.hpp>
 #include <busbar/server/environment.hpp>
 
 namespace busbar::server::detail {

@@ -10,34 +10,34 @@ namespace busbar::server::detail {
 Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& token)
 {
     if (auto failure = check_policy(context, UserTokenType::IssuedToken, token.policy_id)) {
-        return tl::unexpected{*std::move(failure)};
+        return Unexpected{*std::move(failure)};
     }
     if (!has_right_encryption(context, token.token_data, token.encryption_algorithm)) {
-        return tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
-                                     "the token is not encrypted as the endpoint says", {})};
+        return Unexpected{misuse(status::Bad_IdentityTokenInvalid,
+                                 "the token is not encrypted as the endpoint says", {})};
     }
     const auto secret =
         open_secret(context, token.token_data, crypto::max_jwt_size, crypto::max_jwt_size);
     if (!secret) {
-        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
-                                    "it is not encrypted for this session", "Part 4, 7.40.6")};
+        return Unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
+                                "it is not encrypted for this session", "Part 4, 7.40.6")};
     }
     const crypto::JwtRules* const rules = context.users->token_rules();
     if (rules == nullptr) {
-        return tl::unexpected{
+        return Unexpected{
             misuse(status::Bad_IdentityTokenRejected, "there are no rules any more", {})};
     }
     auto claims =
         crypto::verify_jwt(secret->text(), *rules, context.config.application_uri, context.now);
     if (!claims) {
         const StatusCode status = claims.error().status;
-        return tl::unexpected{LoginFailure{status, std::move(claims.error()), true}};
+        return Unexpected{LoginFailure{status, std::move(claims.error()), true}};
     }
     auto rights = context.users->token_user(*claims);
     if (!rights) {
-        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
-                                    "\"" + printable(claims->subject) + "\" is no user here",
-                                    "Part 4, 7.40.6", "Add it to the users")};
+        return Unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
+                                "\"" + printable(claims->subject) + "\" is no user here",
+                                "Part 4, 7.40.6", "Add it to the users")};
     }
     UserIdentity user =
         identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));

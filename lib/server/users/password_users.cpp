@@ -12,7 +12,7 @@ namespace busbar::server {
 
 namespace {
 
-tl::unexpected<Refusal> refuse_change(StatusCode status, std::string_view name, std::string found)
+Unexpected<Refusal> refuse_change(StatusCode status, std::string_view name, std::string found)
 {
     return refuse(
         {status, "user list", "user \"" + printable(name) + "\" " + std::move(found), {}, {}});

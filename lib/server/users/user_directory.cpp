@@ -1,6 +1,13 @@
 #include <busbar/server/user_directory.hpp>
 
+#include <algorithm>
+
 namespace busbar::server {
+
+bool is_configure_admin(const UserIdentity& user)
+{
+    return std::find(user.roles.begin(), user.roles.end(), "ConfigureAdmin") != user.roles.end();
+}
 
 void UserDirectory::set_certificate_rights(std::string thumbprint, UserRights rights)
 {

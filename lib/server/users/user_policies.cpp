@@ -1,5 +1,7 @@
 #include "user_policies.hpp"
 
+#include <busbar/crypto/jwt.hpp>
+
 #include "core/json_writer.hpp"
 
 namespace busbar::server::detail {

@@ -24,7 +24,7 @@ Login log_in_anonymous(const LoginContext& context, const String& policy)
     // Who leaves out the token leaves out the policy (Part 4, 5.7.3.2).
     const String named = policy.empty() ? String{"anonymous"} : policy;
     if (auto failure = check_policy(context, UserTokenType::Anonymous, named)) {
-        return tl::unexpected{*std::move(failure)};
+        return Unexpected{*std::move(failure)};
     }
     UserIdentity user = context.users != nullptr ? context.users->anonymous() : anonymous_reader();
     user.token_type = UserTokenType::Anonymous;
@@ -34,14 +34,14 @@ Login log_in_anonymous(const LoginContext& context, const String& policy)
 LoginStep begin_user(const LoginContext& context, const UserNameIdentityToken& token)
 {
     if (auto failure = check_policy(context, UserTokenType::UserName, token.policy_id)) {
-        return Login{tl::unexpected{*std::move(failure)}};
+        return Login{Unexpected{*std::move(failure)}};
     }
     if (token.user_name.empty() ||
         !has_right_encryption(context, token.password, token.encryption_algorithm)) {
-        return Login{tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
-                                           "there is no name, or the password is not encrypted as "
-                                           "the endpoint says",
-                                           {})}};
+        return Login{Unexpected{misuse(status::Bad_IdentityTokenInvalid,
+                                       "there is no name, or the password is not encrypted as "
+                                       "the endpoint says",
+                                       {})}};
     }
     auto secret = open_secret(context, token.password, crypto::max_secret_size, max_password_size);
     auto check = std::make_shared<PasswordCheck>();
@@ -89,15 +89,15 @@ Login log_in_certificate(const LoginContext& context, const X509IdentityToken& t
                          const SignatureData& signature)
 {
     if (auto failure = check_policy(context, UserTokenType::Certificate, token.policy_id)) {
-        return tl::unexpected{*std::move(failure)};
+        return Unexpected{*std::move(failure)};
     }
     const auto chain = crypto::parse_chain(token.certificate_data.span());
     if (!chain) {
-        return tl::unexpected{
+        return Unexpected{
             misuse(status::Bad_IdentityTokenInvalid, "the user certificate cannot be read", {})};
     }
     if (auto failure = check_certificate_user(context, *chain, signature)) {
-        return tl::unexpected{*std::move(failure)};
+        return Unexpected{*std::move(failure)};
     }
     const crypto::Certificate& certificate = chain->front();
     auto rights = context.users->certificate_user(certificate);
@@ -107,7 +107,7 @@ Login log_in_certificate(const LoginContext& context, const X509IdentityToken& t
                   "Part 4, 7.40.5", "Add it to the users");
         failure.refusal.subject = printable(certificate.subject());
         failure.refusal.thumbprint = certificate.thumbprint_text();
-        return tl::unexpected{std::move(failure)};
+        return Unexpected{std::move(failure)};
     }
     UserIdentity user =
         identity_of(UserTokenType::Certificate, certificate.subject(), *std::move(rights));
@@ -138,17 +138,17 @@ LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token
         return context.log_in_issued(context, *issued);
     }
     return Login{
-        tl::unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is no UserIdentityToken", {})}};
+        Unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is no UserIdentityToken", {})}};
 }
 
 Login end_log_in(PasswordCheck& check)
 {
     if (!check.thrown.empty()) { // which says nothing of the user
-        return tl::unexpected{misuse(status::Bad_InternalError,
-                                     "UserStore::log_in threw: " + printable(check.thrown), {})};
+        return Unexpected{misuse(status::Bad_InternalError,
+                                 "UserStore::log_in threw: " + printable(check.thrown), {})};
     }
     if (!check.is_readable || !check.result) {
-        return tl::unexpected{guess(
+        return Unexpected{guess(
             status::Bad_UserAccessDenied, "user name and password",
             "user \"" + printable(check.name) + "\": " +
                 (check.is_readable ? "no such user, or another password"

@@ -4,7 +4,7 @@
 #include <span>
 #include <variant>
 
-#include <tl/expected.hpp>
+#include <busbar/core/expected.hpp>
 
 #include <busbar/core/extension_object.hpp>
 #include <busbar/core/refusal.hpp>
@@ -25,7 +25,7 @@ struct LoginFailure {
     bool is_guess{false};
 };
 
-using Login = tl::expected<UserIdentity, LoginFailure>;
+using Login = Expected<UserIdentity, LoginFailure>;
 
 struct LoginContext;
 /// log_in_issued() of issued_token.hpp, in a server that has it.

@@ -55,7 +55,8 @@ inline std::vector<controller::MemoryItem> machine_items()
     using controller::MemoryItem;
     const auto check = [](std::string_view name, std::span<const std::byte> bytes) {
         const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-        return controller::read_server_settings(text, std::string{name}).map([](const auto&) {});
+        return controller::read_server_settings(text, std::string{name}).transform([](const auto&) {
+        });
     };
     return {
         MemoryItem{

@@ -73,9 +73,9 @@ struct ShapeFixture : model::ModelFixture {
         return own(name);
     }
 
-    tl::expected<ValueShape, ShapeRefusal> try_shape(const ValueDeclaration& declaration,
-                                                     std::vector<MappingArray> arrays = {},
-                                                     const ShapeLimits& limits = {})
+    Expected<ValueShape, ShapeRefusal> try_shape(const ValueDeclaration& declaration,
+                                                 std::vector<MappingArray> arrays = {},
+                                                 const ShapeLimits& limits = {})
     {
         return ValueShape::of(space, data_types.of(space), declaration, arrays, limits);
     }

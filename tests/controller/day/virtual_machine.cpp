@@ -70,7 +70,7 @@ void VirtualMachine::download(Program new_program, const ServerSettings& new_set
         program = std::move(new_program);
     }
     life.download_done(transferred ? Configured<ServerSettings>{settings.server()}
-                                   : tl::unexpected{transferred.error()});
+                                   : Unexpected{transferred.error()});
 }
 
 void VirtualMachine::edit_online(GlobalVariable added)
@@ -107,7 +107,7 @@ Configured<void> VirtualMachine::restore(std::span<const std::byte> backup)
     life.restore_begins();
     const auto restored = data.restore(backup, {});
     life.restore_done(restored.has_value());
-    return restored.map([](Restored) {});
+    return restored.transform([](Restored) {});
 }
 
 void VirtualMachine::work()
@@ -147,7 +147,7 @@ void VirtualMachine::initialize()
     if (loaded) {
         life.initialized(settings.server());
     } else {
-        life.initialized(tl::unexpected{loaded.error()});
+        life.initialized(Unexpected{loaded.error()});
     }
     look_at_certificates();
 }

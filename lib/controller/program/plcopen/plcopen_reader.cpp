@@ -203,7 +203,7 @@ Configured<Program> read_plcopen_xml(std::string_view text, std::string_view fil
     }
     detail::PlcopenReader reader{xml, file_name, places, limits};
     if (!reader.read()) {
-        return tl::unexpected<Problem>{reader.problem()};
+        return Unexpected<Problem>{reader.problem()};
     }
     return std::move(reader.program());
 }
