@@ -6,6 +6,7 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/net/server_loop.hpp>
+#include <busbar/net/system.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::net {

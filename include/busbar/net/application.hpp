@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <busbar/channel/channel_types.hpp>
@@ -10,7 +9,6 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_store.hpp>
-#include <busbar/net/system.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::client {
@@ -49,8 +47,7 @@ public:
     /// A secure server with the application's names and certificate, which clients find at
     /// `endpoint_url`; its port is the one to listen on. The endpoints are those of ServerConfig.
     [[nodiscard]] server::ServerConfig server_config(std::string endpoint_url) const;
-    /// `loop` wakes the server when its data sources have something. Without users nobody can log
-    /// in.
+    /// `loop` wakes the server when its data sources have something. Without users nobody logs in.
     [[nodiscard]] server::ServerEnvironment server_environment(ServerLoop& loop,
                                                                server::UserStore* users = nullptr);
     /// A client with the application's names.
