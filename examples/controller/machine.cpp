@@ -154,9 +154,7 @@ std::vector<administration::FileSystem> Machine::file_systems()
         return nodes;
     };
     administration::FileSystem log{.name = "ExecutionLog", .storage = &log_folder_};
-    // Its files may be removed, but what is in them is the controller's alone.
-    log.limits.max_file_size = 0;
-    log.limits.max_written = 0;
+    log.is_written_by_program = true;
     log.limits.max_entries = most_log_entries;
     log.limits.max_depth = 1;
     log.readers =

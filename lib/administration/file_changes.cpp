@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
-#include <busbar/server/running_server.hpp>
 
 #include "file_nodes.hpp"
 #include "method_arguments.hpp"
@@ -52,7 +51,7 @@ DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
     }
     default:
         // Whom a value is for is not known here; Open tells those who may not.
-        return DataValue{Variant{!files_.writers.empty()}};
+        return DataValue{Variant{!files_.writers.empty() && !files_.is_written_by_program}};
     }
 }
 
@@ -75,8 +74,7 @@ void FileNodes::read(server::ReadBatch batch)
 
 void FileNodes::expire()
 {
-    const server::RunningServer running{server_};
-    open_.expire([&](const NodeId& session) { return running.has_session(session); });
+    open_.expire([&](const Holder& holder) { return is_there(server_, holder); });
 }
 
 void FileNodes::call(server::CallBatch batch)
@@ -103,7 +101,7 @@ void FileNodes::open(MethodCall& call, const std::string& path)
     if ((mode & open_write) != 0 && !may_call(space_, writing_, call.user())) {
         return call.fail(status::Bad_UserAccessDenied);
     }
-    const auto handle = open_.open(path, mode, call.session_id());
+    const auto handle = open_.open(path, mode, holder_of(server_, call));
     if (!handle) {
         return call.fail(handle.error());
     }
@@ -112,12 +110,19 @@ void FileNodes::open(MethodCall& call, const std::string& path)
 
 void FileNodes::close(MethodCall& call, const std::string& path)
 {
-    answer(call, open_.close({path, call.input<std::uint32_t>(0), call.session_id()}));
+    const Holder holder = holder_of(server_, call);
+    const OpenFiles::Key key{path, call.input<std::uint32_t>(0), holder};
+    // The right to write counts now: it may have gone since Write.
+    if (open_.is_changed(key) && !may_call(space_, writing_, call.user())) {
+        open_.discard(key);
+        return call.fail(status::Bad_UserAccessDenied);
+    }
+    answer(call, open_.close(key));
 }
 
 void FileNodes::read_file(MethodCall& call, const std::string& path)
 {
-    const auto bytes = open_.read({path, call.input<std::uint32_t>(0), call.session_id()},
+    const auto bytes = open_.read({path, call.input<std::uint32_t>(0), holder_of(server_, call)},
                                   call.input<std::int32_t>(1));
     if (!bytes) {
         return call.fail(bytes.error());
@@ -127,13 +132,14 @@ void FileNodes::read_file(MethodCall& call, const std::string& path)
 
 void FileNodes::write_file(MethodCall& call, const std::string& path)
 {
-    answer(call, open_.write({path, call.input<std::uint32_t>(0), call.session_id()},
+    answer(call, open_.write({path, call.input<std::uint32_t>(0), holder_of(server_, call)},
                              bytes_input(call, 1)));
 }
 
 void FileNodes::get_position(MethodCall& call, const std::string& path)
 {
-    const auto position = open_.position({path, call.input<std::uint32_t>(0), call.session_id()});
+    const auto position =
+        open_.position({path, call.input<std::uint32_t>(0), holder_of(server_, call)});
     if (!position) {
         return call.fail(position.error());
     }
@@ -142,7 +148,7 @@ void FileNodes::get_position(MethodCall& call, const std::string& path)
 
 void FileNodes::set_position(MethodCall& call, const std::string& path)
 {
-    answer(call, open_.set_position({path, call.input<std::uint32_t>(0), call.session_id()},
+    answer(call, open_.set_position({path, call.input<std::uint32_t>(0), holder_of(server_, call)},
                                     call.input<std::uint64_t>(1)));
 }
 
@@ -191,7 +197,7 @@ void FileNodes::create_file(MethodCall& call, const std::string& path)
     }
     std::uint32_t handle = 0;
     if (call.input<bool>(1)) {
-        const auto opened = open_.open(*made, open_read | open_write, call.session_id());
+        const auto opened = open_.open(*made, open_read | open_write, holder_of(server_, call));
         if (!opened) {
             // As if it had not been asked for.
             static_cast<void>(files_.storage->remove(*made));

@@ -16,10 +16,13 @@ namespace {
 /// The roots of all FileSystems have it.
 constexpr std::string_view files_prefix = "Files/";
 
-/// Of Objects, and of Methods: those that change something are for writers alone.
-model::NodeAccess access_of_files(const FileSystem& files, PermissionType permissions, bool changes)
+/// The access of Objects and Methods: readers read, writers do all that is not the program's.
+model::NodeAccess access_of_files(const FileSystem& files, PermissionType permissions,
+                                  FileRight right)
 {
-    return access_of_roles(files.readers, files.writers, permissions, changes);
+    const bool is_programs = right == FileRight::Write && files.is_written_by_program;
+    return access_of_roles(files.readers, is_programs ? std::vector<NodeId>{} : files.writers,
+                           permissions, right != FileRight::Read);
 }
 
 /// The entry point of all folders (Part 20, 4.3.2), whose own Methods are for nobody: it is no
@@ -111,7 +114,7 @@ Configured<void> FileNodes::add_nodes()
         return misconfigured("files " + files_.name, "cannot be added to the address space",
                              root.error());
     }
-    space_.set_node_access(*root, access_of_files(files_, may_see, false));
+    space_.set_node_access(*root, access_of_files(files_, may_see, FileRight::Read));
     entries_.emplace("", Entry{StorageEntry::Kind::Folder, 0});
     if (auto added = add_type(); !added) {
         return added;
@@ -142,24 +145,27 @@ Configured<void> FileNodes::add_methods()
     struct Declared {
         std::uint32_t declaration;
         Method method;
-        bool changes;
+        FileRight right;
         bool is_of_files;
     };
     constexpr std::array all{
-        Declared{id::FileType_Open, &FileNodes::open, false, true},
-        Declared{id::FileType_Close, &FileNodes::close, false, true},
-        Declared{id::FileType_Read, &FileNodes::read_file, false, true},
-        Declared{id::FileType_Write, &FileNodes::write_file, true, true},
-        Declared{id::FileType_GetPosition, &FileNodes::get_position, false, true},
-        Declared{id::FileType_SetPosition, &FileNodes::set_position, false, true},
-        Declared{id::FileDirectoryType_CreateDirectory, &FileNodes::create_directory, true, false},
-        Declared{id::FileDirectoryType_CreateFile, &FileNodes::create_file, true, false},
-        Declared{id::FileDirectoryType_DeleteFileSystemObject, &FileNodes::delete_entry, true,
+        Declared{id::FileType_Open, &FileNodes::open, FileRight::Read, true},
+        Declared{id::FileType_Close, &FileNodes::close, FileRight::Read, true},
+        Declared{id::FileType_Read, &FileNodes::read_file, FileRight::Read, true},
+        Declared{id::FileType_Write, &FileNodes::write_file, FileRight::Write, true},
+        Declared{id::FileType_GetPosition, &FileNodes::get_position, FileRight::Read, true},
+        Declared{id::FileType_SetPosition, &FileNodes::set_position, FileRight::Read, true},
+        Declared{id::FileDirectoryType_CreateDirectory, &FileNodes::create_directory,
+                 FileRight::Write, false},
+        Declared{id::FileDirectoryType_CreateFile, &FileNodes::create_file, FileRight::Write,
                  false},
-        Declared{id::FileDirectoryType_MoveOrCopy, &FileNodes::move_or_copy, true, false},
+        Declared{id::FileDirectoryType_DeleteFileSystemObject, &FileNodes::delete_entry,
+                 FileRight::Delete, false},
+        Declared{id::FileDirectoryType_MoveOrCopy, &FileNodes::move_or_copy, FileRight::Write,
+                 false},
     };
     for (const Declared& each : all) {
-        const auto added = add_method(each.declaration, each.method, each.changes);
+        const auto added = add_method(each.declaration, each.method, each.right);
         if (!added) {
             return misconfigured("files " + files_.name, "their Methods cannot be added",
                                  added.error());
@@ -175,7 +181,7 @@ Configured<void> FileNodes::add_methods()
 /// Methods of files belong to a type of their own, those of directories to the root; all other
 /// Objects refer to them.
 Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method method,
-                                               bool changes)
+                                               FileRight right)
 {
     auto added = add_declared_method(
         space_,
@@ -183,8 +189,8 @@ Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method
          .parent = space_.find(declaration < id::FileDirectoryType ? file_type_ : node_id("")),
          .source = index(),
          .handle = methods_.size()},
-        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), changes),
-        access_of_files(files_, may_see, changes));
+        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), right),
+        access_of_files(files_, may_see, right));
     if (added) {
         methods_.push_back(method);
     }
@@ -207,7 +213,7 @@ Result<model::NodeIndex> FileNodes::add_directory(const model::NewNode& node)
 Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t number)
 {
     const auto added = add_file_object(space_, node, {file_type_, index(), number},
-                                       access_of_files(files_, may_see, false));
+                                       access_of_files(files_, may_see, FileRight::Read));
     if (!added) {
         return fail(added.error());
     }
@@ -227,7 +233,7 @@ bool FileNodes::add_entry(const std::string& path, Entry& entry)
     if (entry.kind == StorageEntry::Kind::Folder) {
         const auto added = add_directory(node);
         if (added) {
-            space_.set_node_access(*added, access_of_files(files_, may_see, false));
+            space_.set_node_access(*added, access_of_files(files_, may_see, FileRight::Read));
         }
         return added.has_value();
     }

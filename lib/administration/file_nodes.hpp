@@ -19,6 +19,8 @@
 
 namespace busbar::administration::detail {
 
+enum class FileRight : std::uint8_t { Read, Write, Delete };
+
 /// The nodes of one FileSystem: Objects that follow what there is in the Storage, and one Method of
 /// each kind for all of them.
 class FileNodes final : public server::DataSource {
@@ -49,7 +51,7 @@ private:
     [[nodiscard]] Result<model::NodeIndex> add_directory(const model::NewNode& node);
     [[nodiscard]] Result<void> add_file(const model::NewNode& node, std::uint32_t number);
     [[nodiscard]] Result<model::NodeIndex> add_method(std::uint32_t declaration, Method method,
-                                                      bool changes);
+                                                      FileRight right);
     /// The type of the files.
     [[nodiscard]] Configured<void> add_type();
     [[nodiscard]] Configured<void> add_methods();

@@ -23,7 +23,7 @@ bool is_mode(std::uint8_t mode)
 OpenFiles::Open* OpenFiles::find(const Key& key)
 {
     const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& open) {
-        return open.handle == key.handle && open.path == key.path && open.session == key.session;
+        return open.handle == key.handle && open.path == key.path && open.holder == key.holder;
     });
     return found == open_.end() ? nullptr : &*found;
 }
@@ -38,8 +38,9 @@ std::size_t OpenFiles::written() const
 StatusCode OpenFiles::check_room(std::string_view path, std::uint8_t mode,
                                  const NodeId& session) const
 {
-    const auto of_session = std::count_if(
-        open_.begin(), open_.end(), [&](const Open& open) { return open.session == session; });
+    const auto of_session = std::count_if(open_.begin(), open_.end(), [&](const Open& open) {
+        return open.holder.session == session;
+    });
     if (open_.size() >= limits_.max_open ||
         static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
         return status::Bad_TooManyOperations;
@@ -83,12 +84,12 @@ bool OpenFiles::is_same(const Open& open) const
 }
 
 Result<std::uint32_t> OpenFiles::open(std::string_view path, std::uint8_t mode,
-                                      const NodeId& session)
+                                      const Holder& holder)
 {
     if (!is_mode(mode)) {
         return fail(status::Bad_InvalidArgument);
     }
-    if (const StatusCode room = check_room(path, mode, session); room.is_bad()) {
+    if (const StatusCode room = check_room(path, mode, holder.session); room.is_bad()) {
         return fail(room);
     }
     const auto entry = storage_.entry(path);
@@ -97,7 +98,7 @@ Result<std::uint32_t> OpenFiles::open(std::string_view path, std::uint8_t mode,
     }
     Open open{last_handle_ + 1,
               std::string{path},
-              session,
+              holder,
               (mode & open_read) != 0,
               (mode & open_write) != 0,
               (mode & open_erase) != 0,
@@ -136,6 +137,18 @@ StatusCode OpenFiles::close(const Key& key)
     }
     std::erase_if(open_, [&](const Open& each) { return &each == open; });
     return result;
+}
+
+void OpenFiles::discard(const Key& key)
+{
+    const Open* const open = find(key);
+    std::erase_if(open_, [&](const Open& each) { return &each == open; });
+}
+
+bool OpenFiles::is_changed(const Key& key)
+{
+    const Open* const open = find(key);
+    return open != nullptr && open->is_changed;
 }
 
 Result<std::vector<std::byte>> OpenFiles::read(const Key& key, std::int32_t length)
@@ -222,9 +235,9 @@ bool OpenFiles::is_in_use(std::string_view path) const
     });
 }
 
-void OpenFiles::expire(FunctionRef<bool(const NodeId&)> has_session)
+void OpenFiles::expire(FunctionRef<bool(const Holder&)> is_there)
 {
-    std::erase_if(open_, [&](const Open& open) { return !has_session(open.session); });
+    std::erase_if(open_, [&](const Open& open) { return !is_there(open.holder); });
 }
 
 } // namespace busbar::administration::detail

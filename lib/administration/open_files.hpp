@@ -12,6 +12,8 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/result.hpp>
 
+#include "permissions.hpp"
+
 namespace busbar::administration::detail {
 
 // Bits of the mode of Open (Part 20, 4.2.2).
@@ -27,11 +29,12 @@ inline constexpr std::size_t max_read_size = 65'536;
 /// closed.
 class OpenFiles {
 public:
-    /// Which one a client means: its handle holds for the file and the session that opened it.
+    /// Which one a client means: its handle holds for the file, and for the user and the session
+    /// that opened it.
     struct Key {
         std::string_view path;
         std::uint32_t handle;
-        const NodeId& session;
+        const Holder& holder;
     };
 
     OpenFiles(Storage& storage, const FileLimits& limits) : storage_{storage}, limits_{limits} {}
@@ -41,10 +44,14 @@ public:
     /// much is written already, Bad_EncodingLimitsExceeded for a file too large to be written, or
     /// what the Storage's error is.
     [[nodiscard]] Result<std::uint32_t> open(std::string_view path, std::uint8_t mode,
-                                             const NodeId& session);
+                                             const Holder& holder);
     /// Keeps what was written. Bad_InvalidState if somebody else changed the file meanwhile; what
     /// the Storage's error is leaves it open, so that it can be tried again.
     [[nodiscard]] StatusCode close(const Key& key);
+    /// Closes it and forgets what was written.
+    void discard(const Key& key);
+    /// Whether close() would change the file.
+    [[nodiscard]] bool is_changed(const Key& key);
     /// At most `length` bytes, none at the end. Bad_InvalidState if it is not open for reading, or
     /// if somebody changed the file meanwhile.
     [[nodiscard]] Result<std::vector<std::byte>> read(const Key& key, std::int32_t length);
@@ -57,14 +64,14 @@ public:
     [[nodiscard]] std::size_t count(std::string_view path) const;
     /// Whether the file, or one in the folder, is open.
     [[nodiscard]] bool is_in_use(std::string_view path) const;
-    /// Forgets what sessions that are gone had open, and wrote.
-    void expire(FunctionRef<bool(const NodeId&)> has_session);
+    /// Forgets what holders that are gone had open, and wrote.
+    void expire(FunctionRef<bool(const Holder&)> is_there);
 
 private:
     struct Open {
         std::uint32_t handle;
         std::string path;
-        NodeId session;
+        Holder holder;
         bool is_read;
         bool is_written;
         bool is_changed;

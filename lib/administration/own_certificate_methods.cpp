@@ -116,7 +116,8 @@ void OwnCertificateMethods::update(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot);
     }
-    if (needs_.transaction.is_active() && *needs_.transaction.owner() != call.session_id()) {
+    if (needs_.transaction.is_active() &&
+        *needs_.transaction.owner() != holder_of(needs_.server, call)) {
         return call.fail(status::Bad_TransactionPending);
     }
     if (is_making_key_) {
@@ -129,7 +130,7 @@ void OwnCertificateMethods::update(MethodCall call)
     if (const auto checked = check_own(*own); !checked) {
         return refuse_call(call, checked.error());
     }
-    static_cast<void>(needs_.transaction.enter(call.session_id()));
+    static_cast<void>(needs_.transaction.enter(holder_of(needs_.server, call)));
     needs_.transaction.set_own_certificate(*std::move(own));
     call.succeed(one_output(Variant{true}));
 }
@@ -204,7 +205,8 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot);
     }
-    if (needs_.transaction.is_active() && *needs_.transaction.owner() != call.session_id()) {
+    if (needs_.transaction.is_active() &&
+        *needs_.transaction.owner() != holder_of(needs_.server, call)) {
         return call.fail(status::Bad_TransactionPending);
     }
     const auto& identity = needs_.server.config().identity;
@@ -231,6 +233,7 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
     subject->valid_from = DateTime{needs_.clock.now().ticks - day};
     using Made = Result<crypto::OwnCertificate>;
     const auto made = std::make_shared<Made>(Unexpected{StatusCode{status::Bad_InternalError}});
+    const Holder holder = holder_of(needs_.server, call);
     const auto shared = std::make_shared<MethodCall>(std::move(call));
     run_slowly(
         shared,
@@ -242,12 +245,12 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
                         ? Made{crypto::OwnCertificate{{*std::move(certificate)}, *std::move(key)}}
                         : Made{Unexpected{certificate.error()}};
         },
-        [this, made, shared] {
+        [this, made, shared, holder] {
             if (!*made) {
                 return shared->fail(made->error());
             }
             if (!needs_.transaction.is_own_deleted() ||
-                *needs_.transaction.owner() != shared->session_id()) { // it is over meanwhile
+                *needs_.transaction.owner() != holder) { // it is over meanwhile
                 return shared->fail(status::Bad_InvalidState);
             }
             needs_.transaction.set_own_certificate(**made);
@@ -262,7 +265,8 @@ void OwnCertificateMethods::remove(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot);
     }
-    if (const StatusCode entered = needs_.transaction.enter(call.session_id()); entered.is_bad()) {
+    if (const StatusCode entered = needs_.transaction.enter(holder_of(needs_.server, call));
+        entered.is_bad()) {
         return call.fail(entered);
     }
     needs_.transaction.delete_own_certificate();

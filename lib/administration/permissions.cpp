@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/server/running_server.hpp>
+
 namespace busbar::administration::detail {
 
 bool may_call(const model::AddressSpace& space, model::NodeIndex method,
@@ -15,6 +17,17 @@ bool may_call(const model::AddressSpace& space, model::NodeIndex method,
                       std::find(user.roles.begin(), user.roles.end(),
                                 space.browse_name(role).name.view()) != user.roles.end();
            });
+}
+
+Holder holder_of(server::Server& server, const server::MethodCall& call)
+{
+    const NodeId& session = call.session_id();
+    return {session, server::RunningServer{server}.user_number(session).value_or(0)};
+}
+
+bool is_there(server::Server& server, const Holder& holder)
+{
+    return server::RunningServer{server}.user_number(holder.session) == holder.user;
 }
 
 model::NodeAccess access_of_roles(const std::vector<NodeId>& readers,

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
+#include <busbar/server/method.hpp>
+#include <busbar/server/server.hpp>
 #include <busbar/types/data_types.hpp>
 
 namespace busbar::administration::detail {
@@ -26,6 +29,21 @@ inline constexpr PermissionType may_act = together(PermissionType::Write, Permis
 /// Whether one of the user's roles may call the Method, where namespace 0 has all roles.
 [[nodiscard]] bool may_call(const model::AddressSpace& space, model::NodeIndex method,
                             const server::UserIdentity& user);
+
+/// Whose a file handle, a transaction or another thing is that a Call left behind: a user's in a
+/// session. It is nobody's once the session is over or has another user.
+struct Holder {
+    Holder(NodeId of = {}, std::uint32_t number = 0) : session{std::move(of)}, user{number} {}
+
+    NodeId session;
+    /// See RunningServer::user_number.
+    std::uint32_t user;
+
+    friend bool operator==(const Holder&, const Holder&) = default;
+};
+
+[[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCall& call);
+[[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
 
 /// These permissions for readers and writers, or for writers alone where something `changes`; over
 /// encrypted channels.

@@ -251,7 +251,7 @@ void ServerConfiguration::get_rejected_list(MethodCall call)
 /// Part 12, 7.10.9.
 void ServerConfiguration::apply_changes(MethodCall call)
 {
-    if (const StatusCode state = transaction_.check_end(call.session_id()); state.is_bad()) {
+    if (const StatusCode state = transaction_.check_end(holder_of(server_, call)); state.is_bad()) {
         return call.fail(state);
     }
     const bool is_open =
@@ -279,7 +279,7 @@ void ServerConfiguration::apply_changes(MethodCall call)
 /// Part 12, 7.10.11.
 void ServerConfiguration::cancel_changes(MethodCall call)
 {
-    if (const StatusCode state = transaction_.check_end(call.session_id()); state.is_bad()) {
+    if (const StatusCode state = transaction_.check_end(holder_of(server_, call)); state.is_bad()) {
         return call.fail(state);
     }
     transaction_.cancel(status::Bad_RequestCancelledByClient);

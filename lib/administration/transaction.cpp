@@ -47,12 +47,12 @@ Checked<void> commit_files(FileTransaction& change)
     return refuse_files(done.error());
 }
 
-StatusCode Transaction::enter(const NodeId& session)
+StatusCode Transaction::enter(const Holder& holder)
 {
     if (owner_) {
-        return *owner_ == session ? status::Good : status::Bad_TransactionPending;
+        return *owner_ == holder ? status::Good : status::Bad_TransactionPending;
     }
-    owner_ = session;
+    owner_ = holder;
     has_begun_ = true;
     start_time_ = clock_.now();
     end_time_ = {};
@@ -63,12 +63,12 @@ StatusCode Transaction::enter(const NodeId& session)
     return status::Good;
 }
 
-StatusCode Transaction::check_end(const NodeId& session) const
+StatusCode Transaction::check_end(const Holder& holder) const
 {
     if (!owner_) {
         return status::Bad_NothingToDo;
     }
-    return *owner_ == session ? status::Good : status::Bad_SessionIdInvalid;
+    return *owner_ == holder ? status::Good : status::Bad_SessionIdInvalid;
 }
 
 void Transaction::set_trust_list(std::size_t group, crypto::TrustList list,

@@ -14,6 +14,8 @@
 #include <busbar/types/configuration.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "permissions.hpp"
+
 namespace busbar::administration::detail {
 
 /// A CertificateGroup (Part 12, 7.8.3).
@@ -29,8 +31,8 @@ struct CertificateGroup {
 };
 
 /// Changes of certificates and trust lists that are applied together or not at all (Part 12,
-/// 7.10.2): begun by the first of them, by one session, and over with ApplyChanges, CancelChanges
-/// or the session.
+/// 7.10.2): begun by the first of them, by one user in one session, and over with ApplyChanges,
+/// CancelChanges, the session, or another user of the session.
 ///
 /// On the server's thread, but apply(), which may be called where nothing else uses the files.
 class Transaction {
@@ -43,12 +45,12 @@ public:
     [[nodiscard]] std::vector<CertificateGroup>& groups() { return groups_; }
     [[nodiscard]] bool is_active() const { return owner_.has_value(); }
     /// Null if there is none.
-    [[nodiscard]] const NodeId* owner() const { return owner_ ? &*owner_ : nullptr; }
+    [[nodiscard]] const Holder* owner() const { return owner_ ? &*owner_ : nullptr; }
     /// Begins one or goes on with it: Bad_TransactionPending if another session has one.
-    [[nodiscard]] StatusCode enter(const NodeId& session);
+    [[nodiscard]] StatusCode enter(const Holder& holder);
     /// Good if the session may end it: Bad_NothingToDo if there is none, Bad_SessionIdInvalid if it
     /// is another's.
-    [[nodiscard]] StatusCode check_end(const NodeId& session) const;
+    [[nodiscard]] StatusCode check_end(const Holder& holder) const;
 
     /// What the group's list will be.
     void set_trust_list(std::size_t group, crypto::TrustList list, crypto::TrustListParts parts);
@@ -91,7 +93,7 @@ private:
     const ManagedCertificates& files_;
     const WallClock& clock_;
     std::vector<CertificateGroup> groups_;
-    std::optional<NodeId> owner_;
+    std::optional<Holder> owner_;
     std::vector<NewList> lists_;
     std::optional<crypto::OwnCertificate> own_;
     bool is_own_deleted_{false};

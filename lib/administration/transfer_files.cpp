@@ -21,7 +21,7 @@ Result<std::size_t> TransferFiles::room(const NodeId& session) const
 {
     const auto of_session =
         std::count_if(files_.begin(), files_.end(),
-                      [&](const TransferFile& file) { return file.session == session; });
+                      [&](const TransferFile& file) { return file.holder.session == session; });
     if (files_.size() >= limits_.max_open ||
         static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
         return fail(status::Bad_TooManyOperations);
@@ -49,10 +49,10 @@ const TransferFile& TransferFiles::add(TransferFile file, TimePoint now)
     return files_.emplace_back(std::move(file));
 }
 
-TransferFile* TransferFiles::find(std::uint32_t handle, const NodeId& session, TimePoint now)
+TransferFile* TransferFiles::find(std::uint32_t handle, const Holder& holder, TimePoint now)
 {
     const auto found = std::find_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
-        return file.handle == handle && file.session == session && now < file.deadline;
+        return file.handle == handle && file.holder == holder && now < file.deadline;
     });
     if (found == files_.end()) {
         return nullptr;
@@ -61,11 +61,11 @@ TransferFile* TransferFiles::find(std::uint32_t handle, const NodeId& session, T
     return &*found;
 }
 
-TransferFile* TransferFiles::find(std::uint32_t handle, const NodeId& session,
-                                  std::string_view name, TimePoint now)
+TransferFile* TransferFiles::find(std::uint32_t handle, const Holder& holder, std::string_view name,
+                                  TimePoint now)
 {
     const TransferFile* const named = find(name, now);
-    return named != nullptr && named->handle == handle ? find(handle, session, now) : nullptr;
+    return named != nullptr && named->handle == handle ? find(handle, holder, now) : nullptr;
 }
 
 const TransferFile* TransferFiles::find(std::string_view name, TimePoint now) const
@@ -121,11 +121,11 @@ void TransferFiles::remove(const TransferFile& file)
 }
 
 std::vector<std::string> TransferFiles::expire(TimePoint now,
-                                               FunctionRef<bool(const NodeId&)> has_session)
+                                               FunctionRef<bool(const Holder&)> is_there)
 {
     std::vector<std::string> gone;
     std::erase_if(files_, [&](const TransferFile& file) {
-        const bool is_gone = file.deadline <= now || !has_session(file.session);
+        const bool is_gone = file.deadline <= now || !is_there(file.holder);
         if (is_gone) {
             gone.push_back(file.name);
         }

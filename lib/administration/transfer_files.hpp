@@ -14,6 +14,8 @@
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 
+#include "permissions.hpp"
+
 namespace busbar::administration::detail {
 
 /// One temporary file. `position` is never behind its end.
@@ -21,7 +23,7 @@ struct TransferFile {
     std::uint32_t handle{0};
     /// What its Object is called.
     std::string name{};
-    NodeId session{};
+    Holder holder{};
     /// Written by the client; else read.
     bool is_written{false};
     Variant options{};
@@ -47,10 +49,10 @@ public:
     [[nodiscard]] Result<std::size_t> room_to_write(const NodeId& session) const;
     /// Keeps it under a handle of its own. There must be room.
     const TransferFile& add(TransferFile file, TimePoint now);
-    /// The session's file with this handle; null if it has none. Also with this name, where one is
+    /// The holder's file with this handle; null if it has none. Also with this name, where one is
     /// given.
-    [[nodiscard]] TransferFile* find(std::uint32_t handle, const NodeId& session, TimePoint now);
-    [[nodiscard]] TransferFile* find(std::uint32_t handle, const NodeId& session,
+    [[nodiscard]] TransferFile* find(std::uint32_t handle, const Holder& holder, TimePoint now);
+    [[nodiscard]] TransferFile* find(std::uint32_t handle, const Holder& holder,
                                      std::string_view name, TimePoint now);
     /// At most `length` bytes, none at the end (Part 20, 4.2.4). Bad_InvalidState for a file that
     /// is written, Bad_InvalidArgument for a negative length.
@@ -65,8 +67,8 @@ public:
 
     /// By the name of its Object; null for none, or one whose time is over.
     [[nodiscard]] const TransferFile* find(std::string_view name, TimePoint now) const;
-    /// Removes files of sessions that are gone, and those whose time is over; their names.
-    std::vector<std::string> expire(TimePoint now, FunctionRef<bool(const NodeId&)> has_session);
+    /// Removes files of holders that are gone, and those whose time is over; their names.
+    std::vector<std::string> expire(TimePoint now, FunctionRef<bool(const Holder&)> is_there);
 
 private:
     [[nodiscard]] std::size_t held() const;

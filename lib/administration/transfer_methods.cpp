@@ -41,7 +41,7 @@ TransferFile* TransferNodes::file_of(const MethodCall& call)
 {
     const std::string_view name = name_of(call.object_id());
     TransferFile* const file =
-        files_.find(call.input<std::uint32_t>(0), call.session_id(), name, now());
+        files_.find(call.input<std::uint32_t>(0), holder_of(server_, call), name, now());
     return file != nullptr && call.object_id() == node_id(name) ? file : nullptr;
 }
 
@@ -74,7 +74,7 @@ void TransferNodes::generate_for_read(MethodCall& call)
     if (bytes->size() > *room) {
         return call.fail(status::Bad_EncodingLimitsExceeded);
     }
-    const auto kept = keep({.session = call.session_id(), .bytes = *std::move(bytes)});
+    const auto kept = keep({.holder = holder_of(server_, call), .bytes = *std::move(bytes)});
     if (!kept) {
         return call.fail(kept.error());
     }
@@ -95,7 +95,8 @@ void TransferNodes::generate_for_write(MethodCall& call)
     if (const StatusCode may = transfer_.owner->may_take(request); may.is_bad()) {
         return call.fail(may);
     }
-    const auto kept = keep({.session = call.session_id(), .is_written = true, .options = options});
+    const auto kept =
+        keep({.holder = holder_of(server_, call), .is_written = true, .options = options});
     if (!kept) {
         return call.fail(kept.error());
     }
@@ -108,7 +109,7 @@ void TransferNodes::generate_for_write(MethodCall& call)
 void TransferNodes::close_and_commit(MethodCall& call)
 {
     const TransferFile* const file =
-        files_.find(call.input<std::uint32_t>(0), call.session_id(), now());
+        files_.find(call.input<std::uint32_t>(0), holder_of(server_, call), now());
     if (file == nullptr) {
         return call.fail(status::Bad_InvalidArgument);
     }

@@ -198,9 +198,8 @@ TimePoint TransferNodes::now() const
 
 void TransferNodes::expire()
 {
-    const server::RunningServer running{server_};
     const auto gone =
-        files_.expire(now(), [&](const NodeId& session) { return running.has_session(session); });
+        files_.expire(now(), [&](const Holder& holder) { return is_there(server_, holder); });
     for (const std::string& name : gone) {
         remove_nodes(name);
     }

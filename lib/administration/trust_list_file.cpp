@@ -90,10 +90,9 @@ void TrustListFile::bind_values(model::NodeIndex node)
 
 void TrustListFile::expire()
 {
-    const server::RunningServer running{needs_.server};
-    std::erase_if(open_, [&](const Open& open) { return !running.has_session(open.session); });
-    const NodeId* const owner = needs_.transaction.owner();
-    if (owner != nullptr && !running.has_session(*owner)) {
+    std::erase_if(open_, [&](const Open& open) { return !is_there(needs_.server, open.holder); });
+    const Holder* const owner = needs_.transaction.owner();
+    if (owner != nullptr && !is_there(needs_.server, *owner)) {
         needs_.transaction.cancel(status::Bad_SessionClosed);
     }
 }
@@ -107,8 +106,9 @@ bool TrustListFile::is_open_for_writing() const
 TrustListFile::Open* TrustListFile::find(const MethodCall& call)
 {
     const auto handle = call.input<std::uint32_t>(0);
+    const Holder holder = holder_of(needs_.server, call);
     const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& open) {
-        return open.handle == handle && open.session == call.session_id();
+        return open.handle == handle && open.holder == holder;
     });
     return found == open_.end() ? nullptr : &*found;
 }
@@ -128,7 +128,7 @@ void TrustListFile::keep(MethodCall call, Open open)
         return call.fail(status::Bad_TooManyOperations);
     }
     open.handle = ++last_handle_;
-    open.session = call.session_id();
+    open.holder = holder_of(needs_.server, call);
     open.version = group().version;
     open_.push_back(std::move(open));
     call.succeed(one_output(Variant{last_handle_}));
@@ -151,7 +151,8 @@ void TrustListFile::open(MethodCall call)
     if (is_open_for_writing()) {
         return call.fail(status::Bad_NotWritable);
     }
-    if (const StatusCode entered = needs_.transaction.enter(call.session_id()); entered.is_bad()) {
+    if (const StatusCode entered = needs_.transaction.enter(holder_of(needs_.server, call));
+        entered.is_bad()) {
         return call.fail(entered);
     }
     keep(std::move(call), {0, {}, true, {}, 0, 0});

@@ -38,7 +38,7 @@ public:
 private:
     struct Open {
         std::uint32_t handle;
-        NodeId session;
+        Holder holder;
         bool is_writing;
         std::vector<std::byte> bytes;
         std::size_t position;

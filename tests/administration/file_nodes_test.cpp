@@ -201,6 +201,37 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: a session that ends writes nothing")
     CHECK(text(client, "a") == "first");
 }
 
+TEST_CASE_METHOD(FilesFixture, "file nodes: what was written is not kept without the right to")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make(client, "", "a") == "Good");
+    write(client, "a", "first");
+    const Variant half{ByteString{std::as_bytes(std::span{"half", 4})}};
+
+    // The right is taken away between Write and Close.
+    auto other = log_in_as("eng");
+    Variant handle = open(other, "a", writing);
+    CHECK(why(other, "a", "Write", {handle, half}) == "Good");
+    REQUIRE(user_list.modify("eng", {.roles = std::vector<std::string>{"Operator"}}, random));
+    server::RunningServer{server}.roles_changed();
+    CHECK(other.activate(other.user("eng", "patience is all")) == status::Good);
+    CHECK(why(other, "a", "Close", {handle}) != "Good");
+    CHECK(text(client, "a") == "first");
+    REQUIRE(user_list.modify("eng", {.roles = std::vector<std::string>{"Engineer"}}, random));
+
+    // The session gets another user, who may write too.
+    auto third = log_in_as("eng");
+    handle = open(third, "a", writing);
+    CHECK(why(third, "a", "Write", {handle, half}) == "Good");
+    CHECK(third.activate(third.user("op", "patience is all")) == status::Good);
+    CHECK(why(third, "a", "Close", {handle}) == "Bad_InvalidArgument");
+    CHECK(third.activate(third.user("eng", "patience is all")) == status::Good);
+    CHECK(why(third, "a", "Close", {handle}) == "Bad_InvalidArgument");
+    CHECK(text(client, "a") == "first");
+    CHECK(value(client, "a", "OpenCount").value == Variant{std::uint16_t{0}});
+}
+
 TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected loses nothing")
 {
     REQUIRE(file_storage.make_folder("", FileAccess::Owner));

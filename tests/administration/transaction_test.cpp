@@ -166,6 +166,10 @@ TEST_CASE("transaction: a list that is written twice has the parts of both", "[p
     world.clock.time = today;
     CHECK(world.transaction.enter(session) == status::Good);
     CHECK(world.transaction.enter(NodeId{0, 2}) == status::Bad_TransactionPending);
+    // Another user of the same session.
+    const administration::detail::Holder next{session, 1};
+    CHECK(world.transaction.enter(next) == status::Bad_TransactionPending);
+    CHECK(world.transaction.check_end(next) == status::Bad_SessionIdInvalid);
     crypto::TrustList list = world.transaction.trust_list(0);
     list.trusted = {stranger};
     world.transaction.set_trust_list(0, list, {.trusted = true});

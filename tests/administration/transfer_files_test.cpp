@@ -35,7 +35,7 @@ struct Transfers {
     {
         TransferFile file;
         file.name = std::move(name);
-        file.session = session;
+        file.holder = session;
         file.bytes = bytes_of(text);
         file.is_written = is_written;
         return files.add(std::move(file), now).handle;
@@ -53,7 +53,7 @@ struct Transfers {
     }
     std::vector<std::string> expire(bool has_two = true)
     {
-        return files.expire(now, [&](const NodeId& session) { return session == one || has_two; });
+        return files.expire(now, [&](const administration::detail::Holder& holder) { return holder == one || has_two; });
     }
 
     TimePoint now{};
@@ -104,12 +104,12 @@ TEST_CASE("transfer files: are written up to their limits")
 TEST_CASE("transfer files: how many may be written at once is limited by itself")
 {
     TransferFiles files{TemporaryFileTransfer{.name = "project", .limits = {.max_written = 1}}};
-    const auto written = files.add({.name = "a", .session = one, .is_written = true}, TimePoint{});
+    const auto written = files.add({.name = "a", .holder = one, .is_written = true}, TimePoint{});
     CHECK(files.room(two));
     REQUIRE_FALSE(files.room_to_write(two));
     CHECK(files.room_to_write(two).error() == status::Bad_TooManyOperations);
     files.remove(*files.find(written.handle, one, TimePoint{}));
-    files.add({.name = "b", .session = one}, TimePoint{});
+    files.add({.name = "b", .holder = one}, TimePoint{});
     CHECK(files.room_to_write(two));
 }
 

@@ -40,8 +40,10 @@ struct FileSystem {
     FileLimits limits{};
     /// Roles that see and read files, over encrypted channels.
     std::vector<NodeId> readers{};
-    /// Those that make, write, move and delete them, and read, too.
+    /// Roles that make, write, move and delete them, and read, too.
     std::vector<NodeId> writers{};
+    /// The program alone makes and writes them, such as logs: writers may only delete them.
+    bool is_written_by_program{false};
 };
 
 } // namespace busbar::administration

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include <busbar/core/api.hpp>
@@ -61,8 +63,9 @@ public:
                         DateTime return_time) const;
     /// The latest time that the server was told.
     [[nodiscard]] TimePoint latest_time() const;
-    /// False once it is over.
-    [[nodiscard]] bool has_session(const NodeId& session_id) const;
+    /// Counts the users of a session: another number is another user's, or the same user's after
+    /// another. Nothing once the session is over.
+    [[nodiscard]] std::optional<std::uint32_t> user_number(const NodeId& session_id) const;
 
 private:
     Server::Impl* impl_;

@@ -178,11 +178,12 @@ TimePoint RunningServer::latest_time() const
     return impl_->latest;
 }
 
-bool RunningServer::has_session(const NodeId& session_id) const
+std::optional<std::uint32_t> RunningServer::user_number(const NodeId& session_id) const
 {
     const auto& all = impl_->sessions.all();
-    return std::any_of(all.begin(), all.end(),
-                       [&](const auto& entry) { return entry.second->id == session_id; });
+    const auto found = std::find_if(
+        all.begin(), all.end(), [&](const auto& entry) { return entry.second->id == session_id; });
+    return found == all.end() ? std::nullopt : std::optional{found->second->user_changes};
 }
 
 } // namespace busbar::server

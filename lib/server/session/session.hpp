@@ -67,6 +67,7 @@ public:
             users.push_back(next.name);
         }
         user = std::move(next);
+        ++user_changes;
     }
     /// A request has come.
     void touch(TimePoint now) { deadline = std::min(now + timeout, ends_at); }
@@ -83,6 +84,8 @@ public:
     UserIdentity user;
     /// The same as the UserStore gave it, without the roles of rules.
     UserIdentity granted;
+    /// How often it was given to a user.
+    std::uint32_t user_changes{0};
     /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
     std::vector<std::string> users;
     /// When the user becomes an anonymous one (see user_expiry.hpp).
