@@ -168,6 +168,9 @@ std::vector<Setting> controller_settings(const toml::table& file)
         setting.unit = key.unit;
         settings.push_back(std::move(setting));
     }
+    for (Setting& each : settings) {
+        each.is_security = is_security_setting(each.name);
+    }
     return settings;
 }
 
@@ -180,8 +183,10 @@ bool is_table_list(std::string_view name)
 
 bool is_security_setting(std::string_view name)
 {
-    return name == "endpoint" || name == "certificates.trust_all_clients" ||
-           name == "certificates.suppress" || name.starts_with("users.");
+    return name == "endpoint" || name.starts_with("certificates.") || name.starts_with("users.") ||
+           name.starts_with("limits.certificates.") ||
+           name.find("login") != std::string_view::npos || name == "server.auditing" ||
+           name == "discovery.allow_none";
 }
 
 bool is_live(std::string_view name)

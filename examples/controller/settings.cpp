@@ -1,5 +1,6 @@
 #include "settings.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -41,6 +42,15 @@ Variant value_of(const toml::table& table, const ControllerConfig& config, const
     }
     Variant value = value_in(table, setting);
     return value.is_null() ? setting.otherwise : value;
+}
+
+/// Administration is over encrypted connections only.
+bool is_encrypted(const ControllerConfig& config)
+{
+    const auto& endpoints = config.server.endpoints;
+    return std::any_of(endpoints.begin(), endpoints.end(), [](const server::EndpointConfig& each) {
+        return each.security.mode == MessageSecurityMode::SignAndEncrypt;
+    });
 }
 
 } // namespace
@@ -131,6 +141,11 @@ Configured<void> Settings::check(const SettingValues& changes)
             if (auto checked = check_in_run(values_, all.values); !checked) {
                 return checked;
             }
+        }
+        if (is_encrypted(config_) && !is_encrypted(all.config)) {
+            return misconfigured(
+                "endpoint", "found none with the mode SignAndEncrypt; administration needs one",
+                status::Bad_InvalidArgument);
         }
         return running_.check ? running_.check(all.config) : Configured<void>{};
     } catch (const ConfigError& error) {

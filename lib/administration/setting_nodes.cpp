@@ -21,17 +21,20 @@ using server::MethodCall;
 
 constexpr std::string_view root_name = "Settings";
 
-model::NodeAccess access_of_settings()
+/// The rights of the roles at a setting, and at what belongs to it (Part 3, 4.9.2).
+model::NodeAccess access_of_settings(bool is_security)
 {
+    constexpr PermissionType all = together(may_see, may_act);
     model::NodeAccess access;
     access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
+    access.role_permissions.push_back({NodeId{0, id::WellKnownRole_SecurityAdmin}, all});
+    access.role_permissions.push_back(
+        {NodeId{0, id::WellKnownRole_ConfigureAdmin}, is_security ? may_see : all});
     for (const std::uint32_t role :
          {id::WellKnownRole_Operator, id::WellKnownRole_Engineer, id::WellKnownRole_Supervisor}) {
-        access.role_permissions.push_back({NodeId{0, role}, may_see});
-    }
-    for (const std::uint32_t role :
-         {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
-        access.role_permissions.push_back({NodeId{0, role}, together(may_see, may_act)});
+        if (!is_security) {
+            access.role_permissions.push_back({NodeId{0, role}, may_see});
+        }
     }
     return access;
 }
@@ -120,7 +123,7 @@ Result<model::NodeIndex> SettingNodes::add_folder(model::NodeIndex parent, std::
     node.parent = parent;
     const auto added = space.add_folder(node);
     if (added) {
-        space.set_node_access(*added, access_of_settings());
+        space.set_node_access(*added, access_of_settings(false));
     }
     return added;
 }
@@ -138,7 +141,7 @@ Result<void> SettingNodes::add_properties(model::NodeIndex node, std::size_t ind
         if (!added) {
             return fail(added.error());
         }
-        space.set_node_access(*added, access_of_settings());
+        space.set_node_access(*added, access_of_settings(setting.is_security));
         return {};
     };
     for (Fixed& each : fixed_properties(setting, namespace_)) {
@@ -195,7 +198,7 @@ Result<void> SettingNodes::add_setting(std::size_t index)
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*added, access_of_settings());
+    space.set_node_access(*added, access_of_settings(setting.is_security));
     return add_properties(*added, index);
 }
 
@@ -229,7 +232,7 @@ Result<void> SettingNodes::add_method()
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*added, access_of_settings());
+    space.set_node_access(*added, access_of_settings(false));
     needs_.table.bind_method(space, *added, [this](MethodCall call) {
         const auto kept = std::make_shared<MethodCall>(std::move(call));
         needs_.table.post([this, kept] { set(*kept); });
@@ -250,7 +253,7 @@ Configured<void> SettingNodes::add_nodes()
     Result<void> added{};
     if (root) {
         root_ = *root;
-        space.set_node_access(root_, access_of_settings());
+        space.set_node_access(root_, access_of_settings(false));
         added = add_method();
     } else {
         added = fail(root.error());
@@ -310,6 +313,15 @@ void SettingNodes::write_set(server::WriteBatch& batch)
     batch.finish(done ? StatusCode{status::Good} : done.error().status);
 }
 
+/// As a Write of its Variable would be decided.
+bool SettingNodes::may_change(const server::UserIdentity& user, const std::string& name) const
+{
+    const model::AddressSpace& space = needs_.server.address_space();
+    const model::NodeIndex node = space.find(NodeId{namespace_, String{node_name(name)}});
+    return needs_.list.find(name) == nullptr || node == model::no_node ||
+           may_call(space, node, user);
+}
+
 void SettingNodes::set(MethodCall& call)
 {
     const auto* const names = call.inputs()[0].array_if<String>();
@@ -320,6 +332,15 @@ void SettingNodes::set(MethodCall& call)
     std::vector<SettingChange> set;
     for (std::size_t i = 0; i < names->size(); ++i) {
         set.push_back({(*names)[i].str(), (*values)[i]});
+        if (!may_change(call.user(), set.back().name)) {
+            const Refusal refusal{status::Bad_UserAccessDenied,
+                                  "settings",
+                                  set.back().name + " is for the role SecurityAdmin",
+                                  {},
+                                  {}};
+            tell_method(needs_.log, RecordKind::SettingsChanged, call, refusal.status, &refusal);
+            return call.fail(refusal.status);
+        }
     }
     const auto done = needs_.list.change(set, needs_.owner);
     std::optional<Refusal> refusal;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include <busbar/administration/setting_list.hpp>
@@ -17,7 +18,7 @@ namespace busbar::administration::detail {
 /// Write are a set, as are those of one call of the Method Set.
 ///
 /// Over encrypted channels; changed by ConfigureAdmin and SecurityAdmin, read by Operator, Engineer
-/// and Supervisor too.
+/// and Supervisor too, but for those that decide about security (Setting::is_security).
 class SettingNodes final : public server::DataSource {
 public:
     struct Needs {
@@ -58,6 +59,7 @@ private:
     [[nodiscard]] Result<void> add_method();
     [[nodiscard]] Variant value_of(std::uint64_t handle) const;
     void write_set(server::WriteBatch& batch);
+    [[nodiscard]] bool may_change(const server::UserIdentity& user, const std::string& name) const;
     void set(server::MethodCall& call);
 
     Needs needs_;

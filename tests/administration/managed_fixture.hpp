@@ -277,6 +277,7 @@ struct ManagedFixture {
           .otherwise = Variant{std::int64_t{100}},
           .range = Range{1, 1'000}},
          {.name = "limits.login_lock_ms", .otherwise = Variant{std::int64_t{300}}, .unit = "ms"},
+         {.name = "users.anonymous", .otherwise = Variant{"no"}, .is_security = true},
          {.name = "server.port", .otherwise = Variant{std::int64_t{4'840}}},
          {.name = "server.host_names", .otherwise = Variant{Array<String>{"press-4"}}}}};
     PlainOwner owner;

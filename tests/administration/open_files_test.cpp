@@ -16,12 +16,13 @@ namespace open_files_test {
 
 using namespace busbar;
 using namespace busbar::administration;
+using administration::detail::Holder;
 using administration::detail::OpenFiles;
 
 namespace {
 
-const administration::detail::Holder one{NodeId{1, "one"}};
-const administration::detail::Holder two{NodeId{1, "two"}};
+const Holder one{NodeId{1, "one"}};
+const Holder two{NodeId{1, "two"}};
 
 constexpr std::uint8_t read = 1;
 constexpr std::uint8_t write = 2;
@@ -46,18 +47,18 @@ struct Files {
         REQUIRE(count);
         return {reinterpret_cast<const char*>(bytes.data()), *count};
     }
-    std::uint32_t open(std::string_view path, int mode, const administration::detail::Holder& session = one)
+    std::uint32_t open(std::string_view path, int mode, const Holder& session = one)
     {
         const auto handle = files.open(path, static_cast<std::uint8_t>(mode), session);
         REQUIRE(handle);
         return *handle;
     }
-    std::string_view why_not(std::string_view path, int mode, const administration::detail::Holder& session = one)
+    std::string_view why_not(std::string_view path, int mode, const Holder& session = one)
     {
         const auto handle = files.open(path, static_cast<std::uint8_t>(mode), session);
         return name(handle ? StatusCode{status::Good} : handle.error());
     }
-    std::string text(std::uint32_t handle, std::int32_t length = 1'000, const administration::detail::Holder& session = one)
+    std::string text(std::uint32_t handle, std::int32_t length = 1'000, const Holder& session = one)
     {
         const auto read = files.read({"a", handle, session}, length);
         return read ? std::string{reinterpret_cast<const char*>(read->data()), read->size()}
@@ -67,7 +68,7 @@ struct Files {
     {
         return name(files.write({"a", handle, one}, bytes_of(text)));
     }
-    std::string_view close(std::uint32_t handle, const administration::detail::Holder& session = one)
+    std::string_view close(std::uint32_t handle, const Holder& session = one)
     {
         return name(files.close({"a", handle, session}));
     }
@@ -131,7 +132,7 @@ TEST_CASE_METHOD(Files, "files: have one writer or many readers")
     CHECK(why_not("a", read, two) == "Good");
     CHECK(files.count("a") == 2);
     CHECK(why_not("a", write) == "Bad_NotWritable");
-    files.expire([](const administration::detail::Holder&) { return false; });
+    files.expire([](const Holder&) { return false; });
     CHECK(text(reader) == "Bad_InvalidArgument");
     const auto writer = open("a", write);
     CHECK(why_not("a", read, two) == "Bad_NotReadable");
@@ -140,7 +141,7 @@ TEST_CASE_METHOD(Files, "files: have one writer or many readers")
     CHECK(files.read({"b", writer, one}, 1).error() == status::Bad_InvalidArgument);
     // A client that vanishes has written nothing.
     CHECK(add(writer, "half") == "Good");
-    files.expire([](const administration::detail::Holder& holder) { return holder == two; });
+    files.expire([](const Holder& holder) { return holder == two; });
     CHECK(stored("a") == "first");
     CHECK(why_not("a", write, two) == "Good");
 }

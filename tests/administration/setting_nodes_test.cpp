@@ -169,4 +169,33 @@ TEST_CASE_METHOD(Settings, "settings: lists of names and values that do not matc
     CHECK(settings.changes().size() == 1);
 }
 
+TEST_CASE_METHOD(Settings, "settings: those of security are SecurityAdmin's")
+{
+    REQUIRE(user_list.add({"config", {}, 0, {}, {"ConfigureAdmin"}}, "patience is all", random));
+    REQUIRE(user_list.add({"op", {}, 0, {}, {"Operator"}}, "patience is all", random));
+    auto admin = log_in();
+    auto config = log_in("config", "patience is all");
+    auto op = log_in("op", "patience is all");
+    const auto set = [&](TestClient& client, const char* other, Variant value) {
+        Array<Variant> values;
+        values.push_back(Variant{"read"});
+        values.push_back(std::move(value));
+        return name(call(client, node(""), node("Set"),
+                         {Variant{Array<String>{"users.anonymous", other}}, Variant{values}})
+                        .status_code);
+    };
+    CHECK(get(config, "users.anonymous").value == Variant{"no"});
+    CHECK(get(op, "users.anonymous").status == status::Bad_NodeIdUnknown);
+    CHECK(get(op, "users.anonymous.Default").status == status::Bad_NodeIdUnknown);
+    CHECK(get(op, "server.port").value == Variant{std::int64_t{4'840}});
+    CHECK(write(config, {{"users.anonymous", Variant{"read"}},
+                         {"server.port", Variant{std::int64_t{4'841}}}}) ==
+          Results{"Bad_UserAccessDenied", "Good"});
+    CHECK(set(config, "server.port", Variant{std::int64_t{4'842}}) == "Bad_UserAccessDenied");
+    CHECK(get(admin, "users.anonymous").value == Variant{"no"});
+    CHECK(get(admin, "server.port").value == Variant{std::int64_t{4'841}});
+    CHECK(set(admin, "server.port", Variant{std::int64_t{4'842}}) == "Good");
+    CHECK(get(admin, "users.anonymous").value == Variant{"read"});
+}
+
 } // namespace setting_nodes_test

@@ -15,6 +15,7 @@ namespace transfer_files_test {
 using namespace busbar;
 using namespace std::chrono_literals;
 using administration::TemporaryFileTransfer;
+using administration::detail::Holder;
 using administration::detail::TransferFile;
 using administration::detail::TransferFiles;
 
@@ -53,7 +54,7 @@ struct Transfers {
     }
     std::vector<std::string> expire(bool has_two = true)
     {
-        return files.expire(now, [&](const administration::detail::Holder& holder) { return holder == one || has_two; });
+        return files.expire(now, [&](const Holder& holder) { return holder == one || has_two; });
     }
 
     TimePoint now{};

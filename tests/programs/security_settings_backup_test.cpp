@@ -12,7 +12,8 @@ using namespace busbar::test;
 TEST_CASE_METHOD(BackupFixture, "machine backup: has security settings apart (3-2-9, 8-2-2)")
 {
     const std::string begin = R"({"version":1,"settings":{)";
-    const std::string open = R"("endpoint":["{ policy = 'None' }"],)";
+    const std::string open = R"("endpoint":["{ policy = 'None' }",)"
+                             R"("{ mode = 'SignAndEncrypt', policy = 'Basic256Sha256' }"],)";
     const std::string named = R"("server.name":"Press 4")";
     const std::string anybody = R"(,"users.anonymous":"read")";
     put("settings.json", begin + open + named + anybody + "}}\n");
@@ -55,8 +56,7 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: has security settings apart (3-
     CHECK(there()["settings.json"] == begin + open + named + anybody + "}}\n");
     start();
     CHECK(take("clear", {}) == "Good");
-    CHECK(there()["settings.json"] ==
-          begin + R"("endpoint":["{ policy = 'None' }"],"users.anonymous":"read"}})" + "\n");
+    CHECK(there()["settings.json"] == begin + open + R"("users.anonymous":"read"}})" + "\n");
 }
 
 } // namespace security_settings_backup_test

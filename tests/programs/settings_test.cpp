@@ -222,7 +222,7 @@ TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRA
         {"machine.execution_log", Variant{true}},
         {"machine.execution_log_files", Variant{std::int64_t{7}}},
         {"machine.execution_log_records", Variant{std::int64_t{200}}},
-        {"endpoint", texts({"{ mode = 'Sign', policy = 'Basic256Sha256' }"})},
+        {"endpoint", texts({"{ mode = 'SignAndEncrypt', policy = 'Aes256_Sha256_RsaPss' }"})},
         {"users.anonymous", Variant{"read"}},
     };
     CHECK(changes.size() == program_only_settings().size());
@@ -256,6 +256,31 @@ TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRA
     write("[machine]\nmode = \"RUN\"\n"); // there is no program, and no machine
     start();
     CHECK(refusal(changes) == "none");
+}
+
+TEST_CASE_METHOD(SettingsFixture, "the last endpoint for administration cannot go")
+{
+    write("[[endpoint]]\npolicy = \"Basic256Sha256\"\nmode = \"SignAndEncrypt\"\n");
+    start();
+    for (const char* open :
+         {"{ policy = 'None' }", "{ mode = 'Sign', policy = 'Basic256Sha256' }"}) {
+        INFO(open);
+        const auto done = set({{"endpoint", texts({open})}});
+        REQUIRE_FALSE(done);
+        CHECK(done.error().status == status::Bad_InvalidArgument);
+        CHECK(done.error().where == "endpoint");
+        CHECK(done.error().text.find("SignAndEncrypt") != std::string::npos);
+    }
+    CHECK(refusal({{"endpoint",
+                    texts({"{ policy = 'None' }",
+                           "{ mode = 'SignAndEncrypt', policy = 'Aes256_Sha256_RsaPss' }"})}}) ==
+          "none");
+    // Where there is none it was decided at the machine.
+    forget_changes(file);
+    write("[[endpoint]]\npolicy = \"None\"\n");
+    start();
+    CHECK(refusal({{"endpoint", texts({"{ mode = 'Sign', policy = 'Basic256Sha256' }"})}}) ==
+          "none");
 }
 
 TEST_CASE_METHOD(SettingsFixture, "what runs is asked before a change and told after it")

@@ -29,6 +29,9 @@ struct Setting {
     std::optional<Range> range{};
     /// "ms", "s", "d", "B", "%"; empty: none.
     std::string unit{};
+    /// It decides about security: SecurityAdmin changes it, ConfigureAdmin sees it, other roles do
+    /// not (Part 3, 4.9.2).
+    bool is_security{false};
 };
 
 /// Values by the names of settings.
