@@ -34,6 +34,7 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
 {
     admission_ = &admission;
     has_other_administrator_ = admission.has_administrator();
+    roles_.set_other_administrators(has_other_administrator_);
     users_.emplace(files_, "users.json", config.users.password_rules, admission.passwords(),
                    [this](const administration::User& user) { return is_administrator(user); });
     expect(users_->load());
@@ -75,6 +76,7 @@ void Administered::end_setup(server::Server& server)
 void Administered::read_users()
 {
     has_other_administrator_ = admission_->has_administrator();
+    roles_.set_other_administrators(has_other_administrator_);
     expect(users_->load());
 }
 

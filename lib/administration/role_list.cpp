@@ -39,9 +39,16 @@ bool is_fixed(const RoleRules& role)
             role.name == "TrustedApplication");
 }
 
-bool can_make_administrator(const RoleRules& role)
+bool is_of_administrators(const RoleRules& role)
 {
-    return role.name == "SecurityAdmin" && !role.identities.empty();
+    return role.namespace_uri == ua_uri && role.name == "SecurityAdmin";
+}
+
+/// Nobody can have the role, whatever its other rules are.
+bool admits_nobody(const RoleRules& role)
+{
+    return (!role.applications_exclude && role.applications.empty()) ||
+           (!role.endpoints_exclude && role.endpoints.empty());
 }
 
 template <typename T, typename Value>
@@ -182,13 +189,20 @@ Checked<void> RoleList::change(std::string_view name, Change change)
     if (found == roles.end()) {
         return refuse_role(status::Bad_NotFound, name, "is not there");
     }
-    const bool was_administrator = can_make_administrator(*found);
+    const bool had_rules = !found->identities.empty();
+    const bool admitted_nobody = admits_nobody(*found);
     if (Checked<void> changed = change(*found); !changed) {
         return changed;
     }
-    if (was_administrator && !can_make_administrator(*found)) {
+    if (is_of_administrators(*found) && had_rules && found->identities.empty() &&
+        !has_other_administrators_) {
         return refuse_role(status::Bad_RequestNotAllowed, name,
                            "would have no rule, and nobody could administer the server by it");
+    }
+    if (is_of_administrators(*found) && !admitted_nobody && admits_nobody(*found)) {
+        return refuse_role(status::Bad_RequestNotAllowed, name,
+                           "would be for applications or endpoints of a list that is empty, and "
+                           "nobody could administer the server; add to the list first");
     }
     return replace(std::move(roles));
 }
@@ -335,6 +349,16 @@ server::UserRights RoleList::roles_of(const server::RoleQuestion& question) cons
     if (!rights.roles.empty()) {
         rights.access_level_mask = detail::access_of(rights.roles);
     }
+    return rights;
+}
+
+server::UserRights RoleList::limited(const server::RoleQuestion& question,
+                                     server::UserRights rights) const
+{
+    std::erase_if(rights.roles, [&](const std::string& name) {
+        const RoleRules* const role = find(name);
+        return role != nullptr && !detail::admits(*role, question);
+    });
     return rights;
 }
 

@@ -69,7 +69,7 @@ bool fits(const IdentityMappingRuleType& rule, const server::RoleQuestion& quest
     case IdentityCriteriaType::Thumbprint:
         return user.token_type == UserTokenType::Certificate && user.thumbprint == criteria;
     case IdentityCriteriaType::Role:
-        return user.token_type == UserTokenType::IssuedToken && has(user.roles, criteria);
+        return user.token_type == UserTokenType::IssuedToken && has(user.claimed_roles, criteria);
     case IdentityCriteriaType::Anonymous:
         return user.token_type == UserTokenType::Anonymous;
     case IdentityCriteriaType::AuthenticatedUser:
@@ -103,9 +103,13 @@ bool fits(const EndpointType& endpoint, const server::RoleQuestion& question)
 
 bool fits(const RoleRules& role, const server::RoleQuestion& question)
 {
-    const bool is_meant =
-        std::any_of(role.identities.begin(), role.identities.end(),
-                    [&](const IdentityMappingRuleType& rule) { return fits(rule, question); });
+    return admits(role, question) &&
+           std::any_of(role.identities.begin(), role.identities.end(),
+                       [&](const IdentityMappingRuleType& rule) { return fits(rule, question); });
+}
+
+bool admits(const RoleRules& role, const server::RoleQuestion& question)
+{
     // An ApplicationUri that no certificate proves is not one of those in the list.
     const bool is_listed = question.is_trusted && has(role.applications, question.application_uri);
     const bool is_listed_endpoint =
@@ -114,7 +118,7 @@ bool fits(const RoleRules& role, const server::RoleQuestion& question)
     // What is to be excluded and says nothing of itself is excluded, too.
     const bool is_excluded = role.applications_exclude && !role.applications.empty() &&
                              (is_listed || !question.is_trusted);
-    return is_meant && !is_excluded && (role.applications_exclude || is_listed) &&
+    return !is_excluded && (role.applications_exclude || is_listed) &&
            role.endpoints_exclude != is_listed_endpoint;
 }
 

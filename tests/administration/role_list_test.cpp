@@ -99,7 +99,7 @@ TEST_CASE_METHOD(Fixture, "roles: each kind of rule (Part 18, 4.4.3 and 4.4.4)")
     };
     const UserIdentity anonymous;
     UserIdentity issued{UserTokenType::IssuedToken, "pat"};
-    issued.roles = {"line 3"};
+    issued.claimed_roles = {"line 3"};
     CHECK(gives(rule(Criteria::UserName, "pat"), pat()));
     CHECK_FALSE(gives(rule(Criteria::UserName, "sam"), pat()));
     CHECK_FALSE(gives(rule(Criteria::UserName, "pat"), issued));
@@ -277,6 +277,42 @@ TEST_CASE_METHOD(Fixture, "roles: nobody takes the last rule of SecurityAdmin aw
     REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
     REQUIRE(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "root")));
     CHECK_FALSE(list.is_administrator("root"));
+}
+
+TEST_CASE_METHOD(Fixture, "roles: the last rule of SecurityAdmin may go where others administer")
+{
+    list.set_other_administrators(true);
+    REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
+    CHECK(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
+    CHECK(list.find("SecurityAdmin")->identities.empty());
+}
+
+TEST_CASE_METHOD(Fixture, "roles: nobody keeps all administrators out by empty lists")
+{
+    REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "root")));
+    CHECK(status_of(list.set_applications_exclude("SecurityAdmin", false)) ==
+          "Bad_RequestNotAllowed");
+    CHECK(status_of(list.set_endpoints_exclude("SecurityAdmin", false)) == "Bad_RequestNotAllowed");
+    REQUIRE(list.add_application("SecurityAdmin", "urn:client"));
+    REQUIRE(list.set_applications_exclude("SecurityAdmin", false));
+    CHECK(status_of(list.remove_application("SecurityAdmin", "urn:client")) ==
+          "Bad_RequestNotAllowed");
+    REQUIRE(list.set_applications_exclude("SecurityAdmin", true));
+    REQUIRE(list.remove_application("SecurityAdmin", "urn:client"));
+    REQUIRE(list.set_applications_exclude("Operator", false)); // others can be for nobody
+}
+
+TEST_CASE_METHOD(Fixture, "roles: their lists bind who has them without rules, too")
+{
+    REQUIRE(list.add_application("Operator", "urn:client"));
+    const UserIdentity configured{UserTokenType::UserName, "op", 0xFF, {"Operator", "Observer"}};
+    const auto left = [&](const char* uri) {
+        const server::RoleQuestion question{
+            .user = configured, .application_uri = uri, .is_trusted = true};
+        return list.limited(question, {0xFF, configured.roles}).roles;
+    };
+    CHECK(left("urn:other") == Names{"Operator", "Observer"});
+    CHECK(left("urn:client") == Names{"Observer"});
 }
 
 TEST_CASE_METHOD(Fixture,

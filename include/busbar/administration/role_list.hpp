@@ -79,7 +79,7 @@ public:
     [[nodiscard]] Checked<void> add_identity(std::string_view role,
                                              const IdentityMappingRuleType& rule);
     /// Bad_NotFound; Bad_RequestNotAllowed as above, and for the last rule by which somebody is
-    /// SecurityAdmin.
+    /// SecurityAdmin, if there are no other administrators.
     [[nodiscard]] Checked<void> remove_identity(std::string_view role,
                                                 const IdentityMappingRuleType& rule);
     [[nodiscard]] Checked<void> add_application(std::string_view role, std::string_view uri);
@@ -87,6 +87,7 @@ public:
     [[nodiscard]] Checked<void> add_endpoint(std::string_view role, const EndpointType& endpoint);
     [[nodiscard]] Checked<void> remove_endpoint(std::string_view role,
                                                 const EndpointType& endpoint);
+    /// Bad_RequestNotAllowed if nobody could be SecurityAdmin any more, here and in removals.
     [[nodiscard]] Checked<void> set_applications_exclude(std::string_view role, bool excludes);
     [[nodiscard]] Checked<void> set_endpoints_exclude(std::string_view role, bool excludes);
 
@@ -94,6 +95,13 @@ public:
     [[nodiscard]] bool is_administrator(std::string_view user) const;
 
     [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion& question) const override;
+    /// Without the roles whose lists of applications and endpoints do not allow them, whoever gave
+    /// them.
+    [[nodiscard]] server::UserRights limited(const server::RoleQuestion& question,
+                                             server::UserRights rights) const override;
+    /// Whether there are administrators without rules, such as those of a configuration: then the
+    /// last rule of SecurityAdmin may be removed.
+    void set_other_administrators(bool has_some) { has_other_administrators_ = has_some; }
 
 private:
     /// Changes a copy of the role by `change`, which may refuse, and keeps it once it is in the
@@ -108,6 +116,7 @@ private:
     /// Of roles_ while they change and where another thread reads them.
     mutable std::mutex mutex_;
     std::vector<RoleRules> roles_;
+    bool has_other_administrators_{false};
 };
 
 } // namespace busbar::administration

@@ -32,7 +32,7 @@ struct UserIdentity {
     /// The most bits of AccessLevelType that the user has at any node. Without CurrentWrite the
     /// user may call no Methods either, except those of the server itself.
     std::uint8_t access_level_mask{0xFF};
-    /// Names of the roles that the store or the issuer of the token gave the user.
+    /// Names of the roles that the store gave the user, and then those of rules.
     std::vector<std::string> roles{};
     /// Who issued the token, `iss`; empty for other kinds of user.
     std::string issuer{};
@@ -44,6 +44,9 @@ struct UserIdentity {
     /// When the certificate or token expires; null for never. The session is anonymous from then
     /// on, or closed where that is not allowed (Part 4, 7.40.5).
     DateTime valid_until{};
+    /// Names of roles that an issued token claims. They give nothing by themselves: rules of a
+    /// RoleMapper with the criteria Role go by them (Part 18, 4.4.4).
+    std::vector<std::string> claimed_roles{};
 
     friend bool operator==(const UserIdentity&, const UserIdentity&) = default;
 };

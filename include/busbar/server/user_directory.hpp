@@ -29,7 +29,8 @@ public:
     /// The rights of any other user with a trusted certificate; nothing: none of them is let in.
     void set_other_certificate_rights(std::optional<UserRights> rights);
 
-    /// Accepts issued tokens that these rules verify. The user has the token's roles, and the
+    /// Accepts issued tokens that these rules verify. The user has those of the token's
+    /// roles that set_role_access() names (others count by rules, see UserIdentity), and the
     /// access of all of them together; read access if none of them is known.
     void accept_tokens(crypto::JwtRules rules) { token_rules_ = std::move(rules); }
     /// The access of a role, by the name that tokens have for it.

@@ -42,6 +42,7 @@ Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& toke
     UserIdentity user =
         identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));
     user.issuer = std::move(claims->issuer);
+    user.claimed_roles = std::move(claims->roles);
     const auto skew = rules->clock_skew.count();
     user.valid_until = {claims->expires.ticks + skew * DateTime::ticks_per_second};
     return user;

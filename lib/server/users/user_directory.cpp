@@ -43,11 +43,12 @@ Result<UserRights> UserDirectory::certificate_user(const crypto::Certificate& us
 
 Result<UserRights> UserDirectory::token_user(const crypto::JwtClaims& claims)
 {
-    UserRights rights{anonymous_reader().access_level_mask, claims.roles};
+    UserRights rights{anonymous_reader().access_level_mask, {}};
     for (const std::string& role : claims.roles) {
         const auto found = role_access_.find(role);
         if (found != role_access_.end()) {
             rights.access_level_mask |= found->second;
+            rights.roles.push_back(role);
         }
     }
     return rights;
