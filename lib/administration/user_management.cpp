@@ -1,9 +1,11 @@
 #include "user_management.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include <busbar/administration/user_management_nodes/nodes.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -17,6 +19,10 @@ namespace busbar::administration::detail {
 namespace {
 
 using server::MethodCall;
+
+/// Changes that wait for the one that is under way.
+constexpr std::size_t max_waiting = 256;
+constexpr std::ptrdiff_t max_waiting_of_user = 64;
 
 constexpr std::uint32_t bit(PasswordOptionsMask option)
 {
@@ -155,30 +161,90 @@ void UserManagement::change_password(MethodCall call)
     if (call.user().token_type != UserTokenType::UserName) {
         return call.fail(status::Bad_InvalidState);
     }
-    run(std::move(call), [this](const MethodCall& c) {
-        return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_);
-    });
+    run(
+        std::move(call),
+        [this](const MethodCall& c) {
+            return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_);
+        },
+        {}, true);
 }
 
-void UserManagement::run(MethodCall call, Change change, std::string sessions_end_of)
+void UserManagement::run(MethodCall call, Change change, std::string sessions_end_of,
+                         bool tries_password)
 {
-    if (worker_ == nullptr) {
-        finish(call, change(call), sessions_end_of);
-        return;
+    const std::string& user = call.user().name;
+    const auto waiting = std::count_if(
+        jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.call->user().name == user; });
+    if (waiting >= max_waiting_of_user || jobs_.size() >= max_waiting) {
+        return call.fail(status::Bad_TooManyOperations);
     }
-    auto shared = std::make_shared<MethodCall>(std::move(call));
-    const auto job = [this, shared, change = std::move(change),
-                      whose = std::move(sessions_end_of)] {
-        auto done = std::make_shared<Checked<void>>(change(*shared));
-        table_.post([this, shared, done, whose] { finish(*shared, *done, whose); });
-    };
-    if (!worker_->run(job)) {
-        shared->fail(status::Bad_TooManyOperations);
+    const Holder holder = holder_of(server_, call);
+    jobs_.push_back({std::make_shared<MethodCall>(std::move(call)), holder, std::move(change),
+                     std::move(sessions_end_of), tries_password});
+    start_next();
+}
+
+/// The oldest of another user than the last one, if there is any.
+UserManagement::Job UserManagement::take_next()
+{
+    auto next = std::find_if(jobs_.begin(), jobs_.end(),
+                             [&](const Job& job) { return job.call->user().name != last_user_; });
+    next = next == jobs_.end() ? jobs_.begin() : next;
+    Job job = std::move(*next);
+    jobs_.erase(next);
+    last_user_ = job.call->user().name;
+    return job;
+}
+
+void UserManagement::start_next()
+{
+    while (!is_busy_ && !jobs_.empty()) {
+        const auto job = std::make_shared<Job>(take_next());
+        if (!may_start(*job)) {
+            continue;
+        }
+        if (worker_ == nullptr) {
+            finish(*job, job->change(*job->call));
+            continue;
+        }
+        is_busy_ = worker_->run([this, job] {
+            auto done = std::make_shared<Checked<void>>(job->change(*job->call));
+            table_.post([this, job, done] {
+                is_busy_ = false;
+                finish(*job, *done);
+                start_next();
+            });
+        });
+        if (!is_busy_) {
+            job->call->fail(status::Bad_TooManyOperations);
+        }
     }
 }
 
-void UserManagement::finish(MethodCall& call, const Checked<void>& done, const std::string& whose)
+bool UserManagement::may_start(Job& job)
 {
+    if (!is_there(server_, job.holder)) { // whose right it was is gone
+        job.call->fail(status::Bad_SessionClosed);
+        return false;
+    }
+    if (job.tries_password &&
+        !server::RunningServer{server_}.may_try_password(job.holder.session)) {
+        const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",
+                              "user \"" + printable(last_user_) + "\" after too many failures",
+                              "Part 4, 5.7.3.1", "Wait, or restart the server"};
+        tell_method(log_, RecordKind::UsersChanged, *job.call, refusal.status, &refusal);
+        job.call->fail(refusal.status);
+        return false;
+    }
+    return true;
+}
+
+void UserManagement::finish(const Job& job, const Checked<void>& done)
+{
+    MethodCall& call = *job.call;
+    if (job.tries_password && (done || done.error().status == status::Bad_IdentityTokenInvalid)) {
+        server::RunningServer{server_}.password_tried(job.holder.session, done.has_value());
+    }
     if (!done) {
         tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
         return call.fail(done.error().status);
@@ -186,7 +252,7 @@ void UserManagement::finish(MethodCall& call, const Checked<void>& done, const s
     tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
     call.succeed();
     table_.post_change();
-    if (!whose.empty()) {
+    if (const std::string& whose = job.sessions_end_of; !whose.empty()) {
         table_.post([this, whose] {
             server::RunningServer{server_}.end_sessions([&](const server::UserIdentity& user) {
                 return user.token_type == UserTokenType::UserName && user.name == whose;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <deque>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <busbar/administration/user_list.hpp>
@@ -9,6 +11,7 @@
 #include <busbar/server/worker.hpp>
 
 #include "node_table.hpp"
+#include "permissions.hpp"
 
 namespace busbar::administration::detail {
 
@@ -29,16 +32,30 @@ public:
 private:
     /// What a Method does to the list.
     using Change = std::function<Checked<void>(const server::MethodCall&)>;
+    struct Job {
+        std::shared_ptr<server::MethodCall> call;
+        Holder holder;
+        Change change;
+        /// Sessions of this user, if not empty, end (Part 18, 5.2.6 and 5.2.7).
+        std::string sessions_end_of;
+        /// It tries a password, as a login does.
+        bool tries_password;
+    };
 
     void bind_values();
     void add(server::MethodCall call);
     void modify(server::MethodCall call);
     void remove(server::MethodCall call);
     void change_password(server::MethodCall call);
-    /// Does the change where passwords are hashed, then answers. Sessions of the user
-    /// `sessions_end_of`, if not empty, end (Part 18, 5.2.6 and 5.2.7).
-    void run(server::MethodCall call, Change change, std::string sessions_end_of = {});
-    void finish(server::MethodCall& call, const Checked<void>& done, const std::string& whose);
+    /// Does the change where passwords are hashed, then answers. One at a time, so that logins,
+    /// which use the same worker, wait for one of them at most; users take turns.
+    void run(server::MethodCall call, Change change, std::string sessions_end_of = {},
+             bool tries_password = false);
+    [[nodiscard]] Job take_next();
+    void start_next();
+    /// False if the call was refused instead.
+    [[nodiscard]] bool may_start(Job& job);
+    void finish(const Job& job, const Checked<void>& done);
 
     server::Server& server_;
     model::AddressSpace& space_;
@@ -47,6 +64,9 @@ private:
     LogSink& log_;
     crypto::Random& random_;
     server::Worker* worker_;
+    std::deque<Job> jobs_; // that wait
+    bool is_busy_{false};
+    std::string last_user_;
 };
 
 } // namespace busbar::administration::detail

@@ -171,6 +171,87 @@ TEST_CASE("user management: hashes are made by the worker")
     CHECK(users.add(admin, "sam", patience) == "Bad_TooManyOperations");
 }
 
+TEST_CASE_METHOD(Users, "user management: an old password cannot be guessed at")
+{
+    auto admin = log_in();
+    REQUIRE(add(admin, "pat", patience) == "Good");
+    auto pat = log_in("pat", patience);
+    const std::size_t most = server.config().limits.max_login_failures;
+    for (std::size_t i = 0; i < most; ++i) {
+        CHECK(change_password(pat, "a guess that is wrong", "my own choice") ==
+              "Bad_IdentityTokenInvalid");
+    }
+    CHECK(change_password(pat, patience, "my own choice") == "Bad_UserAccessDenied");
+    CHECK(user_list.find("pat")); // and is not locked out elsewhere
+    now += server.config().limits.login_lock;
+    server.handle_deadline(now);
+    pat = log_in("pat", patience);
+    CHECK(change_password(pat, patience, "my own choice") == "Good");
+}
+
+TEST_CASE("user management: changes are made one by one, and users take turns")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    REQUIRE(users.user_list.add({"chief", {}, 0, {}, {"SecurityAdmin"}}, patience, users.random));
+    auto admin = users.log_in();
+    auto chief = users.log_in("chief", patience);
+    const auto request = [](const std::vector<const char*>& names) {
+        CallRequest all;
+        for (const char* name : names) {
+            CallMethodRequest each;
+            each.object_id = NodeId{0, id::UserManagement};
+            each.method_id = NodeId{0, id::UserManagement_AddUser};
+            each.input_arguments = {Variant{String{name}}, Variant{String{patience}},
+                                    Variant{std::uint32_t{0}}, Variant{String{}}};
+            all.methods_to_call.push_back(each);
+        }
+        return all;
+    };
+    const auto there = [&](const char* name) { return users.user_list.find(name).has_value(); };
+    const auto many = admin.send(request({"a", "b", "c"}));
+    const auto one = chief.send(request({"z"}));
+    CHECK(worker.jobs.size() == 1); // whoever logs in waits for one of them at most
+    const auto next = [&] {
+        worker.work();
+        users.complete();
+    };
+    next();
+    CHECK(there("a"));
+    next();
+    CHECK((there("z") && !there("b")));
+    CHECK(chief.take<CallResponse>(one));
+    next();
+    next();
+    CHECK((there("b") && there("c")));
+    CHECK(admin.take<CallResponse>(many));
+    CHECK(worker.jobs.empty());
+}
+
+TEST_CASE("user management: what waits is not done for a session that is over")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    auto admin = users.log_in();
+    auto other = users.log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+    request.methods_to_call[0].method_id = NodeId{0, id::UserManagement_AddUser};
+    request.methods_to_call[0].input_arguments = {Variant{String{"pat"}}, Variant{String{patience}},
+                                                  Variant{std::uint32_t{0}}, Variant{String{}}};
+    admin.send(request);
+    request.methods_to_call[0].input_arguments[0] = Variant{String{"sam"}};
+    other.send(request);
+    other.close_session();
+    while (!worker.jobs.empty()) {
+        worker.work();
+        users.complete();
+    }
+    CHECK(users.user_list.find("pat"));
+    CHECK_FALSE(users.user_list.find("sam"));
+}
+
 TEST_CASE_METHOD(Users, "user management: a medium that fails changes nothing")
 {
     auto admin = log_in();

@@ -63,6 +63,11 @@ public:
                         DateTime return_time) const;
     /// The latest time that the server was told.
     [[nodiscard]] TimePoint latest_time() const;
+    /// Whether the user of the session may be asked for a password again: the guard of logins has
+    /// not locked this user at this client (Part 4, 5.7.3.1). False once the session is over.
+    [[nodiscard]] bool may_try_password(const NodeId& session_id) const;
+    /// Counts the password that was tried as one of a login.
+    void password_tried(const NodeId& session_id, bool was_right) const;
     /// Counts the users of a session: another number is another user's, or the same user's after
     /// another. Nothing once the session is over.
     [[nodiscard]] std::optional<std::uint32_t> user_number(const NodeId& session_id) const;

@@ -29,6 +29,25 @@ bool has_other_names(const ServerConfig& a, const ServerConfig& b)
     return a.host_names != b.host_names || a.endpoint_url != b.endpoint_url;
 }
 
+/// Null if it is over.
+const detail::Session* find_session(const detail::Core& core, const NodeId& session_id)
+{
+    const auto& all = core.sessions.all();
+    const auto found = std::find_if(
+        all.begin(), all.end(), [&](const auto& entry) { return entry.second->id == session_id; });
+    return found == all.end() ? nullptr : found->second.get();
+}
+
+/// Of the client's certificate; empty without one.
+std::string thumbprint_of(const detail::Session& session)
+{
+    if (session.peer == nullptr) {
+        return {};
+    }
+    const auto& chain = session.peer->channel().peer_certificates();
+    return chain.empty() ? std::string{} : chain.front().thumbprint_text();
+}
+
 } // namespace
 
 Configured<void> Server::Impl::check_change(const ServerConfig& wanted) const
@@ -178,12 +197,34 @@ TimePoint RunningServer::latest_time() const
     return impl_->latest;
 }
 
+bool RunningServer::may_try_password(const NodeId& session_id) const
+{
+    const detail::Session* const session = find_session(*impl_, session_id);
+    const std::string thumbprint = session != nullptr ? thumbprint_of(*session) : std::string{};
+    return session != nullptr &&
+           !impl_->logins.admit({session->user.name, thumbprint, session->address}, impl_->latest)
+                .is_locked;
+}
+
+void RunningServer::password_tried(const NodeId& session_id, bool was_right) const
+{
+    const detail::Session* const session = find_session(*impl_, session_id);
+    if (session == nullptr) {
+        return;
+    }
+    const std::string thumbprint = thumbprint_of(*session);
+    const detail::LoginAttempt attempt{session->user.name, thumbprint, session->address};
+    if (was_right) {
+        impl_->logins.succeeded(attempt);
+    } else {
+        static_cast<void>(impl_->logins.failed(attempt, impl_->latest));
+    }
+}
+
 std::optional<std::uint32_t> RunningServer::user_number(const NodeId& session_id) const
 {
-    const auto& all = impl_->sessions.all();
-    const auto found = std::find_if(
-        all.begin(), all.end(), [&](const auto& entry) { return entry.second->id == session_id; });
-    return found == all.end() ? std::nullopt : std::optional{found->second->user_changes};
+    const detail::Session* const session = find_session(*impl_, session_id);
+    return session == nullptr ? std::nullopt : std::optional{session->user_changes};
 }
 
 } // namespace busbar::server
