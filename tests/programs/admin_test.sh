@@ -60,9 +60,8 @@ as_admin 0 admin role grant "$url" pat SecurityAdmin
 as_admin 0 admin role list "$url"
 says "SecurityAdmin .*user pat"
 run 0 --user pat --password-file pat --trust admin user list "$url"
-as_admin 1 admin role revoke "$url" pat SecurityAdmin # it is the last rule of this role
-as_admin 0 admin role grant "$url" chief SecurityAdmin
-as_admin 0 admin role revoke "$url" pat SecurityAdmin
+as_admin 0 admin role revoke "$url" pat SecurityAdmin # the last rule: chief is one by the file
+run 4 --user pat --password-file pat --trust admin user list "$url"
 as_admin 0 admin user disable "$url" pat
 run 4 --user pat --password-file pat --trust read "$url" i=2259
 as_admin 0 admin user enable "$url" pat
