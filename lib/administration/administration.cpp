@@ -91,6 +91,7 @@ Configured<void> Administration::Impl::check_files() const
 
 Configured<void> Administration::Impl::attach(server::Server& server)
 {
+    table.set_server(server);
     if (parts.roles != nullptr) {
         role_set.emplace(server, *parts.roles, table, *parts.log);
         if (auto attached = role_set->attach(); !attached) {

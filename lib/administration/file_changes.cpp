@@ -77,21 +77,17 @@ void FileNodes::expire()
     open_.expire([&](const Holder& holder) { return is_there(server_, holder); });
 }
 
-void FileNodes::call(server::CallBatch batch)
+void FileNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)
 {
-    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
     expire();
-    for (std::size_t i = 0; i < shared->size(); ++i) {
-        MethodCall call{shared, i};
-        const std::string* const path = path_of(call.object_id());
-        const auto method = static_cast<std::size_t>(shared->items()[i].handle);
-        if (path == nullptr || method >= methods_.size()) {
-            call.fail(status::Bad_MethodInvalid);
-            continue;
-        }
-        const std::string name = *path; // a Method may remove the node
-        (this->*methods_[method])(call, name);
+    MethodCall call{batch, index};
+    const std::string* const path = path_of(call.object_id());
+    const auto method = static_cast<std::size_t>(batch->items()[index].handle);
+    if (path == nullptr || method >= methods_.size()) {
+        return call.fail(status::Bad_MethodInvalid);
     }
+    const std::string name = *path; // a Method may remove the node
+    (this->*methods_[method])(call, name);
 }
 
 void FileNodes::open(MethodCall& call, const std::string& path)

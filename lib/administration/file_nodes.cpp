@@ -69,8 +69,12 @@ std::string_view folder_of(std::string_view path)
 
 FileNodes::FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock)
     : server_{server}, space_{server.address_space()}, files_{files}, clock_{clock},
-      open_{*files.storage, files.limits}
+      open_{*files.storage, files.limits}, turns_{
+                                               [this](
+                                                   const std::shared_ptr<server::CallBatch>& batch,
+                                                   std::size_t index) { serve(batch, index); }}
 {
+    turns_.set_server(server);
 }
 
 NodeId FileNodes::node_id(std::string_view path) const

@@ -13,6 +13,7 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
 
+#include "call_turns.hpp"
 #include "file_objects.hpp"
 #include "node_table.hpp"
 #include "open_files.hpp"
@@ -37,7 +38,9 @@ public:
         return own_source_options();
     }
     void read(server::ReadBatch batch) override;
-    void call(server::CallBatch batch) override;
+    void call(server::CallBatch batch) override { turns_.add(std::move(batch)); }
+    void attach(server::Waker* waker) override { turns_.attach(waker); }
+    void handle_completions() override { turns_.serve_next(); }
 
 private:
     using Aspect = FileAspect;
@@ -64,6 +67,7 @@ private:
     [[nodiscard]] const std::string* path_of(const NodeId& node) const;
     [[nodiscard]] DataValue value_of(const std::string& path, Aspect aspect);
     void expire();
+    void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
 
     void open(server::MethodCall& call, const std::string& path);
     void close(server::MethodCall& call, const std::string& path);
@@ -92,6 +96,7 @@ private:
     const FileSystem& files_;
     const WallClock& clock_;
     OpenFiles open_;
+    CallTurns turns_;
     std::uint16_t namespace_{0};
     NodeId file_type_;
     model::NodeIndex writing_{model::no_node};

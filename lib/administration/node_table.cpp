@@ -8,6 +8,12 @@
 
 namespace busbar::administration::detail {
 
+NodeTable::NodeTable(const WallClock& clock)
+    : clock_{&clock}, turns_{[this](const std::shared_ptr<server::CallBatch>& batch,
+                                    std::size_t index) { serve(batch, index); }}
+{
+}
+
 std::uint64_t NodeTable::add(Entry entry)
 {
     entries_.push_back(std::move(entry));
@@ -75,22 +81,24 @@ void NodeTable::write(server::WriteBatch batch)
 
 void NodeTable::call(server::CallBatch batch)
 {
-    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
-    for (std::size_t i = 0; i < shared->size(); ++i) {
-        const Entry* const entry = find(shared->items()[i].handle);
-        server::MethodCall call{shared, i};
-        if (entry == nullptr || !entry->method) {
-            call.fail(status::Bad_NotImplemented);
-            continue;
-        }
-        // The table may grow while the Method adds nodes.
-        const Method method = entry->method;
-        method(std::move(call));
+    turns_.add(std::move(batch));
+}
+
+void NodeTable::serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)
+{
+    const Entry* const entry = find(batch->items()[index].handle);
+    server::MethodCall call{batch, index};
+    if (entry == nullptr || !entry->method) {
+        return call.fail(status::Bad_NotImplemented);
     }
+    // The table may grow while the Method adds nodes.
+    const Method method = entry->method;
+    method(std::move(call));
 }
 
 void NodeTable::attach(server::Waker* waker)
 {
+    turns_.attach(waker);
     const std::lock_guard lock{mutex_};
     waker_ = waker;
 }
@@ -102,6 +110,7 @@ void NodeTable::handle_completions()
         const std::lock_guard lock{mutex_};
         tasks.swap(tasks_);
     }
+    turns_.serve_next();
     for (const auto& task : tasks) {
         task();
     }

@@ -12,6 +12,8 @@
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/method_table.hpp>
 
+#include "call_turns.hpp"
+
 namespace busbar::administration::detail {
 
 /// The options of administration's own sources. A call that waits for the worker is late when the
@@ -34,7 +36,9 @@ public:
     using Method = server::MethodTable::Function;
 
     /// `now` is the source timestamp of values.
-    explicit NodeTable(const WallClock& clock) : clock_{&clock} {}
+    explicit NodeTable(const WallClock& clock);
+    /// Whose nodes they are; before the server calls this source.
+    void set_server(server::Server& server) { turns_.set_server(server); }
 
     /// The Variable's value comes from `value` from now on. False if there is no such node.
     bool bind_value(model::AddressSpace& space, model::NodeIndex node, Value value,
@@ -69,6 +73,7 @@ private:
     };
 
     std::uint64_t add(Entry entry);
+    void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
     [[nodiscard]] const Entry* find(std::uint64_t handle) const
     {
         return handle < entries_.size() ? &entries_[static_cast<std::size_t>(handle)] : nullptr;
@@ -78,6 +83,7 @@ private:
     std::function<void()> after_change_;
     /// The handle is the index.
     std::vector<Entry> entries_;
+    CallTurns turns_;
     std::mutex mutex_; // of what follows
     server::Waker* waker_{nullptr};
     std::vector<std::function<void()>> tasks_;

@@ -42,6 +42,7 @@ struct Holder {
     friend bool operator==(const Holder&, const Holder&) = default;
 };
 
+[[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCaller& caller);
 [[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCall& call);
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
 

@@ -89,7 +89,10 @@ void ServerControl::request(MethodCall call)
     }
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
-    needs_.table.post([this, asked = std::move(wish)] { carry_out(asked); });
+    // A round later, when a second Method of the same Call has been answered, too.
+    needs_.table.post([this, asked = std::move(wish)] {
+        needs_.table.post([this, asked] { carry_out(asked); });
+    });
 }
 
 void ServerControl::carry_out(const Wish& wish) const

@@ -45,19 +45,15 @@ TransferFile* TransferNodes::file_of(const MethodCall& call)
     return file != nullptr && call.object_id() == node_id(name) ? file : nullptr;
 }
 
-void TransferNodes::call(server::CallBatch batch)
+void TransferNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)
 {
-    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
     expire();
-    for (std::size_t i = 0; i < shared->size(); ++i) {
-        MethodCall call{shared, i};
-        const auto which = static_cast<std::size_t>(shared->items()[i].handle);
-        if (which >= declared.size()) {
-            call.fail(status::Bad_MethodInvalid);
-            continue;
-        }
-        (this->*declared[which].method)(call);
+    MethodCall call{batch, index};
+    const auto which = static_cast<std::size_t>(batch->items()[index].handle);
+    if (which >= declared.size()) {
+        return call.fail(status::Bad_MethodInvalid);
     }
+    (this->*declared[which].method)(call);
 }
 
 void TransferNodes::generate_for_read(MethodCall& call)

@@ -14,6 +14,7 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
 
+#include "call_turns.hpp"
 #include "file_objects.hpp"
 #include "transfer_files.hpp"
 
@@ -37,7 +38,9 @@ public:
     [[nodiscard]] Configured<void> add_nodes();
 
     void read(server::ReadBatch batch) override;
-    void call(server::CallBatch batch) override;
+    void call(server::CallBatch batch) override { turns_.add(std::move(batch)); }
+    void attach(server::Waker* waker) override { turns_.attach(waker); }
+    void handle_completions() override { turns_.serve_next(); }
 
 private:
     using Method = void (TransferNodes::*)(server::MethodCall& call);
@@ -50,6 +53,7 @@ private:
     static const std::array<Declared, 9> declared;
     static constexpr std::size_t methods_of_transfer = 3;
 
+    void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
     [[nodiscard]] Result<void> add_objects();
     [[nodiscard]] Result<void> add_method(std::size_t which, model::NodeIndex parent);
     [[nodiscard]] Result<void> add_timeout(model::NodeIndex transfer);
@@ -85,6 +89,7 @@ private:
     crypto::Random& random_;
     const WallClock& clock_;
     TransferFiles files_;
+    CallTurns turns_;
     std::uint16_t namespace_{0};
     /// Below it are the Objects of files; nobody sees it.
     model::NodeIndex container_{model::no_node};

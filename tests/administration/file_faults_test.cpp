@@ -123,7 +123,9 @@ TEST_CASE_METHOD(FileFaults, "file faults: one Call that removes a file and goes
     request.methods_to_call[1].method_id = file_method("Open");
     request.methods_to_call[1].input_arguments = {Variant{reading}};
     request.methods_to_call[2] = request.methods_to_call[0];
-    const auto response = client.call<CallResponse>(request);
+    const auto sent = client.send(request);
+    complete();
+    const auto response = client.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
     CHECK(response->results[1].status_code.is_bad());

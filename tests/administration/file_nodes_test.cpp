@@ -232,6 +232,58 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: what was written is not kept without
     CHECK(value(client, "a", "OpenCount").value == Variant{std::uint16_t{0}});
 }
 
+TEST_CASE_METHOD(FilesFixture, "file nodes: a Call of many is served in turns")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    auto other = log_in_as("eng");
+    const auto request = [](const std::vector<const char*>& names) {
+        CallRequest all;
+        for (const char* name : names) {
+            CallMethodRequest each;
+            each.object_id = node();
+            each.method_id = folder_method("CreateFile");
+            each.input_arguments = {Variant{String{name}}, Variant{false}};
+            all.methods_to_call.push_back(each);
+        }
+        return all;
+    };
+    // One Method at a time, and another session in between.
+    const auto many = client.send(request({"a", "b", "c", "d"}));
+    CHECK((is_stored("a") && !is_stored("b")));
+    const auto one = other.send(request({"z"}));
+    CHECK(is_stored("z"));
+    CHECK(other.take<CallResponse>(one));
+    const auto few = other.send(request({"y", "x"}));
+    const auto more = other.send(request({"w"})); // behind what the session has waiting
+    CHECK((is_stored("y") && !is_stored("x") && !is_stored("w")));
+    const auto turn = [&] {
+        REQUIRE(std::exchange(waker.is_awake, false));
+        server.handle_completions(now);
+    };
+    turn();
+    turn();
+    CHECK((is_stored("b") && is_stored("x") && !is_stored("c") && !is_stored("w")));
+    complete();
+    CHECK((is_stored("c") && is_stored("d") && is_stored("w")));
+    for (const auto& [whose, id] : {std::pair{&client, many}, {&other, few}, {&other, more}}) {
+        const auto response = whose->take<CallResponse>(id);
+        REQUIRE(response);
+        for (const CallMethodResult& result : response->results) {
+            CHECK(name(result.status_code) == "Good");
+        }
+    }
+
+    // What waits is not done once its session is over, or another user's.
+    client.send(request({"e", "f", "g"}));
+    other.send(request({"h", "i"}));
+    client.close_session();
+    CHECK(other.activate(other.user("op", "patience is all")) == status::Good);
+    complete();
+    CHECK((is_stored("e") && !is_stored("f") && !is_stored("g")));
+    CHECK((is_stored("h") && !is_stored("i")));
+}
+
 TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected loses nothing")
 {
     REQUIRE(file_storage.make_folder("", FileAccess::Owner));

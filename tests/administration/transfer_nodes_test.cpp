@@ -353,7 +353,9 @@ TEST_CASE_METHOD(TransferFixture, "transfer nodes: one Call that closes a file a
     }
     request.methods_to_call[1].method_id = below(file.node, "Write");
     request.methods_to_call[1].input_arguments = {file.handle, Variant{byte_string("x")}};
-    const auto response = client.call<CallResponse>(request);
+    const auto sent = client.send(request);
+    complete();
+    const auto response = client.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
     CHECK(response->results[1].status_code.is_bad());

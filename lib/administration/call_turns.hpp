@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/method.hpp>
+
+#include "permissions.hpp"
+
+namespace busbar::administration::detail {
+
+/// Serves the Methods of Calls one at a time: the server's thread looks after its connections
+/// between two of them, and sessions take turns. Methods of administration write files, list
+/// folders or check whole configurations, and one Call may have a thousand of them.
+///
+/// The first Method of a session that has nothing waiting is served at once. Methods of one session
+/// are served in the order in which they came. What waits for a session that is over, or that has
+/// another user by then, answers Bad_SessionClosed and is not done.
+///
+/// On the server's thread, but attach().
+class CallTurns {
+public:
+    /// Serves the Method with this index, now or later.
+    using Serve =
+        std::function<void(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)>;
+
+    explicit CallTurns(Serve serve) : serve_{std::move(serve)} {}
+
+    /// Before the first add(): whose sessions these are. Without it nobody waits.
+    void set_server(server::Server& server) { server_ = &server; }
+    /// As DataSource::attach.
+    void attach(server::Waker* waker);
+
+    void add(server::CallBatch batch);
+    /// Serves one of those that wait, and wakes the server again if there are more.
+    void serve_next();
+
+private:
+    struct Waiting {
+        std::shared_ptr<server::CallBatch> batch;
+        std::size_t next;
+    };
+    struct Line {
+        Holder holder;
+        std::deque<Waiting> calls;
+    };
+
+    [[nodiscard]] Line* find(const Holder& holder);
+    /// False without a Waker.
+    bool wake();
+
+    Serve serve_;
+    server::Server* server_{nullptr};
+    std::deque<Line> lines_; // the next one in front
+    std::mutex mutex_;       // of what follows
+    server::Waker* waker_{nullptr};
+};
+
+} // namespace busbar::administration::detail
