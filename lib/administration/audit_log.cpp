@@ -25,8 +25,9 @@ struct Row {
 
 constexpr std::array rows{
     Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelOpened
-    Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelRenewed
+    Row{0, {}}, // ChannelRenewed: only if it fails (Part 4, 6.5.5)
     Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelRefused
+    Row{id::AuditChannelEventType, "SecureChannel/CloseSecureChannel"},          // ChannelClosed
     Row{id::AuditCreateSessionEventType, "Session/CreateSession"},               // SessionCreated
     Row{id::AuditCreateSessionEventType, "Session/CreateSession"},               // SessionRefused
     Row{id::AuditUrlMismatchEventType, "Session/CreateSession"},                 // UrlMismatch
@@ -34,6 +35,7 @@ constexpr std::array rows{
     Row{id::AuditActivateSessionEventType, "Session/ActivateSession"},           // LoginRefused
     Row{id::AuditSessionEventType, "Session/CloseSession"},                      // SessionClosed
     Row{id::AuditCancelEventType, "Session/Cancel"},                             // RequestCancelled
+    Row{id::AuditSessionEventType, "Session/TransferSubscriptions"},   // SubscriptionsTransferred
     Row{id::AuditCertificateEventType, "Security/Certificate"},        // CertificateRefused
     Row{id::AuditCertificateEventType, "Security/Certificate"},        // CertificateSuppressed
     Row{0, {}},                                                        // CertificateSaved
@@ -102,10 +104,37 @@ bool is_of_certificate(RecordKind kind)
 /// Fields that have other names in events, go elsewhere, or are not there.
 bool is_renamed(std::string_view name)
 {
-    static constexpr std::array<std::string_view, 10> names{
-        "NodeId",  "ObjectId",     "ListName", "FromListName", "UserTokenType",
-        "IsFirst", "WasActivated", "FileName", "IssuerName",   "NextUpdate"};
+    static constexpr std::array<std::string_view, 11> names{
+        "Cause",   "NodeId",       "ObjectId", "ListName",   "FromListName", "UserTokenType",
+        "IsFirst", "WasActivated", "FileName", "IssuerName", "NextUpdate"};
     return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The SourceName; of a session that ended by what ended it, "Session/Timeout" (Part 4, 6.5.6).
+String source_name(const Record& record, std::string_view usual)
+{
+    const Variant* const cause =
+        record.kind == RecordKind::SessionClosed ? field(record, "Cause") : nullptr;
+    const auto* const text = cause != nullptr ? cause->get_if<String>() : nullptr;
+    return String{text != nullptr ? "Session/" + text->str() : std::string{usual}};
+}
+
+/// Where there is no user yet (Part 5, 6.4.5, 6.4.6 and 6.4.8).
+std::string_view user_of_system(RecordKind kind)
+{
+    switch (kind) {
+    case RecordKind::ChannelOpened:
+    case RecordKind::ChannelRefused:
+        return "System/OpenSecureChannel";
+    case RecordKind::ChannelClosed:
+        return "System/CloseSecureChannel";
+    case RecordKind::SessionCreated:
+    case RecordKind::SessionRefused:
+    case RecordKind::UrlMismatch:
+        return "System/CreateSession";
+    default:
+        return {};
+    }
 }
 
 void set_text(Event& event, const char* name, std::string_view text)
@@ -117,7 +146,7 @@ void set_actor(Event& event, const Record& record)
 {
     const RecordActor& actor = record.actor;
     set_text(event, "ClientAuditEntryId", actor.audit_entry_id);
-    set_text(event, "ClientUserId", actor.user);
+    set_text(event, "ClientUserId", actor.user.empty() ? user_of_system(record.kind) : actor.user);
     if (!actor.application_uri.empty()) {
         set_text(event, "ClientApplicationUri", actor.application_uri);
     }
@@ -151,7 +180,7 @@ Event audit_event(const Record& record, std::string_view server_id)
     Event event;
     event.event_type = NodeId{0, is_of_certificate(record.kind) ? certificate_type(record.status)
                                                                 : row.event_type};
-    event.source_name = String{std::string{row.source_name}};
+    event.source_name = source_name(record, row.source_name);
     event.message = LocalizedText{
         "en", String{record.text.empty() ? std::string{name(record.kind)} : record.text}};
     event.severity = is_done ? severity_of_success : severity_of_failure;

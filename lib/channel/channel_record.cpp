@@ -29,4 +29,14 @@ void record_issued(const Conversation& conversation, std::uint32_t channel_id,
     log.record(record);
 }
 
+void record_closed(const Conversation& conversation, std::uint32_t channel_id)
+{
+    LogSink& log = *conversation.environment().log;
+    if (log.wants(RecordKind::ChannelClosed)) {
+        Record record{RecordKind::ChannelClosed, LogLevel::Debug, "channel"};
+        record.actor.secure_channel_id = channel_id;
+        log.record(record);
+    }
+}
+
 } // namespace busbar::channel::detail

@@ -13,4 +13,7 @@ namespace busbar::channel::detail {
 void record_issued(const Conversation& conversation, std::uint32_t channel_id,
                    const OpenSecureChannelRequest& request, bool is_new);
 
+/// Tells the log that the client closed the channel (Part 4, 6.5.5).
+void record_closed(const Conversation& conversation, std::uint32_t channel_id);
+
 } // namespace busbar::channel::detail

@@ -87,6 +87,7 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
     }
     prove();
     if (frame.header.type == MessageType::CLO) {
+        record_closed(conversation, config.channel_id);
         end({}, {});
         return {};
     }

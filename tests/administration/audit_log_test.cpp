@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include <busbar/server/running_server.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/filter.hpp>
 #include <busbar/types/ids.hpp>
@@ -66,7 +67,8 @@ struct Fixture {
         const auto made = client.call<CreateSubscriptionResponse>(subscription);
         REQUIRE(made);
         EventFilter filter;
-        for (const char* name : {"EventType", "ClientUserId", "Status", "StatusCodeId"}) {
+        for (const char* name :
+             {"EventType", "ClientUserId", "Status", "StatusCodeId", "SourceName"}) {
             SimpleAttributeOperand operand;
             operand.type_definition_id = NodeId{0, id::BaseEventType};
             operand.browse_path = {QualifiedName{0, name}};
@@ -96,6 +98,7 @@ struct Fixture {
         client.run();
         const auto response = client.take<PublishResponse>(id);
         std::vector<std::string> found;
+        sources.clear();
         if (!response || response->notification_message.notification_data.empty()) {
             return found;
         }
@@ -108,6 +111,7 @@ struct Fixture {
                             fields[1].value_or<String>({}).str() + " " +
                             (fields[2].value_or<bool>(false) ? "true " : "false ") +
                             std::string{name(fields[3].value_or<StatusCode>({}))});
+            sources.push_back(fields[4].value_or<String>({}).str());
         }
         return found;
     }
@@ -120,6 +124,8 @@ struct Fixture {
     PlainUsers users;
     NoWaker waker;
     TimePoint now{};
+    /// SourceNames of the events that events() found last.
+    std::vector<std::string> sources;
     server::Server server{server::Server::create(config(), {.random = &random,
                                                             .wall_clock = &wall_clock,
                                                             .log = &audit,
@@ -141,9 +147,9 @@ TEST_CASE_METHOD(Fixture, "audit: SecurityAdmin sees channels and sessions come 
     subscribe(admin);
     static_cast<void>(events(admin));
     auto pat = connect(MessageSecurityMode::Sign);
-    CHECK(events(admin) == Lines{"i=2060  true Good"});
+    CHECK(events(admin) == Lines{"i=2060 System/OpenSecureChannel true Good"});
     REQUIRE(pat.create_session());
-    CHECK(events(admin) == Lines{"i=2071  true Good"});
+    CHECK(events(admin) == Lines{"i=2071 System/CreateSession true Good"});
     const auto refused = pat.send_activate(pat.user("pat", "wrong"));
     CHECK(events(admin) == Lines{"i=2075 pat false Bad_UserAccessDenied"});
     now += 10s;
@@ -162,6 +168,59 @@ TEST_CASE_METHOD(Fixture, "audit: SecurityAdmin sees channels and sessions come 
     request.nodes_to_read[0].attribute_id = 13;
     CHECK(admin.call<ReadResponse>(request)->results[0].value == Variant{true});
     CHECK(lines.text.find("\"test\" created from 192.0.2.1") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Fixture, "audit: how sessions and channels end (Part 4, 6.5.5 and 6.5.6)",
+                 "[unit:Auditing Connections][unit:Auditing Secure Communication]")
+{
+    auto admin = log_in("admin");
+    subscribe(admin);
+    static_cast<void>(events(admin));
+    auto pat = log_in("pat");
+    static_cast<void>(events(admin));
+    CHECK(pat.close_session() == status::Good);
+    static_cast<void>(events(admin));
+    CHECK(sources == Lines{"Session/CloseSession"});
+    CHECK(audit.wants(RecordKind::ChannelOpened));
+    CHECK_FALSE(audit.wants(RecordKind::ChannelRenewed)); // one that works
+    pat.channel.close();
+    pat.run();
+    CHECK(events(admin) == Lines{"i=2059 System/CloseSecureChannel true Good"});
+    CHECK(sources == Lines{"SecureChannel/CloseSecureChannel"});
+
+    auto late = log_in("pat");
+    static_cast<void>(events(admin));
+    for (int i = 0; i < 13; ++i) { // more than a minute, with the administrator there
+        now += 5s;
+        server.handle_deadline(now);
+        static_cast<void>(admin.status_of<ReadResponse>(ReadRequest{}));
+    }
+    Lines found = events(admin);
+    CHECK(found == Lines{"i=2069 pat true Bad_SessionClosed"});
+    CHECK(sources == Lines{"Session/Timeout"});
+
+    auto ended = log_in("pat");
+    static_cast<void>(events(admin));
+    server::RunningServer{server}.end_sessions(
+        [](const server::UserIdentity& user) { return user.name == "pat"; });
+    found = events(admin);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].starts_with("i=2069 pat true "));
+    CHECK(sources == Lines{"Session/Terminated"});
+}
+
+TEST_CASE_METHOD(Fixture, "audit: transferred Subscriptions are told", "[unit:Auditing Services]")
+{
+    auto admin = log_in("admin");
+    subscribe(admin);
+    auto pat = log_in("pat");
+    static_cast<void>(events(admin));
+    TransferSubscriptionsRequest request;
+    request.subscription_ids = {7U};
+    CHECK(pat.call<TransferSubscriptionsResponse>(request)->results[0].status_code ==
+          status::Bad_SubscriptionIdInvalid);
+    CHECK(events(admin) == Lines{"i=2069 pat false Bad_SubscriptionIdInvalid"});
+    CHECK(sources == Lines{"Session/TransferSubscriptions"});
 }
 
 TEST_CASE_METHOD(Fixture, "audit: nobody else sees that, nor over a channel without encryption",

@@ -53,7 +53,7 @@ TEST_CASE_METHOD(Recorded, "record: a session from its channel to its end")
     CHECK(news(*this) == Lines{"RequestCancelled Good test/operator 192.0.2.1 RequestHandle"});
     CHECK(client.close_session() == status::Good);
     CHECK(news(*this) ==
-          Lines{"SessionClosed Bad_SessionClosed test/operator 192.0.2.1 WasActivated"});
+          Lines{"SessionClosed Bad_SessionClosed test/operator 192.0.2.1 WasActivated Cause"});
 }
 
 TEST_CASE_METHOD(Recorded, "record: what is refused, and the line besides")

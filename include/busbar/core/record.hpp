@@ -19,7 +19,8 @@ namespace busbar {
 enum class RecordKind : std::uint8_t {
     ChannelOpened,  // [RequestType, SecurityPolicyUri, SecurityMode, RequestedLifetime]
     ChannelRenewed, // the same
-    ChannelRefused,
+    ChannelRefused, // also a renewal
+    ChannelClosed,  // by the client's CloseSecureChannel
 
     SessionCreated, // [RevisedSessionTimeout, EndpointUrl]
     SessionRefused, // by CreateSession
@@ -27,9 +28,11 @@ enum class RecordKind : std::uint8_t {
     UrlMismatch,
     SessionActivated, // [UserTokenType, IsFirst: false if it was activated before]
     LoginRefused,     // by ActivateSession
-    /// [WasActivated]; status: why; Bad_SessionClosed if the client asked for it.
+    /// [WasActivated, Cause: "CloseSession", "Timeout" or "Terminated"]; status: why.
     SessionClosed,
     RequestCancelled, // [RequestHandle]
+    /// By TransferSubscriptions, to the actor's session; status: the first that is not good.
+    SubscriptionsTransferred,
 
     CertificateRefused,
     CertificateSuppressed, // accepted by a setting; the refusal says what was passed over

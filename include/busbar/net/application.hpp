@@ -6,9 +6,9 @@
 
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/api.hpp>
-#include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_store.hpp>
+#include <busbar/net/system.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::client {

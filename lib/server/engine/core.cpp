@@ -26,7 +26,11 @@ namespace {
 
 void tell_closed(LogSink& log, const Session& session, StatusCode status)
 {
-    const std::array fields{RecordField{"WasActivated", Variant{session.is_activated}}};
+    const char* const cause = session.end == SessionEnd::CloseSession ? "CloseSession"
+                              : session.end == SessionEnd::Timeout    ? "Timeout"
+                                                                      : "Terminated";
+    const std::array fields{RecordField{"WasActivated", Variant{session.is_activated}},
+                            RecordField{"Cause", Variant{cause}}};
     Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
     record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
     record.status = status;

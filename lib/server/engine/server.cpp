@@ -263,6 +263,7 @@ void Server::Impl::expire_sessions(TimePoint now)
     while (session != nullptr && session->next_deadline() <= now) {
         if (session->deadline <= now) {
             ++counters.summary.session_timeout_count;
+            session->end = detail::SessionEnd::Timeout;
             close_session(*session, status::Bad_SessionClosed, false);
         } else {
             detail::expire_user(session_needs, *session, now);

@@ -12,6 +12,7 @@ StatusCode close_session(const SessionNeeds& needs, ServiceContext& context,
     if (context.session->peer != &context.peer) {
         return status::Bad_SecureChannelIdInvalid;
     }
+    context.session->end = SessionEnd::CloseSession;
     needs.keeper.close_session(*context.session, status::Bad_SessionClosed,
                                request.delete_subscriptions);
     context.session = nullptr;

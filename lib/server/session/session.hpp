@@ -22,6 +22,9 @@ namespace busbar::server::detail {
 class Peer;
 struct Share;
 
+/// What ends a session (Part 4, 6.5.6).
+enum class SessionEnd : std::uint8_t { CloseSession, Timeout, Terminated };
+
 /// What one service set keeps in a session; destroyed with it.
 class SessionPart {
 public:
@@ -79,6 +82,8 @@ public:
     std::string name;
     std::vector<std::string> locale_ids;
     bool is_activated{false};
+    /// Once it is over.
+    SessionEnd end{SessionEnd::Terminated};
     /// Its Subscriptions have not all heard whose it is now.
     bool is_user_untold{false};
     UserIdentity user;

@@ -4,6 +4,7 @@
 
 #include "publish_queue.hpp"
 #include "server/session/session.hpp"
+#include "server/session/session_record.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 #include "subscription_table.hpp"
@@ -56,6 +57,28 @@ StatusCode transfer(const SubscriptionTable& all, const ServiceContext& context,
     return status::Good;
 }
 
+void tell_transferred(LogSink& log, const ServiceContext& context, StatusCode status)
+{
+    if (!log.wants(RecordKind::SubscriptionsTransferred)) {
+        return;
+    }
+    Record record{RecordKind::SubscriptionsTransferred, LogLevel::Debug, "subscription"};
+    record.actor = actor_of(*context.session, context.audit_entry_id);
+    record.status = status;
+    log.record(record);
+}
+
+/// Good, or the first that is not.
+StatusCode status_of_all(const Array<TransferResult>& results)
+{
+    for (const TransferResult& result : results) {
+        if (!result.status_code.is_good()) {
+            return result.status_code;
+        }
+    }
+    return status::Good;
+}
+
 } // namespace
 
 StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
@@ -64,6 +87,7 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
 {
     if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
         bad.is_bad()) {
+        tell_transferred(all.needs().log, context, bad);
         return bad;
     }
     response.results.reserve(request.subscription_ids.size());
@@ -82,6 +106,7 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
         }
         response.results.push_back(std::move(result));
     }
+    tell_transferred(all.needs().log, context, status_of_all(response.results));
     // Publish requests of the session may have waited for what came with them.
     busbar::detail::attempt([&] { PublishPart::of(*context.session).serve(context.now); });
     return status::Good;
