@@ -6,7 +6,7 @@
 
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
-#include <busbar/server/method.hpp>
+#include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/data_types.hpp>
 

@@ -8,6 +8,7 @@
 #include <busbar/core/text.hpp>
 
 #include "channel_input.hpp"
+#include "channel_record.hpp"
 #include "refusals.hpp"
 #include "server_impl.hpp"
 
