@@ -1,6 +1,7 @@
 #include <busbar/core/guid.hpp>
 
 #include <cstdio>
+#include <string>
 
 namespace busbar {
 

@@ -1,6 +1,7 @@
 #include <busbar/core/problem.hpp>
 
 #include <busbar/core/refusal.hpp>
+#include <busbar/core/text.hpp>
 
 namespace busbar {
 

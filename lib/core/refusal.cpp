@@ -1,5 +1,7 @@
 #include <busbar/core/refusal.hpp>
 
+#include <busbar/core/text.hpp>
+
 namespace busbar {
 
 std::string text(const Refusal& refusal)

@@ -1,5 +1,6 @@
 #include <busbar/core/text.hpp>
 
+#include <string>
 #include <string_view>
 
 #include "utf8.hpp"
