@@ -30,7 +30,8 @@ public:
 
     explicit CallTurns(Serve serve) : serve_{std::move(serve)} {}
 
-    /// Before the first add(): whose sessions these are. Without it nobody waits.
+    /// Names the server whose sessions call; to be called before the first add(). Without a server
+    /// all Methods are served at once.
     void set_server(server::Server& server) { server_ = &server; }
     /// As DataSource::attach.
     void attach(server::Waker* waker);

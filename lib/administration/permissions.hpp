@@ -30,8 +30,8 @@ inline constexpr PermissionType may_act = together(PermissionType::Write, Permis
 [[nodiscard]] bool may_call(const model::AddressSpace& space, model::NodeIndex method,
                             const server::UserIdentity& user);
 
-/// Whose a file handle, a transaction or another thing is that a Call left behind: a user's in a
-/// session. It is nobody's once the session is over or has another user.
+/// The owner of what a Call leaves behind, such as a file handle or a transaction: one user in one
+/// session. The ownership ends with the session, and when the session gets another user.
 struct Holder {
     Holder(NodeId of = {}, std::uint32_t number = 0) : session{std::move(of)}, user{number} {}
 
@@ -44,6 +44,7 @@ struct Holder {
 
 [[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCaller& caller);
 [[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCall& call);
+/// True while the session exists and still has the same user.
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
 
 /// These permissions for readers and writers, or for writers alone where something `changes`; over

@@ -274,7 +274,7 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: a Call of many is served in turns")
         }
     }
 
-    // What waits is not done once its session is over, or another user's.
+    // Waiting Methods are dropped when their session ends or gets another user.
     client.send(request({"e", "f", "g"}));
     other.send(request({"h", "i"}));
     client.close_session();

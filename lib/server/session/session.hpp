@@ -22,7 +22,7 @@ namespace busbar::server::detail {
 class Peer;
 struct Share;
 
-/// What ends a session (Part 4, 6.5.6).
+/// The cause of a session's end (Part 4, 6.5.6).
 enum class SessionEnd : std::uint8_t { CloseSession, Timeout, Terminated };
 
 /// What one service set keeps in a session; destroyed with it.
