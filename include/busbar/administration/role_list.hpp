@@ -87,8 +87,8 @@ public:
     [[nodiscard]] Checked<void> add_endpoint(std::string_view role, const EndpointType& endpoint);
     [[nodiscard]] Checked<void> remove_endpoint(std::string_view role,
                                                 const EndpointType& endpoint);
-    /// Bad_RequestNotAllowed if no user could have the role SecurityAdmin afterwards; the same holds
-    /// for the removals above.
+    /// Bad_RequestNotAllowed if no user could have the role SecurityAdmin afterwards; the same
+    /// holds for the removals above.
     [[nodiscard]] Checked<void> set_applications_exclude(std::string_view role, bool excludes);
     [[nodiscard]] Checked<void> set_endpoints_exclude(std::string_view role, bool excludes);
 
