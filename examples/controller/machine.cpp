@@ -124,7 +124,9 @@ void Machine::tell_log_of_medium(bool is_in)
 void Machine::look_for_log_files()
 {
     // A file that was removed and begun again since has the name that it had.
-    const bool is_stale = log_folder_.take_removal();
+    if (log_folder_.take_removal()) {
+        log_files_.clear();
+    }
     const auto listing = log_folder_.list("", most_log_entries);
     if (!listing && listing.error() != StorageError::NotFound) {
         return; // what cannot be read now is not gone
@@ -135,7 +137,7 @@ void Machine::look_for_log_files()
             names.push_back(entry.name);
         }
     }
-    if (names != log_files_ || is_stale) {
+    if (names != log_files_) {
         log_files_ = std::move(names);
         has_changed_files_ = true;
     }

@@ -28,8 +28,8 @@
 
 namespace busbar::example {
 
-/// The folder of the execution log as clients see it; remembers that they removed or renamed a file
-/// of it. Any thread.
+/// The folder of the execution log as clients see it; remembers that they removed a file of it. Any
+/// thread.
 class LogFolder final : public StorageFolder {
 public:
     using StorageFolder::StorageFolder;
@@ -39,13 +39,6 @@ public:
         auto removed = StorageFolder::remove(name);
         has_removed_ = true;
         return removed;
-    }
-    [[nodiscard]] Stored<void> move(std::string_view from, std::string_view to,
-                                    WhenThere when_there) override
-    {
-        auto moved = StorageFolder::move(from, to, when_there);
-        has_removed_ = true;
-        return moved;
     }
     /// Whether a file went away since the last call.
     [[nodiscard]] bool take_removal() { return has_removed_.exchange(false); }
