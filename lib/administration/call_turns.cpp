@@ -34,7 +34,8 @@ CallTurns::Line* CallTurns::find(const Holder& holder)
 void CallTurns::add(server::CallBatch batch)
 {
     const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
-    const Holder holder = server_ != nullptr ? holder_of(*server_, shared->caller()) : Holder{};
+    const Holder holder =
+        server_ != nullptr ? holder_of(*server_, shared->caller().session_id) : Holder{};
     std::size_t next = 0;
     if (Line* const line = find(holder); line != nullptr) {
         line->calls.push_back({shared, next});
@@ -51,8 +52,9 @@ void CallTurns::add(server::CallBatch batch)
         }
         return;
     }
-    lines_.push_back({holder, {}});
-    lines_.back().calls.push_back({shared, next});
+    Line line{holder, {}};
+    line.calls.push_back({shared, next});
+    lines_.push_back(std::move(line));
 }
 
 void CallTurns::serve_next()
@@ -60,18 +62,19 @@ void CallTurns::serve_next()
     if (lines_.empty()) {
         return;
     }
-    // All is as it will be before the Method is called, which may throw.
-    Line line = std::move(lines_.front());
-    lines_.pop_front();
+    // The lines are as they will be before the Method is called, which may throw.
+    Line& line = lines_.front();
     Waiting& first = line.calls.front();
+    const Holder holder = line.holder;
     const std::shared_ptr<server::CallBatch> batch = first.batch;
     const std::size_t index = first.next++;
-    const Holder holder = line.holder;
     if (first.next == batch->size()) {
         line.calls.pop_front();
     }
-    if (!line.calls.empty()) {
-        lines_.push_back(std::move(line));
+    if (line.calls.empty()) {
+        lines_.pop_front();
+    } else {
+        lines_.splice(lines_.end(), lines_, lines_.begin());
     }
     if (!lines_.empty()) {
         static_cast<void>(wake());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 
@@ -56,8 +57,8 @@ private:
 
     Serve serve_;
     server::Server* server_{nullptr};
-    std::deque<Line> lines_; // the next one in front
-    std::mutex mutex_;       // of what follows
+    std::list<Line> lines_; // the next one in front; none is without calls
+    std::mutex mutex_;      // of what follows
     server::Waker* waker_{nullptr};
 };
 

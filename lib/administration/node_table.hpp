@@ -37,7 +37,7 @@ public:
 
     /// `now` is the source timestamp of values.
     explicit NodeTable(const WallClock& clock);
-    /// Whose nodes they are; before the server calls this source.
+    /// Names the server that the nodes belong to; to be called before it calls this source.
     void set_server(server::Server& server) { turns_.set_server(server); }
 
     /// The Variable's value comes from `value` from now on. False if there is no such node.

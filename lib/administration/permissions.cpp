@@ -19,15 +19,8 @@ bool may_call(const model::AddressSpace& space, model::NodeIndex method,
            });
 }
 
-Holder holder_of(server::Server& server, const server::MethodCaller& caller)
+Holder holder_of(server::Server& server, const NodeId& session)
 {
-    const NodeId& session = caller.session_id;
-    return {session, server::RunningServer{server}.user_number(session).value_or(0)};
-}
-
-Holder holder_of(server::Server& server, const server::MethodCall& call)
-{
-    const NodeId& session = call.session_id();
     return {session, server::RunningServer{server}.user_number(session).value_or(0)};
 }
 

@@ -42,8 +42,12 @@ struct Holder {
     friend bool operator==(const Holder&, const Holder&) = default;
 };
 
-[[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCaller& caller);
-[[nodiscard]] Holder holder_of(server::Server& server, const server::MethodCall& call);
+/// The present user in the session.
+[[nodiscard]] Holder holder_of(server::Server& server, const NodeId& session);
+[[nodiscard]] inline Holder holder_of(server::Server& server, const server::MethodCall& call)
+{
+    return holder_of(server, call.session_id());
+}
 /// True while the session exists and still has the same user.
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
 

@@ -198,7 +198,7 @@ UserManagement::Job UserManagement::take_next()
 
 void UserManagement::start_next()
 {
-    while (!is_busy_ && !jobs_.empty()) {
+    while (busy_.expired() && !jobs_.empty()) {
         const auto job = std::make_shared<Job>(take_next());
         if (!may_start(*job)) {
             continue;
@@ -207,15 +207,18 @@ void UserManagement::start_next()
             finish(*job, job->change(*job->call));
             continue;
         }
-        is_busy_ = worker_->run([this, job] {
+        job->busy = std::make_shared<char>();
+        busy_ = job->busy;
+        const bool is_taken = worker_->run([this, job] {
             auto done = std::make_shared<Checked<void>>(job->change(*job->call));
             table_.post([this, job, done] {
-                is_busy_ = false;
+                job->busy.reset();
                 finish(*job, *done);
                 start_next();
             });
         });
-        if (!is_busy_) {
+        if (!is_taken) {
+            job->busy.reset();
             job->call->fail(status::Bad_TooManyOperations);
         }
     }

@@ -40,6 +40,8 @@ private:
         std::string sessions_end_of;
         /// It tries a password, as a login does.
         bool tries_password;
+        /// While it exists the worker is at this job, however that ends.
+        std::shared_ptr<const void> busy{};
     };
 
     void bind_values();
@@ -65,7 +67,7 @@ private:
     crypto::Random& random_;
     server::Worker* worker_;
     std::deque<Job> jobs_; // that wait
-    bool is_busy_{false};
+    std::weak_ptr<const void> busy_;
     std::string last_user_;
 };
 

@@ -228,6 +228,32 @@ TEST_CASE("user management: changes are made one by one, and users take turns")
     CHECK(worker.jobs.empty());
 }
 
+TEST_CASE("user management: a job that is lost does not stop the others")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    REQUIRE(users.user_list.add({"chief", {}, 0, {}, {"SecurityAdmin"}}, patience, users.random));
+    auto admin = users.log_in();
+    auto chief = users.log_in("chief", patience);
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+    request.methods_to_call[0].method_id = NodeId{0, id::UserManagement_AddUser};
+    request.methods_to_call[0].input_arguments = {Variant{String{"pat"}}, Variant{String{patience}},
+                                                  Variant{std::uint32_t{0}}, Variant{String{}}};
+    const auto lost = admin.send(request);
+    worker.jobs.clear(); // as an exception in it would end it
+    users.complete();
+    const auto response = admin.take<CallResponse>(lost);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Bad_InternalError");
+    chief.send(request);
+    REQUIRE(worker.jobs.size() == 1);
+    worker.work();
+    users.complete();
+    CHECK(users.user_list.find("pat"));
+}
+
 TEST_CASE("user management: what waits is not done for a session that is over")
 {
     ManualWorker worker;

@@ -22,7 +22,7 @@ private:
     E error_;
 };
 
-/// What Expected::value() throws.
+/// Thrown by Expected::value() where there is an error.
 class BUSBAR_API BadExpectedAccess final : public std::exception {
 public:
     [[nodiscard]] const char* what() const noexcept override

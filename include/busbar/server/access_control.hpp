@@ -57,8 +57,7 @@ struct UserIdentity {
     return a.token_type == b.token_type && a.name == b.name && a.issuer == b.issuer;
 }
 
-/// True if the store or the issuer gave the user the well-known role ConfigureAdmin (Part
-/// 3, 4.9.2).
+/// True if the user has the well-known role ConfigureAdmin (Part 3, 4.9.2).
 [[nodiscard]] BUSBAR_API bool is_configure_admin(const UserIdentity& user);
 
 /// The anonymous user of a server without a store: CurrentRead and HistoryRead.

@@ -38,7 +38,7 @@ const detail::Session* find_session(const detail::Core& core, const NodeId& sess
     return found == all.end() ? nullptr : found->second.get();
 }
 
-/// Of the client's certificate; empty without one.
+/// The thumbprint of the client's certificate; empty if it has none.
 std::string thumbprint_of(const detail::Session& session)
 {
     if (session.peer == nullptr) {
