@@ -1,7 +1,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "config.hpp"
+#include "product/configuration/config.hpp"
 
 namespace configuration_fuzz {
 
@@ -13,8 +13,8 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     try {
-        static_cast<void>(example::parse_config(text, "fuzz.toml"));
-    } catch (const example::ConfigError& error) {
+        static_cast<void>(product::parse_config(text, "fuzz.toml"));
+    } catch (const product::ConfigError& error) {
         if (error.problem().where.empty() && error.problem().text.empty()) {
             __builtin_trap();
         }

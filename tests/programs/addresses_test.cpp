@@ -4,16 +4,16 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
-#include "addresses.hpp"
-#include "identity.hpp"
+#include "product/access/identity.hpp"
+#include "product/configuration/addresses.hpp"
+#include "product/life/welcome.hpp"
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
-#include "welcome.hpp"
 
 namespace addresses_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 
 namespace {
 

@@ -4,20 +4,20 @@
 #include <iterator>
 #include <string>
 
-#include "config.hpp"
+#include "product/configuration/config.hpp"
 
 namespace config_test {
 
 using namespace busbar;
-using example::Access;
-using example::ConfigError;
-using example::ControllerConfig;
+using product::AccountAccess;
+using product::ConfigError;
+using product::ControllerConfig;
 
 namespace {
 
 ControllerConfig parse(const std::string& text)
 {
-    return example::parse_config(text, "plant.toml");
+    return product::parse_config(text, "plant.toml");
 }
 
 /// What the operator reads of a configuration that is wrong.
@@ -97,8 +97,8 @@ certificates = "write"
     CHECK(config.certificates.validation.suppress_find_revocation_list);
     CHECK(config.certificates.validation.suppress_validity_period);
     CHECK_FALSE(config.certificates.validation.suppress_host_name);
-    CHECK(config.users.anonymous == Access::Read);
-    CHECK(config.users.certified == Access::Write);
+    CHECK(config.users.anonymous == AccountAccess::Read);
+    CHECK(config.users.certified == AccountAccess::Write);
     REQUIRE(config.server.endpoints.size() == 1);
     CHECK(config.server.endpoints[0].allows_certificate);
     CHECK_FALSE(config.server.endpoints[0].allows_user_name);
@@ -265,7 +265,7 @@ TEST_CASE("values without sense are refused with line, found, expected and remed
 TEST_CASE("characters that TOML has in strings and comments only are refused elsewhere")
 {
     const auto parse = [](const std::string& text) {
-        static_cast<void>(example::parse_table(text, "plant.toml"));
+        static_cast<void>(product::parse_table(text, "plant.toml"));
     };
     for (const char* text : {"a = \"\u00E4\" # \u00E4\n", "a = '\u00E4'\n", "\uFEFFa = 1\n",
                              "a = \"\"\"\n\u00E4\\\"\"\"\"\n", "a = '''\n\u00E4'''\n",
@@ -287,7 +287,7 @@ TEST_CASE("characters behind what no string begins with, or no escape, are refus
 {
     for (const char* text : {"a = 1\nb = 0\"\u01FC9\n", "a = 1\nb = \"\"\"\\\u00E4\"\"\"\n"}) {
         CAPTURE(text);
-        CHECK_THROWS_WITH(example::parse_table(text, "plant.toml"),
+        CHECK_THROWS_WITH(product::parse_table(text, "plant.toml"),
                           Catch::Contains("plant.toml:2: "));
     }
 }
@@ -295,7 +295,7 @@ TEST_CASE("characters behind what no string begins with, or no escape, are refus
 TEST_CASE("texts that toml++ cannot cope with are refused with their line")
 {
     const auto parse = [](const std::string& text) {
-        static_cast<void>(example::parse_table(text, "plant.toml"));
+        static_cast<void>(product::parse_table(text, "plant.toml"));
     };
     CHECK_THROWS_WITH(parse("[#"), Catch::Contains("plant.toml:1: found no TOML"));
     CHECK_THROWS_WITH(parse("a = 1\n[b]\nc = 2\n[#]\n[d]\ne = 3\n"),
@@ -306,7 +306,7 @@ TEST_CASE("a configuration that cannot be read says why (D10)")
 {
     const auto complaint_of = [](const std::string& path) -> std::string {
         try {
-            static_cast<void>(example::read_config(path));
+            static_cast<void>(product::read_config(path));
         } catch (const ConfigError& error) {
             return error.what();
         }

@@ -9,9 +9,9 @@
 #include <busbar/crypto/own_certificate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
-#include "addresses.hpp"
-#include "config.hpp"
-#include "identity.hpp"
+#include "product/access/identity.hpp"
+#include "product/configuration/addresses.hpp"
+#include "product/configuration/config.hpp"
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -31,12 +31,12 @@ void put(Storage& files, const char* name, std::span<const std::byte> bytes)
 TEST_CASE("identity: a change of certificate that was decided when the power went is in force")
 {
     const test::TemporaryFolder folder;
-    example::CertificateConfig config;
+    product::CertificateConfig config;
     config.folder = folder.path.string();
     const std::string uri = "urn:busbar:test:server";
     const auto load = [&] {
         test::LogBook log;
-        return example::load_identity(config, "server", uri, {}, test::today, log)
+        return product::load_identity(config, "server", uri, {}, test::today, log)
             .certificates.front()
             .thumbprint_text();
     };
@@ -61,9 +61,9 @@ TEST_CASE("identity: a preset's certificate has the subject of its product (3-2-
 {
     const test::TemporaryFolder folder;
     const auto made = [&](const std::string& text) {
-        const auto config = example::parse_config(
+        const auto config = product::parse_config(
             "certificates.folder = \"" + folder.path.string() + "\"\n" + text, "file");
-        return example::regenerate_certificate(config.certificates, "Press", "urn:press",
+        return product::regenerate_certificate(config.certificates, "Press", "urn:press",
                                                {"press-4", "127.0.0.1", "192.168.250.1"},
                                                test::today);
     };
@@ -86,7 +86,7 @@ TEST_CASE("identity: a preset's certificate has the subject of its product (3-2-
 
 TEST_CASE("identity: the address of hosts is one that other machines may use")
 {
-    using example::address_of;
+    using product::address_of;
     CHECK(address_of({"press", "127.0.0.1", "::1", "2001:db8::7", "192.0.2.1"}) == "2001:db8::7");
     CHECK(address_of({"press", "127.0.0.1"}) == "127.0.0.1");
     CHECK(address_of({"press", "press.example"}) == "press");

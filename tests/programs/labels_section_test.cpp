@@ -4,14 +4,14 @@
 #include <fstream>
 #include <string>
 
-#include "config.hpp"
+#include "product/configuration/config.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace labels_section_test {
 
 using namespace busbar;
-using example::ConfigError;
-using example::ControllerConfig;
+using product::ConfigError;
+using product::ControllerConfig;
 
 namespace {
 
@@ -22,7 +22,7 @@ struct Fixture {
     /// With the labels' program.
     [[nodiscard]] ControllerConfig parse(const std::string& more) const
     {
-        return example::parse_config("[labels]\nprogram = \"" + path().string() + "\"\n" + more,
+        return product::parse_config("[labels]\nprogram = \"" + path().string() + "\"\n" + more,
                                      "plant.toml");
     }
     [[nodiscard]] std::string complaint(const std::string& more) const

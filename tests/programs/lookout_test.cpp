@@ -11,14 +11,14 @@
 #include <busbar/server/server.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
-#include "lookout.hpp"
+#include "product/machine/lookout.hpp"
+#include "product/machine/ticker.hpp"
 #include "support/identity.hpp"
-#include "ticker.hpp"
 
 namespace lookout_test {
 
 using namespace busbar;
-using example::Lookout;
+using product::Lookout;
 
 namespace {
 
@@ -136,7 +136,7 @@ TEST_CASE("ticker: it ticks at once, and not any more when it is gone")
 {
     std::atomic<int> ticks{0};
     {
-        const example::Ticker ticker{[&] {
+        const product::Ticker ticker{[&] {
             ++ticks;
             return std::chrono::hours{1};
         }};
@@ -144,7 +144,7 @@ TEST_CASE("ticker: it ticks at once, and not any more when it is gone")
     CHECK(ticks <= 1);
     const int before = ticks;
     {
-        const example::Ticker ticker{[&] {
+        const product::Ticker ticker{[&] {
             ++ticks;
             ticks.notify_all();
             return std::chrono::hours{1};
@@ -157,7 +157,7 @@ TEST_CASE("ticker: it ticks at once, and not any more when it is gone")
 TEST_CASE("ticker: it ticks again after the pause that is asked for")
 {
     std::atomic<int> ticks{0};
-    const example::Ticker ticker{[&] {
+    const product::Ticker ticker{[&] {
         ++ticks;
         ticks.notify_all();
         return ticks < 3 ? std::chrono::milliseconds{1} : std::chrono::hours{1};

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "machine_backup.hpp"
+#include "product/machine/machine_backup.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -14,13 +14,13 @@
 #include <busbar/core/record.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
-#include "machine_files.hpp"
-#include "machine_items.hpp"
+#include "product/machine/machine_files.hpp"
+#include "product/machine/machine_items.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace busbar::test {
 
-using namespace busbar::example;
+using namespace busbar::product;
 
 using Bytes = std::vector<std::byte>;
 using Files = std::map<std::string, std::string>;

@@ -2,13 +2,13 @@
 
 #include <busbar/server/config_check.hpp>
 
-#include "config.hpp"
-#include "presets.hpp"
+#include "product/configuration/config.hpp"
+#include "product/configuration/presets.hpp"
 
 namespace presets_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 
-#include "print_conformance.hpp"
+#include "product/printing/print_conformance.hpp"
 
 namespace print_conformance_test {
 
@@ -17,7 +17,7 @@ constexpr DateTime today{134'000'000'000'000'000}; // in 2025
 
 server::Conformance conformance(const std::string& text, bool has_time_sync = false)
 {
-    return example::conformance_of(example::parse_config(text, "plant.toml"), today, has_time_sync);
+    return product::conformance_of(product::parse_config(text, "plant.toml"), today, has_time_sync);
 }
 
 } // namespace
@@ -27,11 +27,11 @@ TEST_CASE("what a configuration claims is printed, and what it lacks")
     const server::Conformance secure = conformance("[users]\nanonymous = \"read\"");
     CHECK_FALSE(secure.find("SecurityPolicyNone")->is_claimed);
     CHECK(secure.find("SecurityPolicyBasic256Sha256")->is_claimed);
-    const std::string text = example::describe_conformance(secure);
+    const std::string text = product::describe_conformance(secure);
     CHECK(text.find("\nSecurityPolicyBasic256Sha256: claimed\n") != std::string::npos);
     CHECK(text.find("  Discovery Register: discovery\n") != std::string::npos);
     CHECK(text.find("\nMethodClient") == std::string::npos);
-    const std::string json = example::conformance_json(secure);
+    const std::string json = product::conformance_json(secure);
     CHECK(json.starts_with(R"({"profiles":[{"name":)"));
     CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery"})") != std::string::npos);
     CHECK(json.find(R"("name":"MethodClient",)") != std::string::npos);

@@ -9,22 +9,22 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
-#include "limit_keys.hpp"
-#include "limits_section.hpp"
-#include "memory_section.hpp"
-#include "print_capacities.hpp"
-#include "print_limits.hpp"
+#include "product/configuration/limit_keys.hpp"
+#include "product/configuration/limits_section.hpp"
+#include "product/configuration/memory_section.hpp"
+#include "product/printing/print_capacities.hpp"
+#include "product/printing/print_limits.hpp"
 
 namespace print_limits_test {
 
 using namespace busbar;
-using example::describe_limits;
+using product::describe_limits;
 
 namespace {
 
-example::ControllerConfig parse(const std::string& text)
+product::ControllerConfig parse(const std::string& text)
 {
-    return example::parse_config(text, "plant.toml");
+    return product::parse_config(text, "plant.toml");
 }
 
 std::vector<std::string> lines_of(const std::string& text)
@@ -56,7 +56,7 @@ std::vector<std::string> words_of(const std::string& text, const std::string& li
 
 TEST_CASE("all limits are printed with what they cost")
 {
-    const example::ControllerConfig config = parse("");
+    const product::ControllerConfig config = parse("");
     const std::string text = describe_limits(config);
     for (const server::MemoryRow& row : server::worst_case_memory(config.server.limits).rows) {
         INFO(row.limit);
@@ -92,7 +92,7 @@ TEST_CASE("each limit that clients are held to has a key")
         if (row.limit.find("::") != std::string_view::npos) {
             continue; // a cost that comes with something else, and no limit
         }
-        const std::string key = example::key_of(row.limit);
+        const std::string key = product::key_of(row.limit);
         // The value that is in force is one that may be set.
         const std::string text = "[limits]\n" + key + " = " + std::to_string(row.value) + "\n";
         INFO(row.limit << ": " << text);
@@ -100,24 +100,24 @@ TEST_CASE("each limit that clients are held to has a key")
         CHECK(words_of(describe_limits(parse(text)), std::string{row.limit})[1] ==
               std::to_string(row.value));
     }
-    CHECK(example::key_of("max_nothing").empty());
+    CHECK(product::key_of("max_nothing").empty());
 }
 
 TEST_CASE("each key of the limits sets what it says, within its range")
 {
-    const auto with = [](const example::LimitKey& key, std::int64_t value) {
+    const auto with = [](const product::LimitKey& key, std::int64_t value) {
         return "[" + std::string{key.table} + "]\n" + std::string{key.name} + " = " +
                std::to_string(value) + "\n";
     };
-    const example::ControllerConfig otherwise = parse("");
-    for (const example::LimitKey& key : example::limit_keys()) {
+    const product::ControllerConfig otherwise = parse("");
+    for (const product::LimitKey& key : product::limit_keys()) {
         const std::int64_t value = key.get(otherwise);
         INFO(key.table << "." << key.name << ": " << value);
         CHECK(value >= key.least);
         CHECK(value <= key.most);
         CHECK(key.get(parse(with(key, value))) == value);
         const std::int64_t another = value > key.least ? value - 1 : value + 1;
-        example::ControllerConfig changed = otherwise;
+        product::ControllerConfig changed = otherwise;
         key.set(changed, another);
         CHECK(key.get(changed) == another);
         CHECK_THROWS_WITH(parse(with(key, key.most + 1)),
@@ -128,7 +128,7 @@ TEST_CASE("each key of the limits sets what it says, within its range")
 
 TEST_CASE("limits that are no numbers")
 {
-    const example::ControllerConfig config =
+    const product::ControllerConfig config =
         parse("[limits.subscriptions]\nsamples_each_scan = false\n"
               "sampling_intervals_ms = [100, 250]\noverload_percent = 5\n"
               "[limits.certificates]\nwhen_rejected_is_full = \"discard\"\n"
@@ -156,7 +156,7 @@ TEST_CASE("limits that are no numbers")
 
 TEST_CASE("passwords cost memory only where there are some")
 {
-    example::ControllerConfig config = parse("[users]\nanonymous = \"read\"\n");
+    product::ControllerConfig config = parse("[users]\nanonymous = \"read\"\n");
     const std::string row = "MemoryAssumptions::password_cost";
     CHECK(words_of(describe_limits(config), row)[3] != "16.0");
     config.users.accounts.emplace_back();
@@ -172,8 +172,8 @@ TEST_CASE("passwords cost memory only where there are some")
 
 TEST_CASE("memory is one number from which the limits come (D9)")
 {
-    const auto total = [](const example::ControllerConfig& config) {
-        return example::worst_case_of(config).total();
+    const auto total = [](const product::ControllerConfig& config) {
+        return product::worst_case_of(config).total();
     };
     const auto with = [](const std::string& memory) {
         return "[users]\npassword_hash = \"pbkdf2\"\n[limits]\nmemory = \"" + memory + "\"\n";
@@ -208,13 +208,13 @@ TEST_CASE("memory is one number from which the limits come (D9)")
 
 TEST_CASE("sizes are printed as people read them")
 {
-    CHECK(example::size_text(0) == "0 B");
-    CHECK(example::size_text(1'023) == "1023 B");
-    CHECK(example::size_text(1'024) == "1.0 KiB");
-    CHECK(example::size_text(1'048'575) == "1.0 MiB");
-    CHECK(example::size_text(std::uint64_t{3} << 29U) == "1.5 GiB");
-    CHECK(example::size_text(UINT64_MAX - 1) == "16.0 EiB");
-    CHECK(example::size_text(UINT64_MAX) == "no end");
+    CHECK(product::size_text(0) == "0 B");
+    CHECK(product::size_text(1'023) == "1023 B");
+    CHECK(product::size_text(1'024) == "1.0 KiB");
+    CHECK(product::size_text(1'048'575) == "1.0 MiB");
+    CHECK(product::size_text(std::uint64_t{3} << 29U) == "1.5 GiB");
+    CHECK(product::size_text(UINT64_MAX - 1) == "16.0 EiB");
+    CHECK(product::size_text(UINT64_MAX) == "no end");
 }
 
 TEST_CASE("README.md has the capacities of the built-in configuration",
@@ -222,14 +222,14 @@ TEST_CASE("README.md has the capacities of the built-in configuration",
 {
     std::ifstream file{BUSBAR_SOURCE_DIR "/README.md"};
     const std::string readme{std::istreambuf_iterator<char>{file}, {}};
-    const std::string table = example::describe_capacities(parse(""));
+    const std::string table = product::describe_capacities(parse(""));
     for (const std::string& line : lines_of(table)) {
         INFO(line);
         CHECK(readme.find(line + "\n") != std::string::npos);
     }
     CHECK(readme.find(table) != std::string::npos); // in this order, and no more
     CHECK(table.find("| Sessions | 100 | `sessions` |\n") != std::string::npos);
-    CHECK(example::describe_capacities(parse("[limits]\nsessions = 7\n"))
+    CHECK(product::describe_capacities(parse("[limits]\nsessions = 7\n"))
               .find("| Sessions | 7 | `sessions` |") != std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-#include "project_service.hpp"
+#include "product/model/project_service.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -12,7 +12,7 @@
 namespace project_service_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 
 // 9.13 and 9.14: what a tool does with the project of a server, without the server.
 

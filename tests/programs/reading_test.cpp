@@ -1,4 +1,4 @@
-#include "reading.hpp"
+#include "product/configuration/reading.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -26,9 +26,9 @@ struct ProjectFolder {
             << "certificates.folder = \"" << (folder.path / "certificates").string() << "\"\n";
     }
 
-    [[nodiscard]] example::ControllerConfig read(const std::string& preset = {}) const
+    [[nodiscard]] product::ControllerConfig read(const std::string& preset = {}) const
     {
-        return example::read_sources({.file = (folder.path / "file.toml").string(),
+        return product::read_sources({.file = (folder.path / "file.toml").string(),
                                       .port = {},
                                       .preset = preset,
                                       .project = folder.path.string()})
@@ -60,8 +60,8 @@ TEST_CASE("9.10 reading: what a project says of the certificate", "[9.10]")
                            .locality = "",
                            .state = "",
                            .country = "DE"};
-    const example::SubjectNames subject = ProjectFolder{project}.read().certificates.subject;
-    const auto names = example::subject_of(subject, "name", {"press-4"});
+    const product::SubjectNames subject = ProjectFolder{project}.read().certificates.subject;
+    const auto names = product::subject_of(subject, "name", {"press-4"});
     CHECK(names.common_name == "PRESS");
     CHECK(names.organization == "Works");
     CHECK(names.organizational_unit == "Line 4");

@@ -6,12 +6,12 @@
 
 #include <busbar/channel/channel_types.hpp>
 
-#include "config.hpp"
+#include "product/configuration/config.hpp"
 
 namespace security_forms_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 
 namespace {
 

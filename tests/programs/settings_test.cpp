@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "mode_guard.hpp"
-#include "setting_keys.hpp"
-#include "settings.hpp"
+#include "product/configuration/mode_guard.hpp"
+#include "product/configuration/setting_keys.hpp"
+#include "product/configuration/settings.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace settings_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 using administration::Setting;
 using administration::SettingChange;
 

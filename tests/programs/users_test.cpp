@@ -10,18 +10,18 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
-#include "admission.hpp"
-#include "first_account.hpp"
-#include "reload.hpp"
-#include "security_section.hpp"
-#include "setup.hpp"
+#include "product/access/admission.hpp"
+#include "product/access/first_account.hpp"
+#include "product/access/setup.hpp"
+#include "product/configuration/reload.hpp"
+#include "product/configuration/security_section.hpp"
 #include "support/seeded_random.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace users_test {
 
 using namespace busbar;
-using namespace busbar::example;
+using namespace busbar::product;
 namespace fs = std::filesystem;
 
 namespace {
@@ -70,7 +70,7 @@ struct Plant {
     }
     std::string reload()
     {
-        return example::reload(file, *settings, *admission,
+        return product::reload(file, *settings, *admission,
                                DateTime::from_unix_seconds(1'750'000'000));
     }
     bool lets_in(const std::string& name, const std::string& password)

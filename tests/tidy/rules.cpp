@@ -31,7 +31,11 @@ constexpr std::array layers = {
     Layer{"harness",
           " core binary types crypto channel model nodes server client backend harness "},
     Layer{"controller", " core binary types crypto channel model nodes server backend controller "},
+    Layer{"product", " core binary types crypto channel model nodes server administration client "
+                     "backend storage net controller product "},
 };
+/// These have threads, clocks and exceptions.
+constexpr std::array<std::string_view, 3> outer_layers = {"net", "controller", "product"};
 
 /// The floors of lib/server, each with those that it stands on; siblings know nothing of each
 /// other.
@@ -149,7 +153,8 @@ bool in_library(std::string_view path)
 bool below_net(std::string_view path)
 {
     const Layer* layer = layer_of(path);
-    return layer != nullptr && layer->name != "net" && layer->name != "controller";
+    return layer != nullptr &&
+           std::find(outer_layers.begin(), outer_layers.end(), layer->name) == outer_layers.end();
 }
 
 bool on_wire_data(std::string_view path)

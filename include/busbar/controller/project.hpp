@@ -37,7 +37,7 @@ struct ProjectUser {
 };
 
 /// What a listener is for.
-enum class ListenerUse : std::uint8_t { Data, Administration, DataAndAdministration };
+enum class ListenerUse : std::uint8_t { DataAndAdministration, Data, Administration };
 
 /// An Ethernet port (seed 001, 9.8).
 struct ProjectListener {

@@ -1,0 +1,140 @@
+#include "administered.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <busbar/server/running_server.hpp>
+
+#include "product/configuration/toml_reader.hpp"
+
+namespace busbar::product {
+
+bool manages_certificates(const ControllerConfig& config)
+{
+    return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
+}
+
+Administered::Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
+                           LogSink& lines)
+    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, "roles.json"}, file_systems_{
+                                                                                     config.files}
+{
+    expect(roles_.load());
+}
+
+bool Administered::is_administrator(const administration::User& user) const
+{
+    return !has_other_administrator_ &&
+           (is_security_admin(user.roles) || roles_.is_administrator(user.name));
+}
+
+void Administered::add_users(Admission& admission, ControllerConfig& config)
+{
+    admission_ = &admission;
+    has_other_administrator_ = admission.has_administrator();
+    roles_.set_other_administrators(has_other_administrator_);
+    users_.emplace(files_, "users.json", config.users.password_rules, admission.passwords(),
+                   [this](const administration::User& user) { return is_administrator(user); });
+    expect(users_->load());
+    setup_.emplace(files_, admission.clients(), admission.passwords());
+    if (config.users.has_setup && !users_->has_administrator()) {
+        if (!manages_certificates(config)) {
+            throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
+                                                "trusts all clients, expected certificates that "
+                                                "decide"};
+        }
+        new_code_ = setup_->begin(random_, config.users.password_rules.cost);
+    }
+    offer_passwords(config.server.endpoints);
+}
+
+void Administered::offer_passwords(std::vector<server::EndpointConfig>& endpoints) const
+{
+    if (users_->users().empty() && !setup_->is_active()) {
+        return;
+    }
+    for (server::EndpointConfig& endpoint : endpoints) {
+        endpoint.allows_user_name = true;
+    }
+}
+
+void Administered::end_setup(server::Server& server)
+{
+    if (!setup_->is_active() || !users_->has_administrator()) {
+        return;
+    }
+    setup_->end();
+    audit_.write(LogLevel::Info, "controller", "there is an administrator: the setup is over");
+    const server::RunningServer running{server};
+    static_cast<void>(running.end_sessions(
+        [](const server::UserIdentity& user) { return user.name == Setup::user_name; }));
+    running.trust_changed();
+}
+
+void Administered::read_users()
+{
+    has_other_administrator_ = admission_->has_administrator();
+    roles_.set_other_administrators(has_other_administrator_);
+    expect(users_->load());
+}
+
+Configured<void> Administered::reset()
+{
+    // Whoever set the first account's password at the machine keeps it.
+    static constexpr std::array<std::string_view, 4> names{"users.json", "roles.json",
+                                                           "settings.json", "setup.code"};
+    static constexpr std::array<std::string_view, 14> folders{
+        "own/certs",         "own/private",         "own/crl",           "own/replaced",
+        "trusted/certs",     "trusted/crl",         "issuers/certs",     "issuers/crl",
+        "rejected/certs",    "users/trusted/certs", "users/trusted/crl", "users/issuers/certs",
+        "users/issuers/crl", "users/rejected/certs"};
+    return administration::remove_files(files_, names, folders);
+}
+
+void Administered::attach(const ToAdminister& what)
+{
+    administration::AdministrationParts parts{.wall_clock = &clock_,
+                                              .log = &audit_,
+                                              .roles = &roles_,
+                                              .stop = what.stop,
+                                              .replace = what.restart};
+    parts.authorities = what.config.users.authorities;
+    parts.file_systems = file_systems_.all();
+    parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),
+                              what.file_systems.end());
+    parts.file_transfers = what.file_transfers;
+    parts.random = &random_;
+    parts.settings = &what.settings.list();
+    parts.setting_owner = &what.settings;
+    if (manages_certificates(what.config)) {
+        certificates_.files = &files_;
+        certificates_.applications = &what.admission.client_store();
+        certificates_.users = what.admission.user_store();
+        certificates_.users_folder = "users";
+        certificates_.key_bits = what.config.certificates.key_bits;
+        certificates_.renewed = [&config = what.config,
+                                 renewed = what.renewed](const crypto::OwnCertificate& own) {
+            config.server.identity = channel::ApplicationIdentity{own.certificates, own.key};
+            if (renewed) {
+                renewed();
+            }
+        };
+        parts.reset = [this] { return reset(); };
+        parts.users = &*users_;
+        parts.certificates = &certificates_;
+        parts.worker = &what.worker;
+        parts.is_in_setup = [this] { return setup_->is_active(); };
+        parts.changed = [this, &server = what.server, offer_changed = what.offer_changed] {
+            end_setup(server);
+            offer_changed();
+        };
+    }
+    expect(administration_.emplace(parts).attach(what.server));
+    if (what.config.server.is_auditing) {
+        audit_.attach(what.server.event_queue(), what.server.config().application_uri);
+    }
+}
+
+} // namespace busbar::product

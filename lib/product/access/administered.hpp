@@ -1,0 +1,97 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <busbar/administration/administration.hpp>
+#include <busbar/administration/audit_log.hpp>
+#include <busbar/core/storage.hpp>
+#include <busbar/crypto/random.hpp>
+
+#include "admission.hpp"
+#include "file_systems.hpp"
+#include "listener_roles.hpp"
+#include "product/configuration/config.hpp"
+#include "product/configuration/settings.hpp"
+#include "setup.hpp"
+
+namespace busbar::product {
+
+/// Whether certificates and users are managed online: where certificates decide.
+[[nodiscard]] bool manages_certificates(const ControllerConfig& config);
+
+/// What an Administered works on; all must outlive it, but the worker, which is to end before.
+struct ToAdminister {
+    server::Server& server;
+    Admission& admission;
+    /// Is told of another certificate.
+    ControllerConfig& config;
+    Settings& settings;
+    server::Worker& worker;
+    /// Ends the program.
+    std::function<void()> stop;
+    /// Has another server take over, soon.
+    std::function<void(const administration::RestartWish& wish)> restart;
+    /// Called on the server's thread when other kinds of user may log in than before.
+    std::function<void()> offer_changed;
+    /// Called on the server's thread when `config` was told of another certificate. May be empty.
+    std::function<void()> renewed;
+    /// Beside those of the configuration.
+    std::vector<administration::FileSystem> file_systems;
+    std::vector<administration::TemporaryFileTransfer> file_transfers;
+};
+
+/// What administrators change while the controller runs, kept in the folder of certificates.
+class Administered {
+public:
+    /// Throws a ConfigError if what is kept in `files`, the folder of certificates, cannot be read.
+    /// All must outlive it.
+    Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
+                 LogSink& lines);
+
+    /// The server's log.
+    [[nodiscard]] LogSink& log() { return audit_; }
+    [[nodiscard]] const server::RoleMapper& roles() const { return listener_roles_; }
+    /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
+    /// before the server is made. Throws ConfigError. `admission` must outlive it.
+    void add_users(Admission& admission, ControllerConfig& config);
+    /// Has endpoints offer passwords if a user of the list, or of the setup, has one.
+    void offer_passwords(std::vector<server::EndpointConfig>& endpoints) const;
+    /// Who decides about clients, also in a setup.
+    [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
+    /// The one-time code of the setup, if this is the first start of a controller that has one.
+    [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
+    /// Those users again, after `admission` has read its file again. Throws ConfigError.
+    void read_users();
+    /// Once, before clients connect. Throws ConfigError.
+    void attach(const ToAdminister& what);
+    /// See Administration; after attach(). Any thread.
+    void refresh_files() { administration_->refresh_files(); }
+
+private:
+    void end_setup(server::Server& server);
+    /// What administrators changed, and all certificates.
+    [[nodiscard]] Configured<void> reset();
+    /// One whom the list must not lose: none, if the file has an administrator. Any thread.
+    [[nodiscard]] bool is_administrator(const administration::User& user) const;
+
+    const WallClock& clock_;
+    administration::AuditLog audit_;
+    Storage& files_;
+    crypto::SystemRandom random_;
+    Admission* admission_{nullptr};
+    /// The file has an administrator.
+    std::atomic<bool> has_other_administrator_{false};
+    std::optional<Setup> setup_;
+    std::optional<crypto::Secret> new_code_;
+    administration::RoleList roles_;
+    ListenerRoles listener_roles_{roles_};
+    std::optional<administration::UserList> users_;
+    administration::ManagedCertificates certificates_;
+    FileSystems file_systems_;
+    std::optional<administration::Administration> administration_;
+};
+
+} // namespace busbar::product

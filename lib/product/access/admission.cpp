@@ -1,0 +1,144 @@
+#include "admission.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace busbar::product {
+
+namespace {
+
+// Part 3, 8.57.
+constexpr std::uint8_t read_only = 0x01; // CurrentRead
+constexpr std::uint8_t everything = 0xFF;
+
+std::uint8_t mask_of(AccountAccess access)
+{
+    return access == AccountAccess::Write ? everything : read_only;
+}
+
+bool needs_certificates(const ControllerConfig& config)
+{
+    return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
+}
+
+/// The first kind of user that only one of both lets in; empty if there is none.
+std::string changed_kind(const UserConfig& before, const UserConfig& after)
+{
+    const std::pair<const char*, bool> kinds[] = {
+        {"anonymous users", before.anonymous.has_value() != after.anonymous.has_value()},
+        {"accounts", before.accounts.empty() != after.accounts.empty()},
+        {"users with certificates", before.certified.has_value() != after.certified.has_value()},
+        {"users with tokens", before.tokens.has_value() != after.tokens.has_value()}};
+    for (const auto& [name, has_changed] : kinds) {
+        if (has_changed) {
+            return name;
+        }
+    }
+    return {};
+}
+
+void make_folders(crypto::CertificateStore& store)
+{
+    if (const auto made = store.create(); !made) {
+        throw ConfigError{
+            Problem{made.error(), store.storage().place(""), "the folder cannot be made"}};
+    }
+}
+
+} // namespace
+
+Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& log)
+    : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
+      client_store_{files, config.certificates.limits, log},
+      client_validator_{client_store_, log, config.certificates.validation},
+      user_files_{files, "users"}, user_store_{user_files_, config.certificates.limits, log},
+      user_validator_{user_store_, log, config.certificates.validation}
+{
+    if (needs_certificates(config)) {
+        make_folders(client_store_);
+    }
+    if (config.users.certified) {
+        make_folders(user_store_);
+    }
+    add_users();
+}
+
+bool is_security_admin(const std::vector<std::string>& roles)
+{
+    return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
+}
+
+bool Admission::has_administrator() const
+{
+    return std::any_of(config_.accounts.begin(), config_.accounts.end(),
+                       [](const Account& account) { return is_security_admin(account.roles); });
+}
+
+crypto::CertificateValidator& Admission::clients()
+{
+    if (trusts_all_clients_) {
+        return accept_all_;
+    }
+    return client_validator_;
+}
+
+void Admission::add_users()
+{
+    server::PasswordUsers& passwords = users_.passwords();
+    passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(AccountAccess::Read)));
+    for (const Account& account : config_.accounts) {
+        if (!passwords.set(account.name, account.password_hash,
+                           {mask_of(account.access), account.roles})) {
+            throw ConfigError{"account \"" + account.name + "\"", "the name must not be empty"};
+        }
+    }
+    if (config_.certified) {
+        users_.accept_certificates(user_validator_);
+        users_.set_other_certificate_rights(server::UserRights{mask_of(*config_.certified)});
+    }
+    if (config_.tokens) {
+        users_.accept_tokens(config_.tokens->rules);
+        for (const auto& [role, access] : config_.tokens->roles) {
+            users_.set_role_access(role, mask_of(access));
+        }
+    }
+}
+
+void Admission::check_users(const UserConfig& users, const std::string& file) const
+{
+    if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
+        throw ConfigError{file + ": [users]",
+                          kind +
+                              " came or went, expected the kinds of user that there are since the "
+                              "start: restart the controller"};
+    }
+}
+
+void Admission::replace_users(const UserConfig& users)
+{
+    for (const Account& account : config_.accounts) {
+        if (!has_account(users, account.name)) {
+            users_.passwords().remove(account.name);
+        }
+    }
+    if (config_.tokens) {
+        for (const auto& [role, access] : config_.tokens->roles) {
+            users_.set_role_access(role, 0);
+        }
+    }
+    config_ = users;
+    add_users();
+}
+
+std::string Admission::read_certificates(DateTime now)
+{
+    const auto count = [now](crypto::CertificateStore& store) {
+        const crypto::TrustList& list = store.trust_list(now);
+        return std::to_string(list.trusted.size()) + " trusted certificates and " +
+               std::to_string(list.issuers.size()) + " issuers";
+    };
+    std::string text = trusts_all_clients_ ? "every client is trusted" : count(client_store_);
+    return config_.certified ? text + ", of users " + count(user_store_) : text;
+}
+
+} // namespace busbar::product

@@ -1,0 +1,238 @@
+#include "config.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include <arpa/inet.h>
+
+#include <busbar/channel/endpoint_url.hpp>
+
+#include "endpoint_section.hpp"
+#include "files_section.hpp"
+#include "labels_section.hpp"
+#include "limits_section.hpp"
+#include "machine_section.hpp"
+#include "memory_section.hpp"
+#include "plc_section.hpp"
+#include "product/configuration/default_config.hpp"
+#include "security_section.hpp"
+#include "toml_text.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+/// Larger ones are no configurations.
+constexpr std::size_t max_config_size = 4U << 20U;
+
+bool is_any_address(const std::string& text)
+{
+    in6_addr buffer{};
+    const std::string without_zone = text.substr(0, text.find('%'));
+    return ::inet_pton(AF_INET, text.c_str(), &buffer) == 1 ||
+           ::inet_pton(AF_INET6, without_zone.c_str(), &buffer) == 1;
+}
+
+bool is_host(const std::string& text)
+{
+    channel::EndpointUrl url;
+    url.host = text;
+    const auto parsed = channel::EndpointUrl::parse(url.text());
+    return parsed && parsed->host == text && parsed->path.empty() &&
+           (text.find(':') == std::string::npos || is_any_address(text));
+}
+
+/// Part 3, 8.4: a language, and a country behind a hyphen or none.
+bool is_locale(const std::string& text)
+{
+    const auto is_short = [](std::string_view part) {
+        return (part.size() == 2 || part.size() == 3) &&
+               std::all_of(part.begin(), part.end(), [](char c) {
+                   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                          (c >= '0' && c <= '9');
+               });
+    };
+    const std::string_view all{text};
+    const std::size_t hyphen = all.find('-');
+    return is_short(all.substr(0, hyphen)) &&
+           (hyphen == std::string_view::npos || is_short(all.substr(hyphen + 1)));
+}
+
+void read_server(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"name", "application_uri", "address", "port", "host_names",
+                 "min_channel_lifetime_ms", "key_log", "nodesets", "locales", "auditing"});
+    config.server.application_name = table.text("name", config.server.application_name);
+    config.server.application_uri = table.text("application_uri", "");
+    config.address = table.text("address", config.address);
+    if (!config.address.empty() && !is_any_address(config.address)) {
+        table.fail("address", "an IPv4 or IPv6 address of this machine, or \"\" for all of them");
+    }
+    config.port = static_cast<std::uint16_t>(table.integer("port", config.port, 0, 65'535));
+    config.host_names = table.texts("host_names");
+    for (const std::string& host : config.host_names) {
+        if (!is_host(host)) {
+            table.fail("host_names", "names and addresses without scheme and port");
+        }
+    }
+    config.nodesets = table.texts("nodesets");
+    if (const auto locales = table.texts("locales"); !locales.empty()) {
+        if (!std::all_of(locales.begin(), locales.end(), is_locale)) {
+            table.fail("locales", "languages with or without a country: \"en\", \"de-AT\"");
+        }
+        config.server.locale_ids = locales;
+    }
+    config.server.is_auditing = table.flag("auditing", config.server.is_auditing);
+    auto& limits = config.server.limits;
+    limits.min_token_lifetime = std::chrono::milliseconds{table.integer(
+        "min_channel_lifetime_ms", limits.min_token_lifetime.count(), 100, 3'600'000)};
+    config.key_log = table.text("key_log", "");
+#ifndef BUSBAR_KEY_LOG
+    if (!config.key_log.empty()) {
+        table.fail("key_log", "nothing: this build does not give its keys away");
+    }
+#endif
+}
+
+void read_reverse_connect(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"urls"});
+    config.reverse_urls = table.texts("urls");
+    for (const std::string& url : config.reverse_urls) {
+        if (!channel::EndpointUrl::parse(url)) {
+            table.fail("urls", "opc.tcp://host:port of each client");
+        }
+    }
+}
+
+/// Part 4, 5.5.5.1: registered anew after ten minutes at the latest.
+void read_discovery(const TomlTable& table, DiscoveryConfig& config)
+{
+    table.allow({"url", "interval_s", "allow_none", "server"});
+    config.url = table.text("url", "");
+    if (!config.url.empty() && !channel::EndpointUrl::parse(config.url)) {
+        table.fail("url", "opc.tcp://host:port of the discovery server");
+    }
+    config.interval =
+        std::chrono::seconds{table.integer("interval_s", config.interval.count(), 10, 600)};
+    config.allows_none = table.flag("allow_none", false);
+}
+
+/// What FindServersOnNetwork answers (Part 4, 5.5.3).
+std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
+{
+    constexpr std::size_t most = 1'000;
+    constexpr std::size_t longest_name = 63; // Part 12, 4.3.4
+    std::vector<server::NetworkServer> servers;
+    for (const TomlTable& entry : table.tables("server")) {
+        entry.allow({"name", "url", "capabilities"});
+        server::NetworkServer server{entry.text("name"), entry.text("url"),
+                                     entry.texts("capabilities")};
+        if (server.name.empty() || server.name.size() > longest_name) {
+            entry.fail("name", "a name of 1 to 63 bytes");
+        }
+        if (!channel::EndpointUrl::parse(server.discovery_url)) {
+            entry.fail("url", "opc.tcp://host:port of the server");
+        }
+        if (servers.size() == most) {
+            entry.fail("name", "no more than 1,000 servers");
+        }
+        servers.push_back(std::move(server));
+    }
+    return servers;
+}
+
+ControllerConfig read_root(const TomlTable& root)
+{
+    root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
+                "users", "files", "limits", "machine", "labels", "plc"});
+    ControllerConfig config;
+    config.machine.types = default_types();
+    read_preset(root, config);
+    read_server(root.table("server"), config);
+    read_reverse_connect(root.table("reverse_connect"), config);
+    read_discovery(root.table("discovery"), config.discovery);
+    config.server.network_servers = read_network_servers(root.table("discovery"));
+    read_certificates(root.table("certificates"), config);
+    config.files = read_files(root, config.certificates);
+    read_limits(root, config);
+    read_users(root.table("users"), config);
+    read_endpoints(root, config);
+    read_machine(root.table("machine"), config);
+    read_labels(root.table("labels"), config);
+    read_plc(root.table("plc"), config);
+    check_memory(root.table("limits"), config);
+    return config;
+}
+
+} // namespace
+
+bool has_account(const UserConfig& users, const std::string& name)
+{
+    return std::any_of(users.accounts.begin(), users.accounts.end(),
+                       [&](const Account& account) { return account.name == name; });
+}
+
+bool is_nobody(const UserConfig& users)
+{
+    return !users.anonymous && !users.certified && users.accounts.empty() && !users.tokens;
+}
+
+toml::table parse_table(std::string_view text, const std::string& file)
+{
+    auto table = parse_toml(text);
+    if (!table) {
+        throw ConfigError{file + ":" + std::to_string(table.error().line), table.error().text};
+    }
+    return std::move(*table);
+}
+
+ControllerConfig config_of(const toml::table& table, const std::string& file)
+{
+    return read_root(TomlTable{table, file});
+}
+
+ControllerConfig parse_config(std::string_view text, const std::string& file)
+{
+    return config_of(parse_table(text, file), file);
+}
+
+std::string read_config_text(const std::string& path)
+{
+    if (path.empty()) {
+        return default_config;
+    }
+    if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
+        throw ConfigError{path, "found a directory, expected a file; --print-config prints one"};
+    }
+    errno = 0;
+    std::ifstream file{path, std::ios::binary};
+    std::string text(max_config_size + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (file.bad() || !file.is_open()) {
+        throw ConfigError{path,
+                          "the file cannot be read: " + std::generic_category().message(errno)};
+    }
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > max_config_size) {
+        throw ConfigError{path, "found more than " + std::to_string(max_config_size) +
+                                    " bytes, expected a configuration; --print-config prints one"};
+    }
+    return text;
+}
+
+ControllerConfig read_config(const std::string& path)
+{
+    return parse_config(read_config_text(path), path);
+}
+
+ControllerConfig read_config_or_default(const std::string& path)
+{
+    return path.empty() ? parse_config(default_config, "built-in") : read_config(path);
+}
+
+} // namespace busbar::product

@@ -1,0 +1,92 @@
+#include "files_section.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "security_section.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+constexpr std::int64_t most_file_size = 1U << 30U;
+constexpr std::int64_t most_entries_of_files = 100'000;
+constexpr std::size_t most_folders = 16;
+
+/// One of both is the other, or lies in it.
+bool overlap(const std::string& a, const std::string& b)
+{
+    const auto whole = [](const std::string& path) {
+        std::error_code ignored;
+        // Of a relative path that is not there it would leave the working directory out.
+        const auto absolute = std::filesystem::absolute(path);
+        auto made = std::filesystem::weakly_canonical(absolute, ignored);
+        made = ignored ? absolute.lexically_normal() : made;
+        return made.has_filename() ? made : made.parent_path();
+    };
+    const auto first = whole(a);
+    const auto second = whole(b);
+    const auto [left, right] =
+        std::mismatch(first.begin(), first.end(), second.begin(), second.end());
+    return left == first.end() || right == second.end();
+}
+
+FilesConfig read_folder(const TomlTable& entry, const CertificateConfig& certificates)
+{
+    entry.allow({"name", "folder", "readers", "writers", "file_size", "entries"});
+    FilesConfig files;
+    files.name = entry.text("name");
+    const bool is_name = !files.name.empty() && files.name.size() <= 63 &&
+                         std::all_of(files.name.begin(), files.name.end(), [](char each) {
+                             return (each >= 'a' && each <= 'z') || (each >= 'A' && each <= 'Z') ||
+                                    (each >= '0' && each <= '9') || each == '_' || each == '-';
+                         });
+    if (!is_name) {
+        entry.fail("name", "1 to 63 letters, digits, - or _");
+    }
+    files.folder = entry.text("folder");
+    if (files.folder.empty()) {
+        entry.fail("folder", "a folder");
+    }
+    if (overlap(files.folder, certificates.folder)) {
+        entry.refuse("folder", "found \"" + files.folder + "\", expected one apart from \"" +
+                                   certificates.folder + "\", which has keys in it");
+    }
+    files.readers = read_roles(entry, "readers", {"Operator", "Engineer", "Supervisor"});
+    files.writers = read_roles(entry, "writers", {"ConfigureAdmin"});
+    files.limits.max_file_size = static_cast<std::size_t>(entry.integer(
+        "file_size", static_cast<std::int64_t>(files.limits.max_file_size), 1, most_file_size));
+    files.limits.max_written = std::max(files.limits.max_written, 2 * files.limits.max_file_size);
+    files.limits.max_entries = static_cast<std::size_t>(entry.integer(
+        "entries", static_cast<std::int64_t>(files.limits.max_entries), 1, most_entries_of_files));
+    return files;
+}
+
+} // namespace
+
+std::vector<FilesConfig> read_files(const TomlTable& root, const CertificateConfig& certificates)
+{
+    std::vector<FilesConfig> all;
+    for (const TomlTable& entry : root.tables("files")) {
+        FilesConfig files = read_folder(entry, certificates);
+        for (const FilesConfig& other : all) {
+            if (other.name == files.name) {
+                entry.refuse("name", "found \"" + files.name + "\" again, expected another");
+            }
+            if (overlap(files.folder, other.folder)) {
+                entry.refuse("folder", "found \"" + files.folder +
+                                           "\", expected one apart from \"" + other.folder +
+                                           "\" of " + other.name);
+            }
+        }
+        if (all.size() == most_folders) {
+            entry.fail("name", "no more than 16 folders");
+        }
+        all.push_back(std::move(files));
+    }
+    return all;
+}
+
+} // namespace busbar::product

@@ -1,0 +1,52 @@
+#include "labels_section.hpp"
+
+#include <utility>
+
+#include "product/machine/program_file.hpp"
+
+namespace busbar::product {
+
+std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& config)
+{
+    controller::Program program =
+        config.program != nullptr ? *config.program : controller::Program{};
+    return expect(controller::SimulatedLabels::create(std::move(program), config.options)
+                      .transform_error([&](Problem problem) {
+                          return in_file(std::move(problem), config.program_file);
+                      }));
+}
+
+void read_labels(const TomlTable& table, ControllerConfig& config)
+{
+    constexpr std::int64_t most_points = 16'000'000;
+    constexpr std::int64_t most_minutes = 24 * 60;
+    table.allow(
+        {"program", "access_unit", "waiting", "sampling", "sampled_points", "utc_offset_minutes"});
+    LabelConfig& labels = config.labels;
+    labels.program_file = table.text("program", "");
+    auto& options = labels.options;
+    options.access_unit =
+        static_cast<std::uint32_t>(table.integer("access_unit", 0, 0, most_points));
+    options.max_waiting = static_cast<std::size_t>(
+        table.integer("waiting", static_cast<std::int64_t>(options.max_waiting), 1, 100'000));
+    options.can_sample = table.flag("sampling", options.can_sample);
+    options.max_sampled_points = static_cast<std::uint32_t>(
+        table.integer("sampled_points", options.max_sampled_points, 1, most_points));
+    if (table.has("utc_offset_minutes")) {
+        labels.utc_offset = static_cast<std::int32_t>(
+            table.integer("utc_offset_minutes", 0, -most_minutes, most_minutes));
+    }
+    if (labels.program_file.empty()) {
+        return;
+    }
+    if (config.machine.program != nullptr) {
+        table.refuse("program", "found a program of labels besides that of [machine], expected one "
+                                "of them");
+    }
+    ProgramFile file = read_program_file(table, "program");
+    labels.program_text = std::move(file.text);
+    labels.program = std::move(file.program);
+    static_cast<void>(make_labels(labels));
+}
+
+} // namespace busbar::product

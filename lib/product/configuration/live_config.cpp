@@ -1,0 +1,47 @@
+#include "live_config.hpp"
+
+#include <utility>
+
+#include <busbar/server/running_server.hpp>
+
+namespace busbar::product {
+
+LiveConfig::LiveConfig(server::Server& server, const Administered& administered,
+                       const ControllerConfig& started, LogSink& log)
+    : server_{server}, administered_{administered}, started_{started}, log_{log}
+{
+}
+
+server::ServerConfig LiveConfig::next(const ControllerConfig& config) const
+{
+    ControllerConfig offered;
+    offered.users = started_.users;
+    offered.server.endpoints = config.server.endpoints;
+    offer_users(offered);
+    administered_.offer_passwords(offered.server.endpoints);
+
+    server::ServerConfig next = server_.config();
+    next.application_name = config.server.application_name;
+    next.endpoints = std::move(offered.server.endpoints);
+    const server::ServerLimits now = next.limits;
+    next.limits = config.server.limits;
+    next.limits.transport = now.transport;
+    next.limits.max_assembly = now.max_assembly;
+    return next;
+}
+
+Configured<void> LiveConfig::check(const ControllerConfig& config) const
+{
+    return server::RunningServer{server_}.check(next(config));
+}
+
+void LiveConfig::apply(const ControllerConfig& config) const
+{
+    const auto done = server::RunningServer{server_}.reconfigure(next(config));
+    if (!done) {
+        log_.write(LogLevel::Error, "controller",
+                   text(done.error()) + "; the server goes on as it was");
+    }
+}
+
+} // namespace busbar::product

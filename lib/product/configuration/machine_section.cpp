@@ -1,0 +1,90 @@
+#include "machine_section.hpp"
+
+#include <utility>
+
+#include "product/machine/program_file.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+void read_execution_log(const TomlTable& table, controller::ExecutionLogSettings& log)
+{
+    log.is_recorded = table.flag("execution_log", false);
+    log.files = static_cast<std::uint32_t>(table.integer("execution_log_files", log.files, 2, 100));
+    log.records = static_cast<std::uint32_t>(
+        table.integer("execution_log_records", log.records, 100, 65'536));
+}
+
+/// Which DataTypes variables have, if not those of the preset.
+void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
+{
+#ifdef BUSBAR_HAS_PLCOPEN
+    constexpr const char* expected = "\"plcopen\" or \"built-in\"";
+#else
+    constexpr const char* expected = "\"built-in\", as PLCopen is no part of this build";
+#endif
+    const std::string name = table.text("types", "");
+    if (name == "built-in") {
+        types.elementary = controller::ElementaryTypes::BuiltIn;
+#ifdef BUSBAR_HAS_PLCOPEN
+    } else if (name == "plcopen") {
+        types = controller::MachineTypeOptions{};
+#endif
+    } else if (!name.empty()) {
+        table.fail("types", expected);
+    }
+}
+
+} // namespace
+
+controller::MachineTypeOptions default_types()
+{
+#ifdef BUSBAR_HAS_PLCOPEN
+    return {};
+#else
+    return {.elementary = controller::ElementaryTypes::BuiltIn};
+#endif
+}
+
+std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerConfig& config)
+{
+    const MachineConfig& machine = config.machine;
+    return expect(controller::PublishedProgram::create(*machine.program, machine.publishing)
+                      .transform_error([&](Problem problem) {
+                          return in_file(std::move(problem), machine.program_file);
+                      }));
+}
+
+void read_machine(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
+                 "execution_log_files", "execution_log_records", "retained_ms", "types",
+                 "simulated_hardware"});
+    MachineConfig& machine = config.machine;
+    machine.program_file = table.text("program", "");
+    machine.name = table.text("name", "");
+    machine.state_folder = table.text("state", machine.state_folder);
+    machine.medium_folder = table.text("medium", machine.medium_folder);
+    const std::string mode = table.text("mode", "RUN");
+    if (mode != "RUN" && mode != "PROGRAM") {
+        table.fail("mode", "\"RUN\" or \"PROGRAM\"");
+    }
+    machine.mode = mode == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
+    machine.simulates_hardware = table.flag("simulated_hardware", false);
+    read_execution_log(table, machine.execution_log);
+    read_types(table, machine.types);
+    machine.retained = std::chrono::milliseconds{
+        table.integer("retained_ms", machine.retained.count(), 100, 3'600'000)};
+    // As the rest, it means nothing without a program.
+    machine.is_used = table.flag("use", true) || machine.program_file.empty();
+    if (machine.program_file.empty()) {
+        return;
+    }
+    ProgramFile file = read_program_file(table, "program");
+    machine.program_text = std::move(file.text);
+    machine.program = std::move(file.program);
+    static_cast<void>(publish_program(config));
+}
+
+} // namespace busbar::product

@@ -1,0 +1,43 @@
+#include "mode_guard.hpp"
+
+#include <array>
+#include <string>
+
+namespace busbar::product {
+
+namespace {
+
+constexpr std::array<std::string_view, 7> guarded{
+    "machine.use",
+    "server.port",
+    "machine.execution_log",
+    "machine.execution_log_files",
+    "machine.execution_log_records",
+    "endpoint",
+    "users.anonymous",
+};
+
+} // namespace
+
+std::span<const std::string_view> program_only_settings()
+{
+    return guarded;
+}
+
+Configured<void> check_in_run(const administration::SettingValues& now,
+                              const administration::SettingValues& next)
+{
+    for (const std::string_view name : guarded) {
+        const auto before = now.find(name);
+        const auto after = next.find(name);
+        if (before != now.end() && after != next.end() && !(before->second == after->second)) {
+            return misconfigured(std::string{name},
+                                 "cannot change while the machine is in RUN; set machine.mode to "
+                                 "PROGRAM and restart the controller before",
+                                 status::Bad_InvalidState);
+        }
+    }
+    return {};
+}
+
+} // namespace busbar::product

@@ -1,0 +1,207 @@
+#include "setting_keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/controller/plc_task.hpp>
+
+#include "limits_section.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+using administration::Setting;
+
+Variant texts(std::initializer_list<const char*> list)
+{
+    Array<String> array;
+    array.clear(); // not null
+    for (const char* text : list) {
+        array.push_back(String{text});
+    }
+    return Variant{std::move(array)};
+}
+
+Variant number(std::int64_t value)
+{
+    return Variant{value};
+}
+
+Variant no_numbers()
+{
+    Array<std::int64_t> array;
+    array.clear(); // not null
+    return Variant{std::move(array)};
+}
+
+std::vector<Setting> server_settings()
+{
+    return {
+        {.name = "server.name", .otherwise = Variant{"Busbar controller"}},
+        {.name = "server.address", .otherwise = Variant{""}},
+        {.name = "server.port", .otherwise = number(4'840), .range = Range{0, 65'535}},
+        {.name = "server.host_names", .otherwise = texts({})},
+        {.name = "server.nodesets", .otherwise = texts({})},
+        {.name = "server.locales", .otherwise = texts({"en"})},
+        {.name = "server.auditing", .otherwise = Variant{false}},
+        {.name = "reverse_connect.urls", .otherwise = texts({})},
+        {.name = "discovery.url", .otherwise = Variant{""}},
+        {.name = "discovery.interval_s",
+         .otherwise = number(300),
+         .range = Range{10, 600},
+         .unit = "s"},
+        {.name = "discovery.allow_none", .otherwise = Variant{false}},
+        {.name = "discovery.server", .otherwise = texts({})},
+    };
+}
+
+std::vector<Setting> security_settings()
+{
+    return {
+        {.name = "certificates.trust_all_clients", .otherwise = Variant{false}},
+        {.name = "certificates.key_bits",
+         .otherwise = number(2'048),
+         .range = Range{2'048, 4'096},
+         .unit = "bit"},
+        {.name = "certificates.valid_days",
+         .otherwise = number(7'305),
+         .range = Range{1, 36'525},
+         .unit = "d"},
+        {.name = "certificates.suppress", .otherwise = texts({})},
+        {.name = "endpoint", .otherwise = endpoint_value({})},
+        {.name = "users.anonymous", .otherwise = Variant{"no"}},
+        {.name = "users.authorities", .otherwise = Variant{"standard"}},
+        {.name = "users.certificates", .otherwise = Variant{"no"}},
+        {.name = "users.passwords.needs_letters_and_digit", .otherwise = Variant{false}},
+        {.name = "users.passwords.name_characters", .otherwise = Variant{""}},
+        {.name = "users.passwords.password_characters", .otherwise = Variant{""}},
+        {.name = "users.passwords.reserved_names", .otherwise = texts({})},
+        {.name = "limits.preset", .otherwise = Variant{""}},
+        {.name = "limits.certificates.when_rejected_is_full", .otherwise = Variant{"oldest out"}},
+        {.name = "limits.subscriptions.samples_each_scan", .otherwise = Variant{true}},
+        {.name = "limits.subscriptions.sampling_intervals_ms",
+         .otherwise = no_numbers(),
+         .unit = "ms"},
+        {.name = "limits.subscriptions.overload_percent",
+         .otherwise = Variant{0.0},
+         .range = Range{0, 1'000},
+         .unit = "%"},
+    };
+}
+
+/// Of the machine (seed 000, 3-2-2).
+std::vector<Setting> machine_settings()
+{
+    return {
+        {.name = "machine.name", .otherwise = Variant{""}},
+        {.name = "machine.use", .otherwise = Variant{true}},
+        {.name = "machine.mode", .otherwise = Variant{"RUN"}},
+        {.name = "machine.execution_log", .otherwise = Variant{false}},
+        {.name = "machine.execution_log_files", .otherwise = number(24), .range = Range{2, 100}},
+        {.name = "machine.execution_log_records",
+         .otherwise = number(12'000),
+         .range = Range{100, 65'536}},
+    };
+}
+
+std::vector<Setting> plc_settings()
+{
+    return {
+        {.name = "plc.scan_ms", .otherwise = number(20), .range = Range{1, 10'000}, .unit = "ms"},
+        {.name = "plc.realtime_priority",
+         .otherwise = number(controller::PlcTask::usual_priority),
+         .range = Range{0, 99}},
+        {.name = "plc.queued_scans", .otherwise = number(4), .range = Range{1, 1'000}},
+        {.name = "plc.waiting_writes", .otherwise = number(1'024), .range = Range{1, 100'000}},
+        {.name = "plc.variable", .otherwise = texts({})},
+        {.name = "plc.program", .otherwise = texts({})},
+        {.name = "plc.event", .otherwise = texts({})},
+    };
+}
+
+void append(std::vector<Setting>& all, std::vector<Setting> more)
+{
+    std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
+} // namespace
+
+Variant endpoint_value(const server::ServerConfig& config)
+{
+    Array<String> list;
+    for (const server::EndpointConfig& endpoint : config.endpoints) {
+        const auto& [policy, mode] = endpoint.security;
+        list.push_back(String{"{ mode = '" + std::string{channel::name(mode)} + "', policy = '" +
+                              std::string{policy->name} + "' }"});
+    }
+    return Variant{std::move(list)};
+}
+
+std::string setting_name(const LimitKey& key)
+{
+    return std::string{key.table} + "." + std::string{key.name};
+}
+
+std::string setting_name(const SubjectKey& key)
+{
+    return "certificates." + std::string{key.name};
+}
+
+std::vector<Setting> controller_settings(const toml::table& file)
+{
+    ControllerConfig preset;
+    read_preset(TomlTable{file, ""}, preset);
+    std::vector<Setting> settings = server_settings();
+    append(settings, security_settings());
+    append(settings, machine_settings());
+    append(settings, plc_settings());
+    for (const SubjectKey& key : subject_keys) {
+        settings.push_back({.name = setting_name(key),
+                            .otherwise = Variant{String{preset.certificates.subject.*key.member}}});
+    }
+    for (const LimitKey& key : limit_keys()) {
+        Setting setting{.name = setting_name(key), .otherwise = number(key.get(preset))};
+        setting.range = Range{static_cast<double>(key.least), static_cast<double>(key.most)};
+        setting.unit = key.unit;
+        settings.push_back(std::move(setting));
+    }
+    for (Setting& each : settings) {
+        each.is_security = is_security_setting(each.name);
+    }
+    return settings;
+}
+
+bool is_table_list(std::string_view name)
+{
+    constexpr std::array<std::string_view, 5> lists{"discovery.server", "endpoint", "plc.event",
+                                                    "plc.program", "plc.variable"};
+    return std::find(lists.begin(), lists.end(), name) != lists.end();
+}
+
+bool is_security_setting(std::string_view name)
+{
+    return name == "endpoint" || name.starts_with("certificates.") || name.starts_with("users.") ||
+           name.starts_with("limits.certificates.") ||
+           name.find("login") != std::string_view::npos || name == "server.auditing" ||
+           name == "discovery.allow_none";
+}
+
+bool is_live(std::string_view name)
+{
+    if (name == "endpoint" || name == "server.name" ||
+        name.starts_with("limits.subscriptions.sa") ||
+        name == "limits.subscriptions.overload_percent") {
+        return true;
+    }
+    const auto keys = limit_keys();
+    const auto key = std::find_if(keys.begin(), keys.end(),
+                                  [&](const LimitKey& each) { return setting_name(each) == name; });
+    // Buffers of connections are as large as they were made.
+    return key != keys.end() && !key->limit.empty() && !key->limit.starts_with("transport.") &&
+           key->limit != "max_assembly";
+}
+
+} // namespace busbar::product

@@ -1,0 +1,171 @@
+#include "settings.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <busbar/administration/managed_certificates.hpp>
+
+#include "limit_keys.hpp"
+#include "mode_guard.hpp"
+#include "setting_keys.hpp"
+#include "setting_overlay.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+using administration::Setting;
+using administration::SettingValues;
+
+std::string name_of_file(const std::string& path)
+{
+    return path.empty() ? "built-in" : path;
+}
+
+/// Limits and names that no key sets are those of the preset.
+Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
+{
+    for (const LimitKey& key : limit_keys()) {
+        if (setting.name == setting_name(key)) {
+            return Variant{key.get(config)};
+        }
+    }
+    for (const SubjectKey& key : subject_keys) {
+        if (setting.name == setting_name(key)) {
+            return Variant{String{config.certificates.subject.*key.member}};
+        }
+    }
+    if (setting.name == "endpoint") {
+        return endpoint_value(config.server);
+    }
+    Variant value = value_in(table, setting);
+    return value.is_null() ? setting.otherwise : value;
+}
+
+/// Administration is over encrypted connections only.
+bool is_encrypted(const ControllerConfig& config)
+{
+    const auto& endpoints = config.server.endpoints;
+    return std::any_of(endpoints.begin(), endpoints.end(), [](const server::EndpointConfig& each) {
+        return each.security.mode == MessageSecurityMode::SignAndEncrypt;
+    });
+}
+
+} // namespace
+
+Settings::Settings(const std::string& path, std::string preset)
+    : Settings{path, std::move(preset), read_config_text(path)}
+{
+}
+
+Settings::Settings(const std::string& path, std::string preset, std::string text)
+    : path_{path}, preset_{std::move(preset)}, name_{name_of_file(path)}, text_{std::move(text)},
+      folder_{config_of(table_of(text_), name_).certificates.folder}, list_{files_, file_name,
+                                                                            controller_settings(
+                                                                                table_of(text_))}
+{
+    expect(administration::finish_changes(folder_));
+    expect(list_.load());
+    try {
+        take(version(text_, list_.changes()));
+    } catch (const ConfigError& error) {
+        throw ConfigError{error.what(), "with what was changed online, which --forget-changes "
+                                        "drops"};
+    }
+    started_ = values_;
+    is_in_run_ =
+        config_.machine.program != nullptr && config_.machine.mode == controller::MachineMode::Run;
+}
+
+toml::table Settings::table_of(const std::string& text) const
+{
+    toml::table table = parse_table(text, name_);
+    if (!preset_.empty()) {
+        table.insert("limits", toml::table{});
+        if (toml::table* const entries = table["limits"].as_table()) {
+            entries->insert_or_assign("preset", preset_);
+        }
+    }
+    return table;
+}
+
+Settings::Version Settings::version(const std::string& text, const SettingValues& changes) const
+{
+    toml::table table = table_of(text);
+    overlay(table, changes);
+    Version version{config_of(table, name_), {}};
+    for (const Setting& setting : list_.settings()) {
+        version.values.emplace(setting.name, value_of(table, version.config, setting));
+    }
+    return version;
+}
+
+void Settings::take(Version version)
+{
+    config_ = std::move(version.config);
+    values_ = std::move(version.values);
+    if (running_.apply) {
+        running_.apply(config_);
+    }
+}
+
+void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
+{
+    std::string text = read_config_text(path_);
+    Version all = version(text, list_.changes());
+    check(all.config);
+    if (running_.check) {
+        expect(running_.check(all.config));
+    }
+    text_ = std::move(text);
+    take(std::move(all));
+}
+
+Variant Settings::value(const Setting& setting) const
+{
+    return values_.at(setting.name);
+}
+
+bool Settings::waits_for_restart(const Setting& setting) const
+{
+    return !is_live(setting.name) && !(values_.at(setting.name) == started_.at(setting.name));
+}
+
+Configured<void> Settings::check(const SettingValues& changes)
+{
+    try {
+        const Version all = version(text_, changes);
+        if (is_in_run_) {
+            if (auto checked = check_in_run(values_, all.values); !checked) {
+                return checked;
+            }
+        }
+        if (is_encrypted(config_) && !is_encrypted(all.config)) {
+            return misconfigured(
+                "endpoint", "found none with the mode SignAndEncrypt; administration needs one",
+                status::Bad_InvalidArgument);
+        }
+        return running_.check ? running_.check(all.config) : Configured<void>{};
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
+}
+
+void Settings::apply(const SettingValues& changes)
+{
+    take(version(text_, changes));
+}
+
+void forget_changes(const std::string& path)
+{
+    const std::string place = read_config_or_default(path).certificates.folder;
+    if (std::error_code ignored; !std::filesystem::exists(place, ignored)) {
+        return;
+    }
+    storage::FolderStorage folder{place};
+    expect(administration::SettingList{folder, Settings::file_name, {}}.forget());
+}
+
+} // namespace busbar::product

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include <busbar/administration/setting_list.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/core/storage_gate.hpp>
+#include <busbar/storage/folder_storage.hpp>
+
+#include "config.hpp"
+#include "toml.hpp"
+
+namespace busbar::product {
+
+/// The settings of a controller: what its file says, and over it what was changed online, which
+/// lies in the folder of certificates. The file is read, never written.
+///
+/// A machine that was started in RUN refuses to have some of them changed online (see
+/// program_only_settings).
+class Settings final : public administration::SettingOwner {
+public:
+    static constexpr const char* file_name = "settings.json";
+
+    /// What puts a configuration in force, as far as that can be while the controller runs.
+    struct Running {
+        std::function<Configured<void>(const ControllerConfig& config)> check;
+        std::function<void(const ControllerConfig& config)> apply;
+    };
+
+    /// `path` is that of the file, empty for the built-in one; `preset`, unless it is empty, counts
+    /// instead of the file's. Throws ConfigError, also where what was changed does not fit the file
+    /// any more.
+    explicit Settings(const std::string& path, std::string preset = {});
+
+    /// The configuration with what was changed.
+    [[nodiscard]] const ControllerConfig& config() const { return config_; }
+    /// The file's, as it was read last.
+    [[nodiscard]] const std::string& text() const { return text_; }
+    [[nodiscard]] administration::SettingList& list() { return list_; }
+    [[nodiscard]] const administration::SettingList& list() const { return list_; }
+    /// The folder of certificates, as everybody changes it; and what is behind the gate, for a
+    /// restore.
+    [[nodiscard]] StorageGate& files() { return files_; }
+    [[nodiscard]] Storage& folder() { return folder_; }
+    /// From now on what is changed is in force at once, where it can be.
+    void run(Running running) { running_ = std::move(running); }
+    /// The file again, under what was changed. `check` may throw. Throws a ConfigError and changes
+    /// nothing.
+    void read_again(FunctionRef<void(const ControllerConfig&)> check);
+
+    [[nodiscard]] Variant value(const administration::Setting& setting) const override;
+    [[nodiscard]] bool waits_for_restart(const administration::Setting& setting) const override;
+    [[nodiscard]] Configured<void> check(const administration::SettingValues& changes) override;
+    void apply(const administration::SettingValues& changes) override;
+
+private:
+    struct Version {
+        ControllerConfig config;
+        administration::SettingValues values;
+    };
+
+    Settings(const std::string& path, std::string preset, std::string text);
+    [[nodiscard]] toml::table table_of(const std::string& text) const;
+    [[nodiscard]] Version version(const std::string& text,
+                                  const administration::SettingValues& changes) const;
+    void take(Version version);
+
+    std::string path_;
+    std::string preset_;
+    /// How messages call the file.
+    std::string name_;
+    /// The file's.
+    std::string text_;
+    storage::FolderStorage folder_;
+    StorageGate files_{folder_};
+    administration::SettingList list_;
+    ControllerConfig config_;
+    administration::SettingValues values_;
+    administration::SettingValues started_;
+    /// The mode that the machine was started in, if there is one.
+    bool is_in_run_{false};
+    Running running_;
+};
+
+/// Forgets what was changed online, readable or not. Throws ConfigError.
+void forget_changes(const std::string& path);
+
+} // namespace busbar::product

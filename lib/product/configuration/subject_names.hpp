@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/crypto/self_signed.hpp>
+
+namespace busbar::product {
+
+/// What the own certificate says of its owner when it is made.
+struct SubjectNames {
+    /// "{address}" stands for the machine's address (seed 000, 3-2-4); empty: the server's name.
+    std::string common_name{};
+    std::string organization{"Busbar"};
+    std::string locality{};
+    std::string state{};
+    std::string country{}; // two letters
+    std::string organizational_unit{};
+};
+
+/// A key of [certificates] for one of them, with the bytes that it has at most (RFC 5280, A.1).
+struct SubjectKey {
+    std::string_view name;
+    std::string SubjectNames::*member;
+    std::size_t longest;
+};
+
+inline constexpr std::array subject_keys{
+    SubjectKey{"common_name", &SubjectNames::common_name, 64},
+    SubjectKey{"organization", &SubjectNames::organization, 64},
+    SubjectKey{"locality", &SubjectNames::locality, 128},
+    SubjectKey{"state", &SubjectNames::state, 128},
+    SubjectKey{"country", &SubjectNames::country, 2},
+    SubjectKey{"organizational_unit", &SubjectNames::organizational_unit, 64},
+};
+
+/// What seed 000 has its products make by themselves (3-2-4, 5-1-1).
+[[nodiscard]] SubjectNames nj501_subject();
+
+/// The names in a certificate for these hosts, the first of them the one that clients are given;
+/// the address is the first that other machines may use.
+[[nodiscard]] crypto::CertificateSubject subject_of(const SubjectNames& names,
+                                                    const std::string& server_name,
+                                                    const std::vector<std::string>& hosts);
+
+} // namespace busbar::product

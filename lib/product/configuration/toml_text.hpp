@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/expected.hpp>
+
+#include "toml.hpp"
+
+namespace busbar::product {
+
+struct TomlProblem {
+    std::size_t line{1}; // counted from 1
+    std::string text;
+};
+
+/// A TOML text as a table. What is not ASCII may stand in strings and comments only, as TOML 1.0
+/// has it.
+[[nodiscard]] Expected<toml::table, TomlProblem> parse_toml(std::string_view text);
+
+} // namespace busbar::product

@@ -1,0 +1,253 @@
+#include "generation.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <utility>
+
+#include "product/configuration/reload.hpp"
+#include "product/machine/machine_items.hpp"
+#include "product/machine/program_change.hpp"
+#include "startup.hpp"
+#include "welcome.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+LogSink& log_of(const Surroundings& around)
+{
+    return around.machine != nullptr ? around.machine->log() : around.lines;
+}
+
+ControllerConfig complete(ControllerConfig config, const Surroundings& around)
+{
+    set_names(config);
+    set_endpoint(config, around.port, around.environment.wall_clock->now(), log_of(around));
+    return config;
+}
+
+/// In minutes.
+std::int32_t local_utc_offset(DateTime now)
+{
+    const std::time_t seconds = now.unix_seconds();
+    std::tm local{};
+    return ::localtime_r(&seconds, &local) != nullptr
+               ? static_cast<std::int32_t>(local.tm_gmtoff / 60)
+               : 0;
+}
+
+/// What the task does after each scan, on its thread. All must outlive it.
+void follow_scans(controller::PlcTask& task, Plant& plant, Administered& administered,
+                  Machine* machine, LogSink& log)
+{
+    task.after_scan(
+        [&plant, &administered, machine](DateTime time) {
+            plant.raise(time);
+            if (machine != nullptr && machine->has_changed_files()) {
+                administered.refresh_files();
+            }
+        },
+        &log);
+}
+
+} // namespace
+
+Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
+                       const Requests& requests)
+    : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
+      config_{complete(std::move(reading.config), around)}, plant_{config_}, project_{std::move(
+                                                                                 reading.project)},
+      administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
+      admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
+      worker_{64, &around.lines}, channel_worker_{64, &around.lines}, live_{server_, administered_,
+                                                                            config_,
+                                                                            administered_.log()},
+      lookout_{server_,
+               manages_certificates(config_) ? &admission_.client_store() : nullptr,
+               *around.environment.wall_clock,
+               administered_.log(),
+               [this] { return present_hosts(config_); },
+               requests.address_changed}
+{
+    attach(requests);
+    publish(requests);
+    admission_.check_passwords_on(worker_);
+    if (config_.labels.program == nullptr) {
+        task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
+                      config_.realtime_priority);
+        follow_scans(*task_, plant_, administered_, around.machine, around.lines);
+    }
+}
+
+void Generation::publish(const Requests& requests)
+{
+    plant_.publish(server_, around_.lines,
+                   around_.machine != nullptr ? &around_.machine->event_log() : nullptr,
+                   requests.hardware);
+    if (project_ == nullptr) {
+        return;
+    }
+    const auto published = project_->publish(server_, BUSBAR_VERSION, administered_.log());
+    if (project_->project() != nullptr) {
+        const WallClock& clock = *around_.environment.wall_clock;
+        mapped_.emplace(MappedModel::Needs{
+            .server = server_,
+            .mapping = published.mapping,
+            .project = *project_->project(),
+            .labels = around_.labels->labels(),
+            .utc_offset_minutes = config_.labels.utc_offset.value_or(local_utc_offset(clock.now())),
+            .clock = clock,
+            .log = administered_.log(),
+            .module = published.module});
+    }
+}
+
+void Generation::start()
+{
+    if (task_) {
+        task_->start();
+    }
+    if (mapped_) {
+        mapped_->start();
+    }
+}
+
+void Generation::halt()
+{
+    if (mapped_) {
+        mapped_->stop();
+    }
+    if (task_) {
+        task_->stop();
+    }
+}
+
+/// A problem names the file where the configuration is from.
+server::Server Generation::make_server()
+{
+    administered_.add_users(admission_, config_);
+    server::ServerEnvironment environment = around_.environment;
+    environment.log = &administered_.log();
+    environment.validator = &administered_.clients();
+    environment.users = &admission_.users();
+    environment.roles = &administered_.roles();
+    environment.channel_worker = &channel_worker_; // of which it makes no use before it is served
+    return expect(server::Server::create(config_.server, environment)
+                      .transform_error([this](Problem problem) {
+                          problem.where = (origin_.file.empty() ? "the server" : origin_.file) +
+                                          ": " + problem.where;
+                          return problem;
+                      }));
+}
+
+void Generation::attach(const Requests& requests)
+{
+    const auto files = around_.machine != nullptr ? around_.machine->file_systems()
+                                                  : std::vector<administration::FileSystem>{};
+    administered_.attach({.server = server_,
+                          .admission = admission_,
+                          .config = config_,
+                          .settings = *settings_,
+                          .worker = worker_,
+                          .stop = requests.stop,
+                          .restart = requests.restart,
+                          .offer_changed = [this] { live_.apply(settings_->config()); },
+                          .renewed = requests.renewed,
+                          .file_systems = files,
+                          .file_transfers = transfers(requests)});
+    settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
+                    .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
+}
+
+std::vector<administration::TemporaryFileTransfer> Generation::backups(const Requests& requests)
+{
+    Machine* const machine = around_.machine;
+    if (machine == nullptr) {
+        return {};
+    }
+    memory_files_.emplace(settings_->folder(), machine->event_files());
+    backup_.emplace(MachineBackup::Needs{
+        .files = *memory_files_,
+        .gate = settings_->files(),
+        .items = machine_items(*settings_),
+        .controller = controller_name(config_),
+        .clock = *around_.environment.wall_clock,
+        .log = administered_.log(),
+        .mode = [machine] { return machine->mode(); },
+        .hold_events = [machine](FunctionRef<void()> act) { machine->hold_events(act); },
+        .replaced = requests.memory_replaced});
+    return {backup_->transfer()};
+}
+
+std::vector<administration::TemporaryFileTransfer> Generation::transfers(const Requests& requests)
+{
+    auto all = backups(requests);
+    if (project_ != nullptr) {
+        all.push_back(project_->transfer(
+            server_, BUSBAR_VERSION, administered_.log(),
+            [restart = requests.restart] { restart({.reason = "the project was updated"}); }));
+    }
+    return all;
+}
+
+Configured<void> Generation::edit(const Reading& next)
+{
+    const MachineConfig& machine = next.config.machine;
+    if (next.settings->text() != settings_->text() ||
+        !keeps_all(*config_.machine.program, *machine.program)) {
+        return misconfigured("", "not only variables are new");
+    }
+    MachineProgram& program = *plant_.program();
+    const auto add = [&] { return program.edit(*machine.program, server_); };
+    auto done = around_.machine->edit(program, add);
+    if (done) {
+        config_.machine.program = machine.program;
+        config_.machine.program_text = machine.program_text;
+    }
+    return done;
+}
+
+void Generation::print_welcome() const
+{
+    if (const auto& code = administered_.new_code()) {
+        std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
+                    static_cast<int>(code->size()), code->text().data());
+    }
+    const LabelPlant* const labels = around_.labels;
+    const int priority = task_               ? task_->realtime_priority()
+                         : labels != nullptr ? labels->task_priority()
+                                             : 0;
+    const std::string text = welcome_text(config_, plant_.visible_variables(),
+                                          around_.environment.wall_clock->now(), priority);
+    std::fputs(text.c_str(), stdout);
+    std::fflush(stdout);
+}
+
+void Generation::print_statistics() const
+{
+    if (!task_) {
+        return;
+    }
+    const auto microseconds = [](Duration time) {
+        return static_cast<long long>(
+            std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+    };
+    const controller::PlcTask::Statistics statistics = task_->statistics();
+    std::printf("PLC task: %llu scans, %llu missed, begun at most %lld us late, at most %lld us "
+                "long\n",
+                static_cast<unsigned long long>(statistics.scans),
+                static_cast<unsigned long long>(statistics.missed_cycles),
+                microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));
+}
+
+std::string Generation::reload()
+{
+    std::string found = product::reload(origin_.file, *settings_, admission_,
+                                        around_.environment.wall_clock->now());
+    administered_.read_users();
+    server_.announce_access_change(std::chrono::steady_clock::now());
+    return found;
+}
+
+} // namespace busbar::product

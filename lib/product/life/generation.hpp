@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/administration/administration.hpp>
+#include <busbar/controller/plc_task.hpp>
+#include <busbar/net/worker_thread.hpp>
+#include <busbar/server/server.hpp>
+
+#include "product/access/administered.hpp"
+#include "product/access/admission.hpp"
+#include "product/configuration/live_config.hpp"
+#include "product/configuration/reading.hpp"
+#include "product/machine/lookout.hpp"
+#include "product/machine/machine.hpp"
+#include "product/machine/machine_backup.hpp"
+#include "product/machine/machine_files.hpp"
+#include "product/machine/plant.hpp"
+#include "product/model/label_plant.hpp"
+#include "product/model/mapped_model.hpp"
+
+namespace busbar::product {
+
+/// What outlives a Generation.
+struct Surroundings {
+    /// Without log, validator, users and roles, which are the generation's own.
+    server::ServerEnvironment environment;
+    LogSink& lines;
+    /// Null if there is none.
+    Machine* machine;
+    /// Null without a project of model mode.
+    LabelPlant* labels;
+    /// Where it listens.
+    std::uint16_t port;
+};
+
+/// What administrators have the controller do. Called on the server's thread.
+struct Requests {
+    std::function<void()> stop;
+    std::function<void(const administration::RestartWish& wish)> restart;
+    /// The certificate is another one.
+    std::function<void()> renewed;
+    /// The machine has other addresses.
+    std::function<void()> address_changed;
+    /// Its hardware is simulated. The client has no answer yet.
+    std::function<void(HardwareEvent)> hardware;
+    /// The machine's memory was restored or cleared; the client has no answer yet.
+    std::function<void()> memory_replaced;
+};
+
+/// Everything that is made of one reading of the configuration: a server with its users and
+/// certificates, and the PLC that it shows. Another one may take its place while clients find the
+/// same port open (net::ServerLoop::hand_over); for a while there are both then.
+///
+/// On the server's thread.
+class Generation {
+public:
+    /// Ready to be served, with a PLC that does not scan yet. `origin` is for messages. Throws
+    /// ConfigError.
+    Generation(const Origin& origin, Reading reading, const Surroundings& around,
+               const Requests& requests);
+    Generation(const Generation&) = delete;
+    Generation& operator=(const Generation&) = delete;
+
+    [[nodiscard]] server::Server& server() { return server_; }
+    [[nodiscard]] const ControllerConfig& config() const { return config_; }
+    [[nodiscard]] crypto::CertificateValidator& clients() { return administered_.clients(); }
+    [[nodiscard]] Plant& plant() { return plant_; }
+
+    /// The PLC scans from now on, and labels are served.
+    void start();
+    /// The PLC stops, and another server may serve labels; start() has it go on.
+    void halt();
+    /// See Lookout.
+    void look() { lookout_.look(); }
+    /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
+    /// that this takes another generation: nothing was changed.
+    [[nodiscard]] Configured<void> edit(const Reading& next);
+    /// How to reach it and what is left to do, for people.
+    void print_welcome() const;
+    /// What the PLC did, for people.
+    void print_statistics() const;
+    /// Reads users, trust lists and settings again and puts in force what can be. What it found,
+    /// for the log; a ConfigError changes nothing.
+    [[nodiscard]] std::string reload();
+
+private:
+    [[nodiscard]] server::Server make_server();
+    void publish(const Requests& requests);
+    void attach(const Requests& requests);
+    /// A machine's backups (seed 000, 8-2 and 8-3).
+    [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
+    backups(const Requests& requests);
+    /// Those, and the project of model mode (seed 001, 9.13).
+    [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
+    transfers(const Requests& requests);
+
+    Origin origin_;
+    Surroundings around_;
+    std::unique_ptr<Settings> settings_;
+    ControllerConfig config_;
+    Plant plant_;
+    // Before the Administration, which they outlive.
+    std::optional<MachineFiles> memory_files_;
+    std::optional<MachineBackup> backup_;
+    std::unique_ptr<KeptProject> project_;
+    Administered administered_;
+    Admission admission_;
+    server::Server server_;
+    net::WorkerThread worker_;
+    /// Its own, so that no channel waits for a password.
+    net::WorkerThread channel_worker_;
+    LiveConfig live_;
+    Lookout lookout_;
+    std::optional<MappedModel> mapped_;
+    /// None if the PLC is that of the labels.
+    std::optional<controller::PlcTask> task_;
+};
+
+} // namespace busbar::product

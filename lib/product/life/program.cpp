@@ -1,0 +1,159 @@
+#include <busbar/product/program.hpp>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <malloc.h>
+
+#include <busbar/controller/plc_task.hpp>
+#include <busbar/net/system.hpp>
+
+#include "product/access/hash_password.hpp"
+#include "product/access/identity.hpp"
+#include "product/configuration/config.hpp"
+#include "product/configuration/default_config.hpp"
+#include "product/configuration/reading.hpp"
+#include "product/configuration/settings.hpp"
+#include "product/printing/prints.hpp"
+#include "running_controller.hpp"
+#include "startup.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+int regenerate_certificate(ControllerConfig config)
+{
+    set_names(config);
+    const server::ServerConfig& server = config.server;
+    const auto made =
+        regenerate_certificate(config.certificates, server.application_name, server.application_uri,
+                               server.host_names, net::SystemWallClock{}.now());
+    std::printf("certificate: %s\nclients have to trust it anew; a controller that runs uses it "
+                "after a restart\n",
+                made.thumbprint_text().c_str());
+    return 0;
+}
+
+/// From the configuration as it is now until the end. True if it is to start again.
+bool start(const Origin& origin)
+{
+    Reading reading = read(origin);
+    const bool was_changed = !reading.settings->list().changes().empty();
+    try {
+        return RunningController{origin, std::move(reading)}.run();
+    } catch (const ConfigError& error) {
+        // An address that is not this machine's, a model that is not there any more.
+        if (!was_changed) {
+            throw;
+        }
+        throw ConfigError{error.what(),
+                          "settings were changed online, --forget-changes drops what was"};
+    }
+}
+
+constexpr int usage_exit = 2;
+
+/// 0 for --help.
+int end_early(const CLI::App& app, const CLI::ParseError& error)
+{
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+        return app.exit(error);
+    }
+    const std::vector<std::string> unknown = app.remaining();
+    if (unknown.empty()) {
+        std::fprintf(stderr, "busbar-controller: %s\n", error.what());
+    } else {
+        std::fprintf(stderr, "busbar-controller: %s: not expected here\n", unknown.front().c_str());
+    }
+    const bool is_file = !unknown.empty() && !unknown.front().starts_with('-');
+    std::fprintf(stderr, "  hint: %s%s\n",
+                 is_file ? "busbar-controller --config " : "busbar-controller --help",
+                 is_file ? unknown.front().c_str() : "");
+    return usage_exit;
+}
+
+int run(int argc, char** argv)
+{
+    Origin origin;
+    bool wants_hash = false;
+    bool wants_config = false;
+    bool wants_certificate = false;
+    bool forgets_changes = false;
+    Prints prints;
+    CLI::App app{
+        "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
+        "endpoints and limits again, and take over another program of [machine]; SIGTERM ends it."};
+    app.add_option("--config", origin.file, "configuration; the built-in one by default");
+    app.add_option("--port", origin.port, "instead of the configuration's; 0 is any that is free");
+    app.add_option("--preset", origin.preset,
+                   "the limits of a product instead of the configuration's: nj501, nx102 or "
+                   "rd81opc96")
+        ->type_name("NAME");
+    app.add_option(
+           "--project", origin.project,
+           "the folder of a project of model mode, which `busbar project write` puts there; "
+           "it says network, users, security and information models")
+        ->type_name("FOLDER");
+    app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
+    app.add_flag("--hash-password", wants_hash,
+                 "read a password from standard input, print what a configuration may store, "
+                 "hashed as [users] of --config says");
+    app.add_flag("--regenerate-certificate", wants_certificate,
+                 "make a new certificate and key with the names of the configuration, and end");
+    app.add_flag("--forget-changes", forgets_changes,
+                 "drop what administrators changed of the settings online, and end");
+    prints.add_to(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return end_early(app, error);
+    }
+    if (wants_config) {
+        std::fputs(default_config, stdout);
+        return 0;
+    }
+    if (wants_hash) {
+        return hash_password(origin.file);
+    }
+    if (const auto end = prints.run(origin.file)) {
+        return *end;
+    }
+    // Messages of some 100 kB come and go all the time: keep their pages.
+    ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+    // Who reads the log may go; the machine goes on.
+    std::signal(SIGPIPE, SIG_IGN);
+    if (forgets_changes) {
+        forget_changes(origin.file);
+        return 0;
+    }
+    if (wants_certificate) {
+        return regenerate_certificate(read_sources(origin).config);
+    }
+    // All threads but the PLC's, which so goes before them (G8).
+    controller::PlcTask::keep_priority();
+    net::give_way();
+    bool starts = true;
+    while (starts) {
+        starts = start(origin);
+    }
+    return 0;
+}
+
+} // namespace
+
+int run_program(int argc, char** argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "busbar-controller: %s\n", error.what());
+        return 1;
+    }
+}
+
+} // namespace busbar::product

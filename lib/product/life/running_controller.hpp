@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/core/function_ref.hpp>
+#include <busbar/net/server_loop.hpp>
+#include <busbar/net/system.hpp>
+#ifdef BUSBAR_KEY_LOG
+#include <busbar/net/key_log_file.hpp>
+#endif
+
+#include "generation.hpp"
+#include "product/access/current_validator.hpp"
+#include "product/configuration/reading.hpp"
+#include "product/machine/machine.hpp"
+
+namespace busbar::product {
+
+/// What of a configuration stays while servers come and go, beside the machine.
+struct Standing {
+    /// Whether clients are served at all.
+    bool is_used;
+    std::string address;
+    std::uint16_t port;
+    ListenerUse use;
+    std::vector<FurtherListener> further_listeners;
+    std::vector<std::string> reverse_urls;
+    DiscoveryConfig discovery;
+    /// Under which it is registered with a discovery server; empty without one.
+    std::string application_uri;
+    std::string key_log;
+
+    friend bool operator==(const Standing&, const Standing&) = default;
+};
+
+/// A controller while it runs: its listeners, its machine with life and logs, and the Generation
+/// that serves, of which another one takes the place at a restart and a download.
+class RunningController {
+public:
+    /// Listens, and makes the first generation. Throws ConfigError.
+    RunningController(Origin origin, Reading reading);
+    RunningController(const RunningController&) = delete;
+    RunningController& operator=(const RunningController&) = delete;
+
+    /// Serves until it is stopped. True if it is to start again, with everything anew.
+    [[nodiscard]] bool run();
+
+private:
+    void listen(const ControllerConfig& config);
+    void register_with_discovery_server(const ControllerConfig& config);
+    [[nodiscard]] Surroundings surroundings();
+    [[nodiscard]] Requests requests();
+    void hang_up();
+    void renewed();
+    void happen(HardwareEvent event);
+    /// The machine's life learns of it.
+    void changed(Machine::Change change);
+    /// Soon, and not at all if there is nothing to replace the server with: the log says why.
+    void restart(const administration::RestartWish& wish);
+    /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. An
+    /// old port is left once the new one listens. What stands may be other than it is: then the
+    /// controller ends, and starts again.
+    void replace(Machine::Cause cause, Reading reading, net::Handover handover);
+    /// Takes over another program, if there is one: what is only added by an online edit, whatever
+    /// the mode, all else as a download. True for the latter, in which everything was read again.
+    [[nodiscard]] bool download();
+    /// A download may bring other settings of the server, which change in PROGRAM only (seed 000,
+    /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
+    /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online
+    /// edit. Throws ConfigError.
+    void check_download(const ControllerConfig& next, const Problem& edit) const;
+    /// Takes over another program of labels, if there is one.
+    void download_labels();
+    /// Whether it can go to another port while it listens at the one that it has.
+    [[nodiscard]] bool moves(const Standing& next) const;
+    /// Listens there, too. Throws ConfigError.
+    [[nodiscard]] std::uint16_t expect_port(const Standing& next);
+    /// Throws ConfigError, also in the machine's log.
+    [[nodiscard]] std::uint16_t expect_listener(const FurtherListener& listener);
+    void check_listeners(const Standing& next);
+    /// If it is not the one that it has now.
+    void leave_port(std::uint16_t port);
+    void take_over(std::unique_ptr<Generation> next, net::Handover handover);
+    void save_retained();
+    void start();
+    /// At what changes without anybody telling. From any thread.
+    void look_soon();
+    void start_again(const net::Handover& handover);
+    void release(const Generation& gone);
+    /// `change` may throw a ConfigError, which goes to the log.
+    void try_to(FunctionRef<void()> change);
+
+    Origin origin_;
+    net::StderrLog log_{LogLevel::Debug};
+    net::SystemWallClock clock_;
+    crypto::SystemRandom random_;
+    net::ServerLoop loop_{log_};
+#ifdef BUSBAR_KEY_LOG
+    std::unique_ptr<net::KeyLogFile> key_log_;
+#endif
+    std::optional<Machine> machine_;
+    /// With a project of model mode.
+    std::optional<LabelPlant> labels_;
+    std::uint16_t port_{0};
+    CurrentValidator clients_;
+    /// The current generation's, for the discovery server.
+    std::optional<channel::ApplicationIdentity> identity_;
+    Standing standing_;
+    /// Those before the current one, which clients have not left yet.
+    std::vector<std::unique_ptr<Generation>> leaving_;
+    std::unique_ptr<Generation> current_;
+    bool has_terminal_;
+    bool starts_again_{false};
+};
+
+} // namespace busbar::product

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <busbar/core/date_time.hpp>
+
+#include "product/configuration/config.hpp"
+
+namespace busbar::product {
+
+/// What people read when the controller is ready: how to reach it, who may log in, what is left to
+/// do. `config` is complete, `task_priority` what the system granted to the PLC's task.
+[[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
+                                       DateTime now, int task_priority);
+
+} // namespace busbar::product

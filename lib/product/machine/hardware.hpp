@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/method_table.hpp>
+
+namespace busbar::product {
+
+/// What only a machine's hardware knows. Here it is told by whoever simulates it.
+enum class HardwareEvent : std::uint8_t {
+    MajorFault,
+    PartialFault,
+    PartialServerFault, // of the OPC UA server
+    MinorFault,
+    MinorServerFault,
+    Watchdog,
+    MediumOut, // somebody is going to take it: its power switch was pressed
+    MediumIn,
+};
+
+/// The Object "Hardware" in a machine's folder, with the Method Simulate. Its argument is "major
+/// fault", "partial fault", "partial fault of the server", "minor fault", "minor fault of the
+/// server", "watchdog", "medium out" or "medium in", anything else is Bad_OutOfRange. For those who
+/// may stop a server: Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1).
+///
+/// `happened` is called within the Call, on the server's thread. `table`, whose index is `source`,
+/// must outlive the server.
+[[nodiscard]] Result<void> publish_hardware(model::AddressSpace& space, model::NodeIndex folder,
+                                            server::MethodTable& table, std::uint32_t source,
+                                            std::function<void(HardwareEvent)> happened);
+
+} // namespace busbar::product

@@ -1,0 +1,351 @@
+#include "machine.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <busbar/types/ids.hpp>
+
+namespace busbar::product {
+
+namespace {
+
+/// Files of the execution log are at most 100 (seed 000, 7-1-5).
+constexpr std::size_t most_log_entries = 1'000;
+/// Programs whose Preparing the execution log has room for anyway (seed 000, 1-2-2).
+constexpr std::size_t usual_variables = 10'000;
+
+// Of the saver.
+constexpr std::chrono::milliseconds usual_pause{200};
+constexpr std::chrono::milliseconds pause_after_error{3'000};
+
+controller::ServerSettings settings_of(const ControllerConfig& config)
+{
+    controller::ServerSettings settings;
+    settings.is_used = config.machine.is_used;
+    settings.port = config.port;
+    settings.execution_log = config.machine.execution_log;
+    return settings;
+}
+
+void make_root(storage::FolderStorage& folder)
+{
+    if (const auto made = folder.make_folder("", FileAccess::Owner); !made) {
+        throw ConfigError{folder.place(""), std::string{text(made.error())}};
+    }
+}
+
+} // namespace
+
+Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
+                 MediumFound medium_found)
+    : config_{config.machine}, max_variables_{std::max(usual_variables,
+                                                       config.machine.program->variables.size())},
+      settings_{settings_of(config)}, state_{config.machine.state_folder},
+      medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
+      event_files_{state_, controller::MachineEventLogOptions{}.folder},
+      log_folder_{medium_, controller::ExecutionLogOptions{}.folder}, medium_found_{
+                                                                          std::move(medium_found)}
+{
+    make_root(state_);
+    make_root(medium_);
+    // The event log comes behind the execution log, which tells it what cannot be saved.
+    event_log_ = expect(controller::MachineEventLog::create(state_, clock, lines, &events_));
+    if (config.machine.execution_log.is_recorded) {
+        controller::ExecutionLogOptions options;
+        options.max_files = config.machine.execution_log.files;
+        options.max_records = config.machine.execution_log.records;
+        // One whole Preparing waits, as large as this one is.
+        options.max_waiting += max_variables_;
+        execution_log_ =
+            expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
+    }
+    retained_.emplace(state_, log(), config.machine.retained);
+    life_ = std::make_unique<controller::LifeCycle>(static_cast<controller::ServerOperator&>(*this),
+                                                    clock, log());
+    saver_.emplace([this] { return save_pending() ? usual_pause : pause_after_error; });
+    life_->mode_changed(config.machine.mode);
+    life_->power_on();
+}
+
+Machine::~Machine()
+{
+    saver_.reset();
+}
+
+bool Machine::save_pending()
+{
+    const std::lock_guard lock{saving_};
+    const bool is_retained = retained_->save_when_due(std::chrono::steady_clock::now());
+    const bool is_kept = event_log_->write_pending().has_value() && is_retained;
+    if (!execution_log_) {
+        return is_kept;
+    }
+    look_for_medium();
+    const bool is_logged = save_records();
+    look_for_log_files();
+    return is_logged && is_kept;
+}
+
+void Machine::look_for_medium()
+{
+    const auto space = medium_.free_space();
+    const bool is_there = space || space.error() != StorageError::Away;
+    if (is_there != is_medium_there_) {
+        is_medium_there_ = is_there;
+        medium_found_(is_there);
+    }
+}
+
+/// What waits for a medium is no error; it is not tried before the life knows that it is there.
+bool Machine::save_records()
+{
+    const bool is_in = is_medium_in_;
+    if (is_in != is_medium_used_) {
+        is_medium_used_ = is_in;
+        tell_log_of_medium(is_in);
+    }
+    if (is_in && !is_medium_there_) {
+        return true;
+    }
+    return execution_log_->write_pending().has_value() || !is_in;
+}
+
+void Machine::tell_log_of_medium(bool is_in)
+{
+    if (is_in || !is_medium_there_) {
+        execution_log_->medium_changed(is_in ? controller::LogMedium::In
+                                             : controller::LogMedium::Out);
+    } else { // who is going to take it out gets what waits (seed 000, 7-4-3)
+        static_cast<void>(execution_log_->release_medium());
+    }
+}
+
+void Machine::look_for_log_files()
+{
+    // A file that was removed and begun again since has the name that it had.
+    if (log_folder_.take_removal()) {
+        log_files_.clear();
+    }
+    const auto listing = log_folder_.list("", most_log_entries);
+    if (!listing && listing.error() != StorageError::NotFound) {
+        return; // what cannot be read now is not gone
+    }
+    std::vector<std::string> names;
+    if (listing) {
+        for (const StorageEntry& entry : listing->entries) {
+            names.push_back(entry.name);
+        }
+    }
+    if (names != log_files_) {
+        log_files_ = std::move(names);
+        has_changed_files_ = true;
+    }
+}
+
+std::vector<administration::FileSystem> Machine::file_systems()
+{
+    if (!execution_log_) {
+        return {};
+    }
+    const auto roles = [](std::initializer_list<std::uint32_t> ids) {
+        std::vector<NodeId> nodes;
+        for (const std::uint32_t id : ids) {
+            nodes.emplace_back(std::uint16_t{0}, id);
+        }
+        return nodes;
+    };
+    administration::FileSystem log{.name = "ExecutionLog", .storage = &log_folder_};
+    log.is_written_by_program = true;
+    log.limits.max_entries = most_log_entries;
+    log.limits.max_depth = 1;
+    log.readers =
+        roles({id::WellKnownRole_Operator, id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
+               id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin});
+    log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
+                         id::WellKnownRole_SecurityAdmin});
+    return {log};
+}
+
+void Machine::hold_events(FunctionRef<void()> act)
+{
+    const std::lock_guard lock{saving_};
+    // What cannot be saved now is not in the backup either, and the log goes on.
+    static_cast<void>(event_log_->write_pending());
+    act();
+}
+
+void Machine::memory_replaced()
+{
+    life_->restore_begins();
+    life_->restore_done(true);
+}
+
+LogSink& Machine::log()
+{
+    if (execution_log_) {
+        return *execution_log_;
+    }
+    return *event_log_;
+}
+
+void Machine::run(MachineProgram& program, const std::string& endpoint_url)
+{
+    events_.tell(&program.events());
+    if (!settings_.is_used) {
+        return;
+    }
+    tell(log(), program.publication());
+    life_->prepared(preparation_, endpoint_url);
+}
+
+void Machine::save_retained()
+{
+    if (const auto saved = retained_->save(); !saved) {
+        throw ConfigError{config_.state_folder, "values of RETAIN variables cannot be saved: " +
+                                                    std::string{text(saved.error())}};
+    }
+}
+
+bool Machine::fits(const ControllerConfig& config) const
+{
+    // The program's size counts for how many records wait while it is prepared.
+    return config.machine.program && config.machine.state_folder == config_.state_folder &&
+           config.machine.medium_folder == config_.medium_folder &&
+           config.machine.execution_log == config_.execution_log &&
+           config.machine.retained == config_.retained &&
+           config.machine.program->variables.size() <= max_variables_;
+}
+
+void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config)
+{
+    settings_ = settings_of(config);
+    life_->mode_changed(config.machine.mode);
+    if (cause == Cause::Download) {
+        life_->download_begins();
+        life_->download_done(settings_);
+    } else {
+        life_->reset();
+    }
+    run(program, config.server.endpoint_url);
+}
+
+void Machine::changed(Change change, const MachineProgram& program, const std::string& endpoint_url)
+{
+    const std::uint32_t before = preparation_;
+    (*life_.*change)();
+    if (preparation_ != before) {
+        tell(log(), program.publication());
+        life_->prepared(preparation_, endpoint_url);
+    }
+}
+
+Configured<void> Machine::edit(const MachineProgram& program, Adding add)
+{
+    adding_ = &add;
+    life_->online_edit();
+    adding_ = nullptr;
+    const auto added = std::exchange(added_, std::nullopt);
+    if (!added) {
+        return misconfigured("online edit", "the server does not run", status::Bad_InvalidState);
+    }
+    if (!*added) {
+        return Unexpected{added->error()};
+    }
+    retained_->keep(**added);
+    tell(log(), program.publication(), (*added)->group);
+    return {};
+}
+
+void Machine::add_variables()
+{
+    if (adding_ != nullptr) {
+        added_ = (*adding_)();
+    }
+}
+
+void Machine::cannot_start(const std::string& why)
+{
+    life_->preparation_failed(preparation_, controller::PreparationFailure::Start, why);
+    save_now();
+}
+
+void Machine::shut_down()
+{
+    static_cast<void>(life_->shut_down("the controller ends"));
+    events_.tell(nullptr);
+}
+
+bool Machine::happen(HardwareEvent event)
+{
+    using controller::FaultOrigin;
+    const auto before = life_->operating_status();
+    switch (event) {
+    case HardwareEvent::MajorFault:
+        life_->major_fault();
+        break;
+    case HardwareEvent::PartialFault:
+    case HardwareEvent::PartialServerFault:
+        life_->partial_fault(event == HardwareEvent::PartialFault ? FaultOrigin::Elsewhere
+                                                                  : FaultOrigin::OpcUaServer);
+        break;
+    case HardwareEvent::MinorFault:
+    case HardwareEvent::MinorServerFault:
+        life_->minor_fault(event == HardwareEvent::MinorFault ? FaultOrigin::Elsewhere
+                                                              : FaultOrigin::OpcUaServer);
+        break;
+    case HardwareEvent::Watchdog:
+        life_->watchdog();
+        break;
+    case HardwareEvent::MediumOut:
+    case HardwareEvent::MediumIn:
+        life_->medium_changed(event == HardwareEvent::MediumIn);
+        break;
+    }
+    return before == controller::OperatingStatus::Running && life_->operating_status() != before;
+}
+
+void Machine::initialize()
+{
+    life_->initialized(settings_);
+}
+
+void Machine::prepare(std::uint32_t number, const controller::ServerSettings&)
+{
+    preparation_ = number;
+}
+
+void Machine::reconfigure(std::uint32_t number, const controller::ServerSettings&,
+                          const controller::StopNotice&)
+{
+    preparation_ = number;
+}
+
+void Machine::stop(const controller::StopNotice&)
+{
+    life_->stopped();
+    save_now();
+}
+
+/// The saver tells the log: that waits while a medium is written to.
+void Machine::medium_changed(bool is_in)
+{
+    if (execution_log_ && is_medium_in_.exchange(is_in) != is_in) {
+        log().write(is_in ? LogLevel::Info : LogLevel::Warning, "execution log",
+                    config_.medium_folder +
+                        (is_in ? ": the medium is in again, and records are saved"
+                               : ": the medium is away, and records wait for it"));
+    }
+}
+
+void Machine::save_now()
+{
+    // What fails is told by whoever saves it.
+    static_cast<void>(retained_->save());
+    if (execution_log_) {
+        static_cast<void>(execution_log_->flush());
+    }
+    static_cast<void>(event_log_->write_pending());
+}
+
+} // namespace busbar::product

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/administration/file_system.hpp>
+#include <busbar/controller/execution_log.hpp>
+#include <busbar/controller/life_cycle.hpp>
+#include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/publishing.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/core/storage_folder.hpp>
+#include <busbar/storage/folder_storage.hpp>
+
+#include "hardware.hpp"
+#include "machine_events.hpp"
+#include "machine_program.hpp"
+#include "machine_retained.hpp"
+#include "product/configuration/config.hpp"
+#include "ticker.hpp"
+
+namespace busbar::product {
+
+/// The folder of the execution log as clients see it; remembers that they removed a file of it. Any
+/// thread.
+class LogFolder final : public StorageFolder {
+public:
+    using StorageFolder::StorageFolder;
+
+    [[nodiscard]] Stored<void> remove(std::string_view name) override
+    {
+        auto removed = StorageFolder::remove(name);
+        has_removed_ = true;
+        return removed;
+    }
+    /// Whether a file went away since the last call.
+    [[nodiscard]] bool take_removal() { return has_removed_.exchange(false); }
+
+private:
+    std::atomic<bool> has_removed_{false};
+};
+
+/// What the manual of a shipping controller says of its server's life and logs (seed 000): here the
+/// hardware is simulated. Outlives servers, each of which publishes a MachineProgram.
+///
+/// Everything on the servers' thread, but for the logs.
+///
+/// All it knows of a configuration is where it keeps what, and its program's size: see fits().
+class Machine final : private controller::ServerOperator {
+public:
+    /// Why there is another server.
+    enum class Cause : std::uint8_t { Restart, Download };
+
+    /// What has a server that runs reconfigured (seed 000, 4-2-5).
+    using Change = void (controller::LifeCycle::*)();
+    using Adding = FunctionRef<Configured<controller::ProgramAddition>()>;
+    /// Has the servers' thread call medium_is(). Called by another one.
+    using MediumFound = std::function<void(bool is_in)>;
+
+    /// `config` has a program. Throws ConfigError. The others must outlive it, and so must what
+    /// `medium_found` uses.
+    Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
+            MediumFound medium_found);
+    ~Machine() override;
+
+    /// The log that everything goes through.
+    [[nodiscard]] LogSink& log();
+    [[nodiscard]] const controller::MachineEventLog& event_log() const { return *event_log_; }
+    /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
+    /// on; its task does not run yet. What cannot be restored goes to the log.
+    void keep(const MachineProgram& program) { retained_->keep(program); }
+    /// Saves the values of the latest scan now. Throws ConfigError.
+    void save_retained();
+    /// Power may be gone soon: saves what there is.
+    void power_going() { life_->power_going(); }
+    /// The medium of the execution log was taken out or put in: its folder is gone or there again.
+    void medium_is(bool is_in) { life_->medium_changed(is_in); }
+    /// What the hardware would tell. True if the server has to halt: the state is Halt error or
+    /// Shutdown until a restart.
+    [[nodiscard]] bool happen(HardwareEvent event);
+    /// The server with this program is served from now on, at this URL, if there is to be one.
+    /// `program` must outlive it, or shut_down().
+    void run(MachineProgram& program, const std::string& endpoint_url);
+    /// Whether this is still the machine that `config` would make.
+    [[nodiscard]] bool fits(const ControllerConfig& config) const;
+    /// A server with this program, which was made with `config`, has taken the place of another
+    /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
+    void replace(Cause cause, MachineProgram& program, const ControllerConfig& config);
+    /// The program that runs was edited online: `add` adds to it what is new. The problem is that
+    /// of `add`, or that there is no server that runs.
+    [[nodiscard]] Configured<void> edit(const MachineProgram& program, Adding add);
+    /// The server that runs goes on with that: here it needs not be stopped for it.
+    void changed(Change change, const MachineProgram& program, const std::string& endpoint_url);
+    /// It cannot be served: the state is Halt error.
+    void cannot_start(const std::string& why);
+    /// It is not served any more: the state is Shutdown, and logs are saved.
+    void shut_down();
+
+    /// The execution log, if there is one, as "ExecutionLog": whoever may see it reads its files,
+    /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1).
+    [[nodiscard]] std::vector<administration::FileSystem> file_systems();
+    /// Whether there are other files than at the last call. Any thread; waits for nothing.
+    [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }
+
+    [[nodiscard]] controller::MachineMode mode() const { return life_->mode(); }
+    /// The event log as it is kept, which only the machine changes.
+    [[nodiscard]] Storage& event_files() { return event_files_; }
+    /// Runs `act` while the event log's files have all that happened, and stay as they are.
+    void hold_events(FunctionRef<void()> act);
+    /// Its memory was restored or cleared: the server's state is Shutdown, and a restart is due
+    /// (seed 000, 4-1-3).
+    void memory_replaced();
+
+private:
+    void initialize() override;
+    void prepare(std::uint32_t number, const controller::ServerSettings& settings) override;
+    void reconfigure(std::uint32_t number, const controller::ServerSettings& settings,
+                     const controller::StopNotice& notice) override;
+    void run() override {}
+    void suspend(const controller::StopNotice&) override {}
+    void stop(const controller::StopNotice& notice) override;
+    void add_variables() override;
+    void medium_changed(bool is_in) override;
+    void save_now() override;
+
+    /// All is well. The saver's thread.
+    [[nodiscard]] bool save_pending();
+    void look_for_log_files();
+    void look_for_medium();
+    void tell_log_of_medium(bool is_in);
+    /// The saver's thread: to the medium, if there is one.
+    [[nodiscard]] bool save_records();
+
+    MachineConfig config_; // that it was made with
+    std::size_t max_variables_;
+    controller::ServerSettings settings_;
+    storage::FolderStorage state_;
+    storage::FolderStorage medium_;
+    StorageFolder event_files_;
+    MachineEvents events_;
+    std::unique_ptr<controller::MachineEventLog> event_log_;
+    std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
+    LogFolder log_folder_;
+    MediumFound medium_found_;
+    // Of the saver's thread.
+    std::vector<std::string> log_files_;
+    bool is_medium_there_{true};
+    bool is_medium_used_{true};
+    /// What the machine's life says; at the start a medium counts as in.
+    std::atomic<bool> is_medium_in_{true};
+    std::atomic<bool> has_changed_files_{false};
+    std::optional<MachineRetained> retained_;
+    std::unique_ptr<controller::LifeCycle> life_;
+    std::uint32_t preparation_{0};
+    /// Of an online edit, while that is made.
+    const Adding* adding_{nullptr};
+    std::optional<Configured<controller::ProgramAddition>> added_;
+    std::mutex saving_; // while the saver works
+    std::optional<Ticker> saver_;
+};
+
+} // namespace busbar::product

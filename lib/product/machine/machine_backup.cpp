@@ -1,0 +1,275 @@
+#include "machine_backup.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <busbar/core/record.hpp>
+#include <busbar/core/status_codes.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "core/json_writer.hpp"
+
+namespace busbar::product {
+
+using administration::TransferRequest;
+
+namespace {
+
+/// The one that administration::finish_changes looks after.
+constexpr const char* transaction = "transaction";
+constexpr const char* source = "memory";
+/// Before the text of a RestoreCommand.ini.
+constexpr std::string_view by_command = "restore by command\n";
+
+std::string problem_report(const Problem& problem)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("problem");
+    json.string(text(problem));
+    json.end_object();
+    return json.take();
+}
+
+std::string restore_report(bool has_data, bool lacks_profile)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("restored");
+    json.word(has_data ? "true" : "false");
+    if (lacks_profile) {
+        json.name("security_profile");
+        json.word("false");
+    }
+    json.end_object();
+    return json.take();
+}
+
+std::string report_of(const std::vector<controller::VerifiedItem>& items)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("items");
+    json.begin_list();
+    for (const controller::VerifiedItem& item : items) {
+        json.begin_object();
+        json.name("name");
+        json.string(item.name);
+        json.name("differences");
+        json.begin_list();
+        for (const std::string& file : item.differences) {
+            json.string(file);
+        }
+        json.end_list();
+        json.end_object();
+    }
+    json.end_list();
+    json.end_object();
+    return json.take();
+}
+
+/// What is another one now, for audit events: there is a record for each that the system knows.
+void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security, bool is_clear)
+{
+    Record record{.source = source};
+    record.actor.session_id = &request.session;
+    record.actor.user = request.user.name;
+    const auto tell_of = [&](RecordKind kind) {
+        record.kind = kind;
+        tell(log, record);
+    };
+    tell_of(RecordKind::SettingsChanged);
+    if (with_security) {
+        tell_of(RecordKind::UsersChanged);
+        tell_of(RecordKind::RolesChanged);
+        tell_of(RecordKind::TrustListUpdated);
+    }
+    if (with_security && is_clear) {
+        tell_of(RecordKind::CertificateUpdated);
+    }
+}
+
+std::vector<std::byte> bytes_of_text(std::string_view text)
+{
+    const auto bytes = std::as_bytes(std::span{text.data(), text.size()});
+    return {bytes.begin(), bytes.end()};
+}
+
+} // namespace
+
+struct MachineBackup::Wish {
+    enum class Task : std::uint8_t { Restore, Verify, Clear };
+
+    Task task;
+    bool with_security;
+};
+
+Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
+{
+    using Task = Wish::Task;
+    const auto* const text = options.get_if<String>();
+    if (text != nullptr && text->view().starts_with(by_command)) {
+        return controller::read_restore_command(text->view().substr(by_command.size()))
+            .transform([](const controller::RestoreChoice& choice) {
+                return Wish{Task::Restore, choice.security_profile};
+            });
+    }
+    static constexpr std::array<std::pair<std::string_view, Wish>, 6> wishes{
+        {{"restore", {Task::Restore, true}},
+         {"restore without security profile", {Task::Restore, false}},
+         {"verify", {Task::Verify, true}},
+         {"verify without security profile", {Task::Verify, false}},
+         {"clear", {Task::Clear, false}},
+         {"clear with security", {Task::Clear, true}}}};
+    const auto* const found = std::find_if(wishes.begin(), wishes.end(), [&](const auto& each) {
+        return text != nullptr && text->view() == each.first;
+    });
+    return found != wishes.end()
+               ? Configured<Wish>{found->second}
+               : misconfigured("options", "found none of a backup's", status::Bad_InvalidArgument);
+}
+
+MachineBackup::MachineBackup(Needs needs)
+    : needs_{std::move(needs)}, memory_{needs_.files, transaction, needs_.items, needs_.log}
+{
+}
+
+administration::TemporaryFileTransfer MachineBackup::transfer()
+{
+    const NodeId administrator{0, id::WellKnownRole_SecurityAdmin};
+    return {
+        .name = "Backup", .owner = this, .readers = {administrator}, .writers = {administrator}};
+}
+
+Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,
+                                                       std::size_t max_size)
+{
+    const auto* const what = request.options.get_if<String>();
+    const bool is_without = what != nullptr && what->view() == "backup without security profile";
+    if (request.options.is_null() || is_without) {
+        auto made = make_backup({.security_profile = !is_without});
+        const bool is_too_large = made && made->size() > max_size;
+        return is_too_large ? fail(status::Bad_EncodingLimitsExceeded) : std::move(made);
+    }
+    if (what == nullptr || what->view() != "report") {
+        return fail(status::Bad_InvalidArgument);
+    }
+    if (report_.text.empty() || report_.session != request.session) {
+        return fail(status::Bad_NotFound);
+    }
+    return bytes_of_text(report_.text);
+}
+
+Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::BackupChoice& choice)
+{
+    Configured<std::vector<std::byte>> made;
+    needs_.gate.hold([&] {
+        needs_.hold_events([&] {
+            made = memory_.backup({needs_.controller, needs_.clock.now()}, choice);
+        });
+    });
+    if (!made) {
+        needs_.log.write(LogLevel::Error, source, "no backup was made: " + text(made.error()));
+        return fail(made.error().status);
+    }
+    needs_.log.write(LogLevel::Info, source,
+                     "a backup was made: " + std::to_string(made->size()) + " bytes");
+    return *std::move(made);
+}
+
+StatusCode MachineBackup::may_take(const TransferRequest& request)
+{
+    const auto wish = wish_of(request.options);
+    if (!wish) {
+        report_ = {request.session, problem_report(wish.error())};
+        return status::Bad_InvalidArgument;
+    }
+    const bool is_run = needs_.mode() == controller::MachineMode::Run;
+    const bool is_refused = (wish->task == Wish::Task::Clear && is_run) ||
+                            (wish->task != Wish::Task::Verify && needs_.gate.is_closed());
+    return is_refused ? status::Bad_InvalidState : status::Good;
+}
+
+StatusCode MachineBackup::take(const TransferRequest& request, std::span<const std::byte> bytes)
+{
+    // Things may have changed since the client began.
+    if (const StatusCode may = may_take(request); may.is_bad()) {
+        return may;
+    }
+    auto wish = wish_of(request.options);
+    const auto done = carry_out(*wish, bytes);
+    report_ = {request.session, done ? *done : problem_report(done.error())};
+    if (!done) {
+        const std::string_view options = request.options.get_if<String>()->view();
+        needs_.log.write(LogLevel::Error, source,
+                         std::string{options.substr(0, options.find('\n'))} +
+                             ": nothing was changed: " + text(done.error()));
+    } else if (wish->task != Wish::Task::Verify) {
+        tell_replaced(needs_.log, request, wish->with_security, wish->task == Wish::Task::Clear);
+    }
+    return done ? StatusCode{status::Good} : done.error().status;
+}
+
+Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std::byte> bytes)
+{
+    Configured<std::string> done;
+    needs_.gate.hold([&] {
+        switch (wish.task) {
+        case Wish::Task::Restore:
+            done = restore(wish, bytes);
+            break;
+        case Wish::Task::Verify:
+            done = verify(wish, bytes);
+            return;
+        case Wish::Task::Clear:
+            done = bytes.empty() ? clear(wish)
+                                 : misconfigured("clear", "found a file, expected an empty one",
+                                                 status::Bad_InvalidArgument);
+            break;
+        }
+        if (done) {
+            needs_.gate.close(); // what the server has in memory counts no more
+        }
+    });
+    if (done && wish.task != Wish::Task::Verify) {
+        needs_.replaced();
+    }
+    return done;
+}
+
+Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::byte> bytes)
+{
+    const auto restored = memory_.restore(bytes, {.security_profile = wish.with_security});
+    if (!restored) {
+        return Unexpected{restored.error()};
+    }
+    const bool has_data = *restored != controller::Restored::Nothing;
+    const bool lacks_profile = *restored == controller::Restored::WithoutProfile;
+    needs_.log.write(LogLevel::Info, source,
+                     std::string{has_data ? "restored from a backup"
+                                          : "cleared: the backup is of a controller without OPC UA "
+                                            "server"} +
+                         (lacks_profile ? ", which has no security profile" : "") +
+                         "; it counts after a restart, which is due");
+    wish.with_security = wish.with_security && !lacks_profile;
+    return restore_report(has_data, lacks_profile);
+}
+
+Configured<std::string> MachineBackup::verify(const Wish& wish,
+                                              std::span<const std::byte> bytes) const
+{
+    return memory_.verify(bytes, {.security_profile = wish.with_security}).transform(report_of);
+}
+
+Configured<std::string> MachineBackup::clear(const Wish& wish)
+{
+    return memory_.clear_all(wish.with_security, needs_.mode()).transform([&] {
+        needs_.log.write(LogLevel::Info, source,
+                         "all memory was cleared; it counts after a restart, which is due");
+        return std::string{R"({"cleared":true})"};
+    });
+}
+
+} // namespace busbar::product

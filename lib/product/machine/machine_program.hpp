@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/machine_nodes.hpp>
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/published_program.hpp>
+#include <busbar/server/server.hpp>
+
+#include "machine_view.hpp"
+#include "product/configuration/config.hpp"
+
+namespace busbar::product {
+
+/// The name of a machine's folder.
+[[nodiscard]] const std::string& controller_name(const ControllerConfig& config);
+
+/// A machine's program as one server publishes it (seed 000, 6-2). Outlives that server, on whose
+/// thread it is.
+class MachineProgram {
+public:
+    /// `config` has a program and must outlive it. Throws ConfigError.
+    explicit MachineProgram(const ControllerConfig& config);
+
+    /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
+    /// program's variables. Throws ConfigError.
+    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
+    /// The nodes of seed 000, 6-2-1, after make_plc(), and what stands in the machine's log, which
+    /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
+    /// Throws ConfigError.
+    model::NodeIndex publish(server::Server& server, std::uint32_t source,
+                             const controller::MachineEventLog& log);
+
+    /// Adds what `edited` has and the program has not (seed 000, 4-2-5), after publish(); the task
+    /// may run, and waits for nothing. The problem is that it takes a download: nothing was added,
+    /// or nodes are missing which a download brings.
+    [[nodiscard]] Configured<controller::ProgramAddition> edit(const controller::Program& edited,
+                                                               server::Server& server);
+
+    [[nodiscard]] const controller::Publication& publication() const
+    {
+        return program_->publication();
+    }
+    [[nodiscard]] const controller::ProgramTypes& types() const { return program_->types(); }
+    /// From make_plc() on.
+    [[nodiscard]] const controller::ProgramImage& image() const { return *image_; }
+    /// What clients see of the machine's events, from publish() on.
+    [[nodiscard]] controller::MachineEventListener& events() { return view_; }
+
+private:
+    [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
+
+    const ControllerConfig& config_;
+    std::unique_ptr<controller::PublishedProgram> program_;
+    std::optional<controller::ProgramImage> image_;
+    std::optional<controller::MachineNodes> nodes_;
+    MachineView view_;
+};
+
+} // namespace busbar::product

@@ -1,0 +1,54 @@
+#include "plant.hpp"
+
+#include <string>
+#include <utility>
+
+#include <busbar/controller/plc_methods.hpp>
+#include <busbar/controller/plc_nodes.hpp>
+
+#include "product/configuration/toml_reader.hpp"
+#include "product/model/models.hpp"
+
+namespace busbar::product {
+
+Plant::Plant(const ControllerConfig& config) : config_{config}
+{
+    if (config.machine.program) {
+        program_.emplace(config);
+    }
+}
+
+void Plant::publish(server::Server& server, LogSink& log,
+                    const controller::MachineEventLog* machine_log,
+                    std::function<void(HardwareEvent)> hardware)
+{
+    if (config_.labels.program != nullptr) {
+        load_models(server, config_.nodesets, log);
+        return; // the PLC is a machine of its own, of which clients see what is mapped
+    }
+    plc_ = program_ ? program_->make_plc(server)
+                    : expect(controller::Plc::create(config_.plc, config_.image));
+    source_.emplace(plc_->image());
+    controller::PlcNodesOptions nodes;
+    nodes.source = server.add_source(*source_);
+    nodes.cycle = config_.scan;
+    model::AddressSpace& space = server.address_space();
+    const auto folder =
+        program_ ? program_->publish(server, nodes.source, *machine_log)
+                 : expect(controller::publish_variables(space, *plc_, nodes), "the variables");
+    load_models(server, config_.nodesets, log);
+    events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
+                     "the events");
+    if (program_ && config_.machine.simulates_hardware) {
+        expect(publish_hardware(space, folder, methods_, server.add_source(methods_),
+                                std::move(hardware)),
+               "the hardware");
+    }
+    if (!program_) {
+        expect(controller::publish_methods(space, folder, *plc_, methods_,
+                                           server.add_source(methods_)),
+               "the methods");
+    }
+}
+
+} // namespace busbar::product

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_events.hpp>
+#include <busbar/server/method_table.hpp>
+#include <busbar/server/process_image.hpp>
+
+#include "hardware.hpp"
+#include "machine_program.hpp"
+#include "product/configuration/config.hpp"
+
+namespace busbar::product {
+
+/// The simulated PLC and what serves it. Must outlive the server that it is published in. On the
+/// server's thread, but for raise().
+class Plant {
+public:
+    /// Throws ConfigError. `config` must outlive it.
+    explicit Plant(const ControllerConfig& config);
+
+    /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
+    /// and information models beside them. `machine_log` is there if the configuration has a
+    /// program, and must outlive it. `hardware` learns what clients tell of it. Once; throws
+    /// ConfigError.
+    void publish(server::Server& server, LogSink& log,
+                 const controller::MachineEventLog* machine_log,
+                 std::function<void(HardwareEvent)> hardware);
+    /// From publish() on, but not with a program of labels.
+    [[nodiscard]] controller::Plc& plc() { return *plc_; }
+    [[nodiscard]] const controller::Plc& plc() const { return *plc_; }
+    /// Null if there is none.
+    [[nodiscard]] MachineProgram* program() { return program_ ? &*program_ : nullptr; }
+    /// How many variables clients see.
+    [[nodiscard]] std::size_t visible_variables() const
+    {
+        if (program_) {
+            return program_->publication().published().size();
+        }
+        return plc_ != nullptr ? plc_->variables().size() : 0;
+    }
+    /// Tells of the events of a scan, by the thread that scans.
+    void raise(DateTime time) const { events_->raise(time); }
+
+private:
+    const ControllerConfig& config_;
+    std::optional<MachineProgram> program_;
+    std::unique_ptr<controller::Plc> plc_;
+    std::optional<server::ImageSource> source_;
+    server::MethodTable methods_;
+    std::optional<controller::PlcEvents> events_;
+};
+
+} // namespace busbar::product

@@ -1,0 +1,194 @@
+#include "kept_project.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <busbar/controller/project_models.hpp>
+#include <busbar/crypto/security_policy.hpp>
+#include <busbar/server/namespace_metadata.hpp>
+#include <busbar/types/ids.hpp>
+
+namespace busbar::product {
+
+namespace {
+
+using controller::Project;
+using controller::ProjectPermission;
+
+constexpr const char* kept_source = "project";
+constexpr const char* operation_mode = "model mode";
+
+void apply_users(const Project& project, UserConfig& users)
+{
+    for (const controller::ProjectUser& user : project.users) {
+        if (has_account(users, user.name)) {
+            continue; // the configuration's own counts
+        }
+        Account account{.name = user.name, .password_hash = user.password_hash};
+        if (user.permission != ProjectPermission::Client) {
+            account.roles = {"ConfigureAdmin", "SecurityAdmin"};
+            if (user.permission == ProjectPermission::ToolAndClient) {
+                account.roles.emplace_back("Operator");
+            }
+        }
+        users.accounts.push_back(std::move(account));
+    }
+    if (project.security.allows_anonymous) {
+        users.anonymous = AccountAccess::Read;
+    }
+    if (project.security.allows_certificates) {
+        users.certified = AccountAccess::Write;
+    }
+}
+
+void apply_security(const Project& project, ControllerConfig& config)
+{
+    config.server.endpoints.clear();
+    for (const controller::MessageSecurity& each : controller::allowed_security(project.security)) {
+        server::EndpointConfig endpoint;
+        endpoint.security = {crypto::find_policy_by_name(each.policy), each.mode};
+        config.server.endpoints.push_back(endpoint);
+    }
+    config.certificates.trusts_all_clients = project.security.trusts_all_clients;
+}
+
+/// The first one for data is where clients find the server: its address is in the end points.
+void apply_listeners(const std::vector<controller::ProjectListener>& listeners,
+                     ControllerConfig& config, bool keeps_port)
+{
+    const auto data = std::find_if(listeners.begin(), listeners.end(), [](const auto& each) {
+        return each.use != ListenerUse::Administration;
+    });
+    config.address = data->address;
+    config.port = keeps_port ? config.port : static_cast<std::uint16_t>(data->port);
+    config.use = data->use;
+    for (auto each = listeners.begin(); each != listeners.end(); ++each) {
+        if (each != data) {
+            config.further_listeners.push_back(
+                {each->address, static_cast<std::uint16_t>(each->port), each->use});
+            config.host_names.push_back(each->address); // for the certificate
+            config.server.further_urls.push_back("opc.tcp://" + each->address + ":" +
+                                                 std::to_string(each->port));
+        }
+    }
+}
+
+void apply_names(const Project& project, ControllerConfig& config)
+{
+    SubjectNames& subject = config.certificates.subject;
+    const auto take = [](std::string& to, const std::string& from) {
+        to = from.empty() ? to : from;
+    };
+    take(subject.common_name, project.certificate.server_name);
+    take(subject.organization, project.certificate.organization);
+    take(subject.organizational_unit, project.certificate.unit);
+    take(subject.locality, project.certificate.locality);
+    take(subject.state, project.certificate.state);
+    take(subject.country, project.certificate.country);
+    config.discovery.url = project.discovery.url;
+    config.discovery.interval = std::chrono::seconds{project.discovery.interval};
+    if (!project.network.host_name.empty()) {
+        config.host_names.push_back(project.network.host_name);
+    }
+}
+
+void add_property(model::AddressSpace& space, model::NodeIndex object, const std::string& name,
+                  const std::string& text)
+{
+    model::NewNode node;
+    node.id = NodeId{1, String{"Module/" + name}};
+    node.browse_name = QualifiedName{1, String{name}};
+    node.parent = object;
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::String};
+    variable.value = Variant{String{text}};
+    expect(space.add_property(node, std::move(variable)), "Module/" + name);
+}
+
+/// Seed 001, 9.14. The third item, the server's status, is ServerStatus.State of the Server.
+model::NodeIndex add_module(model::AddressSpace& space, const std::string& version)
+{
+    model::NewNode node;
+    node.id = NodeId{1, "Module"};
+    node.browse_name = QualifiedName{1, "Module"};
+    node.parent = space.find(id::ObjectsFolder);
+    node.reference_type = NodeId{0, id::Organizes};
+    const model::NodeIndex object = expect(space.add_object(node), "Module");
+    add_property(space, object, "OperationMode", operation_mode);
+    add_property(space, object, "Version", version);
+    return object;
+}
+
+} // namespace
+
+KeptProject::KeptProject(const std::string& folder)
+    : files_{folder}, store_{files_, "project", controller::check_models}
+{
+    if (std::error_code ignored; std::filesystem::exists(folder, ignored)) {
+        recovered_ = store_.recover();
+    }
+}
+
+void KeptProject::apply(ControllerConfig& config, bool keeps_port) const
+{
+    if (store_.current() == nullptr) {
+        return;
+    }
+    const Project& project = *store_.current();
+    apply_listeners(project.network.listeners, config, keeps_port);
+    apply_users(project, config.users);
+    apply_security(project, config);
+    apply_names(project, config);
+    offer_users(config);
+}
+
+PublishedProject KeptProject::publish(server::Server& server, const std::string& version,
+                                      LogSink& log) const
+{
+    PublishedProject published{{}, add_module(server.address_space(), version)};
+    if (!recovered_) {
+        log.write(LogLevel::Error, kept_source, "there is none: " + text(recovered_.error()));
+    }
+    if (store_.current() == nullptr) {
+        return published;
+    }
+    const Project& project = *store_.current();
+    controller::ModelReports reports;
+    const controller::ModelSet models = expect(controller::load_models(project, &reports));
+    auto loaded = models.load_into(server.address_space());
+    if (!loaded) {
+        throw ConfigError{"project", text(loaded.error().list().front())};
+    }
+    published.mapping = *std::move(loaded);
+    server::describe_models(server, models.extras().models);
+    for (const controller::ModelReport& report : reports.list()) {
+        log.write(LogLevel::Warning, kept_source, text(report));
+    }
+    log.write(LogLevel::Info, kept_source,
+              std::to_string(project.models.size()) + " information models were loaded");
+    return published;
+}
+
+administration::TemporaryFileTransfer KeptProject::transfer(const server::Server& server,
+                                                            std::string version, LogSink& log,
+                                                            std::function<void()> restart)
+{
+    service_.emplace(ProjectService::Needs{
+        .store = store_,
+        .log = log,
+        .status =
+            [&server, version = std::move(version)] {
+                return ProjectService::ModuleStatus{
+                    operation_mode, server.is_stopped() ? "Shutdown" : "Running", version};
+            },
+        .update =
+            [restart = std::move(restart)] {
+                restart();
+                return Configured<void>{};
+            }});
+    return service_->transfer();
+}
+
+} // namespace busbar::product

@@ -1,0 +1,73 @@
+#include "label_plant.hpp"
+
+#include <utility>
+
+#include "product/configuration/labels_section.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+bool is_same(const std::shared_ptr<const std::string>& one,
+             const std::shared_ptr<const std::string>& other)
+{
+    return one == other || (one != nullptr && other != nullptr && *one == *other);
+}
+
+} // namespace
+
+LabelPlant::LabelPlant(const ControllerConfig& config, const WallClock& clock)
+    : clock_{clock}, program_text_{config.labels.program_text}, labels_{make_labels(config.labels)}
+{
+    plcs_.push_back(make_plc(config));
+    current_ = plcs_.front().get();
+    task_.emplace(*current_, clock, config.scan, config.realtime_priority);
+    task_->after_scan([this](DateTime time) { end_of_scan(time); });
+}
+
+std::unique_ptr<controller::Plc> LabelPlant::make_plc(const ControllerConfig& config) const
+{
+    const auto program = labels_->program();
+    // What moves in the configuration without labels is another PLC.
+    return expect(controller::Plc::create(
+        config.labels.program != nullptr ? config.plc : controller::PlcConfig{}, program->types(),
+        program->image()));
+}
+
+void LabelPlant::stop()
+{
+    task_->stop();
+    labels_->halt(clock_.now());
+}
+
+bool LabelPlant::download(const ControllerConfig& next)
+{
+    if (is_same(next.labels.program_text, program_text_)) {
+        return false;
+    }
+    controller::Program program =
+        next.labels.program != nullptr ? *next.labels.program : controller::Program{};
+    expect(labels_->replace_program(std::move(program)));
+    auto plc = make_plc(next);
+    const std::lock_guard lock{mutex_};
+    std::erase_if(plcs_, [this](const auto& one) { return one.get() != current_; });
+    plcs_.push_back(std::move(plc));
+    program_text_ = next.labels.program_text;
+    return true;
+}
+
+void LabelPlant::end_of_scan(DateTime time)
+{
+    labels_->end_of_scan(time);
+    const std::unique_lock lock{mutex_, std::try_to_lock};
+    if (!lock || plcs_.back().get() == current_) {
+        return;
+    }
+    controller::Plc& next = *plcs_.back();
+    if (&next.image()->memory() == &labels_->memory()) {
+        current_ = &next;
+        task_->replace(next);
+    }
+}
+
+} // namespace busbar::product

@@ -1,0 +1,143 @@
+#include "mapped_model.hpp"
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <busbar/controller/mapped_nodes.hpp>
+#include <busbar/core/text_forms.hpp>
+
+#include "product/configuration/toml_reader.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+using controller::LabelUpdate;
+using controller::MappedErrorCode;
+using controller::SamplingMode;
+
+constexpr const char* label_source = "labels";
+/// Lines about errors of one update.
+constexpr std::size_t most_errors = 20;
+
+std::string four_digits(MappedErrorCode code)
+{
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "%04X", static_cast<unsigned>(code));
+    return text.data();
+}
+
+const char* text_of(MappedErrorCode code)
+{
+    switch (code) {
+    case MappedErrorCode::Unavailable:
+        return "there is no such label that can be used";
+    case MappedErrorCode::WrongType:
+        return "the label's type is none that the node can have";
+    case MappedErrorCode::OutOfRange:
+        return "the label's value is none that the node can have";
+    case MappedErrorCode::TooManyPoints:
+        return "there are too many points to sample in each scan";
+    case MappedErrorCode::UnsampledDevice:
+        return "the label lies where it cannot be sampled in each scan";
+    case MappedErrorCode::SamplingUnsupported:
+        return "the PLC cannot sample in each scan";
+    }
+    return "?";
+}
+
+SamplingMode mode_of(controller::ProjectSampling sampling)
+{
+    switch (sampling) {
+    case controller::ProjectSampling::HighSpeedItems:
+        return SamplingMode::MonitoredItems;
+    case controller::ProjectSampling::HighSpeedVariables:
+        return SamplingMode::AllVariables;
+    case controller::ProjectSampling::Standard:
+        break;
+    }
+    return SamplingMode::Standard;
+}
+
+bool has_ceilings(const controller::Project& project)
+{
+    return project.preset == "rd81opc96";
+}
+
+controller::MappedOptions options_of(const MappedModel::Needs& needs)
+{
+    controller::MappedOptions options;
+    options.sampling = mode_of(needs.project.sampling);
+    if (has_ceilings(needs.project)) {
+        options.limits = controller::MappedLimits::rd81opc96();
+    }
+    options.conversion.utc_offset_minutes = needs.utc_offset_minutes;
+    return options;
+}
+
+} // namespace
+
+void LabelLog::label_update(LabelUpdate event)
+{
+    const std::string code = "event " + std::to_string(static_cast<unsigned>(event)) + ": ";
+    switch (event) {
+    case LabelUpdate::Started:
+        errors_ = 0;
+        log_.write(LogLevel::Info, label_source,
+                   code + "addresses and types of labels are asked for");
+        break;
+    case LabelUpdate::Finished:
+        log_.write(LogLevel::Info, label_source, code + "addresses and types of labels are known");
+        break;
+    case LabelUpdate::Failed:
+        log_.write(LogLevel::Error, label_source,
+                   code + "labels cannot be used, and no mapped node can");
+        break;
+    }
+}
+
+void LabelLog::error(const controller::MappedError& error)
+{
+    if (++errors_ > most_errors) {
+        return;
+    }
+    std::string line = "error " + four_digits(error.code) + "H: " + text_of(error.code);
+    if (!error.label.empty()) {
+        line += ": " + std::string{error.label};
+    }
+    if (error.node != nullptr) {
+        line += " of " + to_string(*error.node);
+    }
+    if (errors_ == most_errors) {
+        line += "; more are not told until labels are updated";
+    }
+    log_.write(LogLevel::Error, label_source, line);
+}
+
+MappedModel::MappedModel(const Needs& needs)
+    : events_{needs.log}, source_{needs.labels, options_of(needs), &events_}, status_{source_,
+                                                                                      needs.server,
+                                                                                      needs.clock}
+{
+    server::Server& server = needs.server;
+    model::AddressSpace& space = server.address_space();
+    server.add_source(source_);
+    server.add_source(status_);
+    source_.set_space(&space);
+    const controller::ShapeLimits limits = has_ceilings(needs.project)
+                                               ? controller::ShapeLimits::rd81opc96()
+                                               : controller::ShapeLimits{};
+    const auto mapped =
+        controller::map_nodes(space, types_.of(space), needs.mapping, source_, limits);
+    expect(controller::add_module_status_nodes(space, needs.module, 1, status_),
+           "the module's buffer memory");
+    for (const std::string& reason : mapped.left_out) {
+        needs.log.write(LogLevel::Warning, label_source, "left out of the mapping: " + reason);
+    }
+    needs.log.write(LogLevel::Info, label_source,
+                    std::to_string(mapped.variables) + " Variables and " +
+                        std::to_string(mapped.methods) + " Methods are mapped to labels");
+}
+
+} // namespace busbar::product

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <busbar/core/log.hpp>
+#include <busbar/server/server.hpp>
+
+namespace busbar::product {
+
+/// Adds the nodes of NodeSet2 files, given in any order, and logs what is odd in them;
+/// Server.Namespaces has their versions. Throws a
+/// ConfigError that has a line for each mistake; nothing was added then.
+void load_models(server::Server& server, const std::vector<std::string>& files, LogSink& log);
+
+} // namespace busbar::product

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <busbar/administration/file_transfer.hpp>
+#include <busbar/controller/project_compare.hpp>
+#include <busbar/controller/project_store.hpp>
+#include <busbar/core/log.hpp>
+
+namespace busbar::product {
+
+/// The project of model mode over OPC UA (seed 001, 9.13 and 9.14): the Object "Project" below
+/// Objects, a TemporaryFileTransferType. Its generateOptions are null for GenerateFileForRead of
+/// the project file, and else one of these texts:
+///
+///     GenerateFileForRead   "report": what the session's last CloseAndCommit came to
+///                           "status": operation mode, server status and version
+///     GenerateFileForWrite  "write"    a project file follows
+///                           "verify"   a project file follows
+///                           "update"   an empty file follows: the server takes up its project
+///
+/// A report is JSON: {"problem": "project:12: [network] ..."} for what was refused;
+/// {"written": true}; {"updated": true}; and {"differences": [{"where", "file", "server"}]} for a
+/// verification. A status is JSON, too: {"operationMode", "serverStatus", "version", "project"}.
+///
+/// Of two tools that write at once the second is refused. Stop and restart are
+/// RequestServerStateChange of the Server. On the server's thread.
+class ProjectService final : public administration::TransferOwner {
+public:
+    /// What of the status is the program's to know.
+    struct ModuleStatus {
+        std::string operation_mode; // "model mode"
+        std::string server_status;  // "Running"
+        std::string version;
+    };
+    /// All must outlive it.
+    struct Needs {
+        controller::ProjectStore& store;
+        LogSink& log;
+        std::function<ModuleStatus()> status;
+        /// Has the server take up the project that is in the store. The client has no answer yet.
+        std::function<Configured<void>()> update;
+    };
+
+    /// The project that the server runs is the one in the store now.
+    explicit ProjectService(Needs needs);
+
+    /// For AdministrationParts::file_transfers: for SecurityAdmin.
+    [[nodiscard]] administration::TemporaryFileTransfer transfer();
+
+    [[nodiscard]] Result<std::vector<std::byte>>
+    generate(const administration::TransferRequest& request, std::size_t max_size) override;
+    [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
+    [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
+                                  std::span<const std::byte> bytes) override;
+
+private:
+    /// Of the last CloseAndCommit.
+    struct Report {
+        NodeId session;
+        std::string text;
+    };
+
+    [[nodiscard]] Result<std::string> text_of(const administration::TransferRequest& request) const;
+    [[nodiscard]] std::string status_text() const;
+    [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
+    [[nodiscard]] Configured<std::string> verify(std::span<const std::byte> bytes) const;
+    [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
+
+    Needs needs_;
+    Report report_;
+    bool is_update_due_{false};
+};
+
+} // namespace busbar::product

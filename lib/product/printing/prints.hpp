@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <busbar/net/system.hpp>
+
+#include "print_capacities.hpp"
+#include "print_conformance.hpp"
+#include "print_limits.hpp"
+#include "product/configuration/presets.hpp"
+
+namespace busbar::product {
+
+/// What prints something of a configuration and ends.
+struct Prints {
+    void add_to(CLI::App& app)
+    {
+        const auto add = [&](const char* name, std::string& file, const char* text) {
+            return app.add_option(name, file, text)->expected(0, 1)->type_name("[FILE]");
+        };
+        limits = add("--print-limits", limits_file,
+                     "print all limits, of a configuration if it is given, and the memory that "
+                     "clients can make the controller hold by them");
+        capacities = add("--print-capacities", capacities_file,
+                         "print how much it can do at most, of a configuration if it is given");
+        conformance = add("--print-conformance", conformance_file,
+                          "print which profiles of OPC UA are claimed, of a configuration if it is "
+                          "given, and what the others lack");
+        app.add_option("--print-preset", preset,
+                       "print the limits of a product as JSON: nj501, nx102 or rd81opc96")
+            ->type_name("NAME");
+        app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
+    }
+    /// The program's end; nothing if none of them is wanted. `file` is that of --config.
+    [[nodiscard]] std::optional<int> run(const std::string& file) const
+    {
+        const auto of = [&](const std::string& own) { return own.empty() ? file : own; };
+        if (limits->count() != 0) {
+            return print_limits(of(limits_file));
+        }
+        if (capacities->count() != 0) {
+            return print_capacities(of(capacities_file));
+        }
+        if (conformance->count() != 0) {
+            return print_conformance(of(conformance_file), wants_json, net::SystemWallClock{}.now(),
+                                     net::is_clock_synchronized());
+        }
+        return preset.empty() ? std::nullopt : std::optional{print_preset(preset)};
+    }
+
+    CLI::Option* limits{nullptr};
+    CLI::Option* capacities{nullptr};
+    CLI::Option* conformance{nullptr};
+    std::string preset;
+    std::string limits_file;
+    std::string capacities_file;
+    std::string conformance_file;
+    bool wants_json{false};
+};
+
+} // namespace busbar::product
