@@ -6,9 +6,9 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
-#include "commands.hpp"
 #include "require.hpp"
-#include "usage.hpp"
+#include "tool/commands/commands.hpp"
+#include "tool/connection/usage.hpp"
 
 namespace command_line_fuzz {
 
@@ -33,10 +33,10 @@ std::vector<std::string> words_in(std::string_view text)
 void check_url(const std::string& word)
 {
     try {
-        const std::string url = cli::complete_url(word);
-        require(channel::EndpointUrl::parse(url).has_value() && cli::complete_url(url) == url);
-    } catch (const cli::Failure& failure) {
-        require(failure.exit == cli::Exit::Usage && !failure.hint.empty());
+        const std::string url = tool::complete_url(word);
+        require(channel::EndpointUrl::parse(url).has_value() && tool::complete_url(url) == url);
+    } catch (const tool::Failure& failure) {
+        require(failure.exit == tool::Exit::Usage && !failure.hint.empty());
     }
 }
 
@@ -48,7 +48,7 @@ void check_protection(const std::vector<std::string>& words, std::vector<std::st
     if (separator != expected.end()) {
         expected.erase(separator);
     }
-    std::ranges::for_each(passed, cli::unmark);
+    std::ranges::for_each(passed, tool::unmark);
     std::ranges::reverse(passed);
     const bool has_mark = std::ranges::any_of(
         expected, [](const std::string& word) { return word.starts_with('\x1f'); });
@@ -64,9 +64,9 @@ void check_end(const CLI::App& app, const CLI::ParseError& error)
         require(!help.str().empty());
         return;
     }
-    const cli::Failure failure = cli::usage_failure(app, error);
-    require(failure.exit == cli::Exit::Usage && *failure.what() != '\0');
-    require(cli::json_of(failure).starts_with('{'));
+    const tool::Failure failure = tool::usage_failure(app, error);
+    require(failure.exit == tool::Exit::Usage && *failure.what() != '\0');
+    require(tool::json_of(failure).starts_with('{'));
 }
 
 } // namespace
@@ -80,19 +80,19 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
         check_url(word);
         arguments.push_back(word.data());
     }
-    const auto passed = cli::protected_arguments(static_cast<int>(words.size()), arguments.data());
+    const auto passed = tool::protected_arguments(static_cast<int>(words.size()), arguments.data());
     check_protection(words, passed);
-    cli::Options options;
-    cli::Run run;
+    tool::Options options;
+    tool::Run run;
     CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
-    cli::add_command_line(app, options, run);
+    tool::add_command_line(app, options, run);
     try {
         app.parse(std::vector<std::string>(passed));
         require(run != nullptr);
     } catch (const CLI::ParseError& error) {
         check_end(app, error);
-    } catch (const cli::Failure& failure) {
-        require(failure.exit == cli::Exit::Usage);
+    } catch (const tool::Failure& failure) {
+        require(failure.exit == tool::Exit::Usage);
     }
     return 0;
 }

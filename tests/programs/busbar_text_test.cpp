@@ -2,21 +2,21 @@
 
 #include <busbar/core/status_codes.hpp>
 
-#include "admin/audit_line.hpp"
-#include "admin/log_line.hpp"
-#include "display_text.hpp"
-#include "failure.hpp"
-#include "json_writer.hpp"
-#include "status_help.hpp"
-#include "table.hpp"
-#include "url.hpp"
-#include "usage.hpp"
-#include "value_lines.hpp"
+#include "tool/admin/audit_line.hpp"
+#include "tool/admin/log_line.hpp"
+#include "tool/connection/failure.hpp"
+#include "tool/connection/status_help.hpp"
+#include "tool/connection/url.hpp"
+#include "tool/connection/usage.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+#include "tool/printing/value_lines.hpp"
 
 namespace busbar_text_test {
 
 using namespace busbar;
-using namespace busbar::cli;
+using namespace busbar::tool;
 
 TEST_CASE("nothing that a server says changes what a terminal does")
 {
@@ -26,7 +26,7 @@ TEST_CASE("nothing that a server says changes what a terminal does")
     CHECK(safe("\xE2\x80\xAE"
                "txt.exe") == "\\u202Etxt.exe"); // right-to-left override
     CHECK(safe("Stückzahl 数") == "Stückzahl 数");
-    CHECK(JsonWriter{}.text("\x1b\xC2\x9B\"\\\x80").document() ==
+    CHECK(JsonLine{}.text("\x1b\xC2\x9B\"\\\x80").document() ==
           "\"\\u001b\\u009b\\\"\\\\\\ufffd\"");
 }
 
@@ -275,7 +275,7 @@ TEST_CASE("an entry of an execution log is a line that fits, or two")
           "    8  2017/10/17/14:54:11.822  AUTH      0001      Applica...\n       " + details);
     CHECK(display_width(admin::log_title(80)) <= 80);
     CHECK_FALSE(admin::log_line(*entry, 1).empty());
-    JsonWriter json;
+    JsonLine json;
     admin::append_entry(json, *entry);
     CHECK(json.document() ==
           "{\"entry\":8,\"time\":\"2017-10-17T14:54:11.822\",\"category\":\"AUTH\","

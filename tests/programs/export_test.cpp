@@ -3,12 +3,12 @@
 #include <busbar/model/nodeset.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "space_builder.hpp"
+#include "tool/nodes/space_builder.hpp"
 
 namespace export_test {
 
 using namespace busbar;
-using namespace busbar::cli;
+using namespace busbar::tool;
 
 namespace {
 

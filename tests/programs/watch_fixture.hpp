@@ -2,14 +2,14 @@
 
 #include <busbar/core/status_codes.hpp>
 
-#include "watch/model.hpp"
+#include "tool/watch/model.hpp"
 
 /// Values at times that a test chooses.
 namespace busbar::test {
 
 inline constexpr DateTime noon = DateTime::from_unix_seconds(1'795'262'400); // 2026-11-21T12:00:00Z
 
-inline cli::watch::Now at(Duration since_start)
+inline tool::watch::Now at(Duration since_start)
 {
     const auto ticks = since_start.count() / (1'000'000'000 / DateTime::ticks_per_second);
     return {TimePoint{std::chrono::hours{1}} + since_start, DateTime{noon.ticks + ticks}};

@@ -7,8 +7,8 @@
 namespace watch_model_test {
 
 using namespace busbar;
-using namespace busbar::cli;
-using namespace busbar::cli::watch;
+using namespace busbar::tool;
+using namespace busbar::tool::watch;
 using namespace std::chrono_literals;
 using busbar::test::at;
 using busbar::test::noon;

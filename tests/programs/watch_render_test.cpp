@@ -4,14 +4,14 @@
 #include <cmath>
 #include <fstream>
 
-#include "watch/render.hpp"
+#include "tool/watch/render.hpp"
 #include "watch_fixture.hpp"
 
 namespace watch_render_test {
 
 using namespace busbar;
-using namespace busbar::cli;
-using namespace busbar::cli::watch;
+using namespace busbar::tool;
+using namespace busbar::tool::watch;
 using namespace std::chrono_literals;
 using busbar::test::at;
 using busbar::test::noon;

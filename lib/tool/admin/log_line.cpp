@@ -1,0 +1,118 @@
+#include "log_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "tool/printing/display_text.hpp"
+#include "tool/stream/event_stream.hpp"
+
+namespace busbar::tool::admin {
+
+namespace {
+
+constexpr std::string_view current_name = "OPCUA_ExecutionLog.log";
+constexpr std::string_view full_prefix = "OPCUA_ExecutionLog_";
+constexpr std::string_view log_ending = ".log";
+constexpr std::size_t digits_of_time = 17;
+
+constexpr std::size_t entry_width = 5;
+constexpr std::size_t time_width = 23;
+constexpr std::size_t category_width = 8;
+constexpr std::size_t code_width = 8;
+constexpr std::size_t most_name_width = 17;
+constexpr std::size_t least_name_width = 10;
+constexpr std::size_t gaps = 5 * column_gap;
+/// Of all columns but the log's name and the details.
+constexpr std::size_t fixed_width = entry_width + time_width + category_width + code_width + gaps;
+/// The longest details that are told often, "ERROR BadCertificateUntrusted", are not much longer.
+constexpr std::size_t wanted_details = 24;
+
+std::size_t name_width(std::size_t columns)
+{
+    return columns >= fixed_width + most_name_width + wanted_details ? most_name_width
+                                                                     : least_name_width;
+}
+
+/// All columns but the last one.
+std::string front_columns(const std::array<std::string, 6>& texts, std::size_t columns)
+{
+    const std::string number = cut(texts[0], entry_width);
+    return std::string(entry_width - display_width(number), ' ') + number + "  " +
+           padded(texts[1], time_width) + "  " + padded(texts[2], category_width) + "  " +
+           padded(texts[3], code_width) + "  " + padded(texts[4], name_width(columns));
+}
+
+std::string without_end_blanks(std::string line)
+{
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line;
+}
+
+/// "SUCCESS", "Basic256Sha256": parted by tabs.
+void append_details(JsonLine& json, std::string_view details)
+{
+    json.open_array();
+    while (!details.empty()) {
+        const std::string_view part = details.substr(0, details.find('\t'));
+        json.text(part);
+        details.remove_prefix(std::min(details.size(), part.size() + 1));
+    }
+    json.close_array();
+}
+
+} // namespace
+
+bool is_current_log(std::string_view name)
+{
+    return name == current_name;
+}
+
+bool is_log_name(std::string_view name)
+{
+    if (is_current_log(name)) {
+        return true;
+    }
+    if (name.size() != full_prefix.size() + digits_of_time + log_ending.size() ||
+        !name.starts_with(full_prefix) || !name.ends_with(log_ending)) {
+        return false;
+    }
+    const std::string_view digits = name.substr(full_prefix.size(), digits_of_time);
+    return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+std::string log_title(std::size_t columns)
+{
+    std::array<std::string, 6> texts;
+    std::copy(controller::execution_log_column_names.begin(),
+              controller::execution_log_column_names.end(), texts.begin());
+    return front_columns(texts, columns) + "  " + texts[5];
+}
+
+std::string log_line(const controller::ExecutionLogEntry& entry, std::size_t columns)
+{
+    const auto texts = controller::execution_log_columns(entry);
+    const std::string details = safe(texts[5]);
+    const std::string front = front_columns(texts, columns);
+    const std::size_t used = fixed_width + name_width(columns);
+    if (columns >= used && display_width(details) <= columns - used) {
+        return without_end_blanks(front + "  " + details);
+    }
+    constexpr std::size_t indent = entry_width + column_gap;
+    return without_end_blanks(front) + "\n" + std::string(indent, ' ') +
+           wrap(details, std::max(columns, 2 * indent) - indent, indent);
+}
+
+void append_entry(JsonLine& json, const controller::ExecutionLogEntry& entry)
+{
+    constexpr std::size_t to_milliseconds = 23; // "2017-10-17T14:52:50.878"
+    json.open_object().member("entry", std::int64_t{entry.serial_number});
+    json.member("time", to_string(entry.time).substr(0, to_milliseconds));
+    json.member("category", entry.code->category);
+    json.member("code", controller::execution_log_columns(entry)[3]);
+    json.member("name", entry.code->name).key("details");
+    append_details(json, entry.details);
+    json.close_object();
+}
+
+} // namespace busbar::tool::admin

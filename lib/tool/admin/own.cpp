@@ -1,0 +1,169 @@
+#include <string>
+
+#include <busbar/crypto/own_certificate.hpp>
+#include <busbar/crypto/random.hpp>
+
+#include "commands.hpp"
+#include "remote.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/file.hpp"
+
+namespace busbar::tool::admin {
+
+namespace own_certificate {
+namespace {
+
+const NodeId configuration{0, id::ServerConfiguration};
+const NodeId rsa{0, id::RsaSha256ApplicationCertificateType};
+
+std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
+                               const std::vector<Variant>& inputs, const std::string& what)
+{
+    return call(connection, configuration, standard(method), inputs, what);
+}
+
+/// The server's certificate, as it is used.
+crypto::Certificate present(Connection& connection)
+{
+    const auto outputs =
+        call(connection, configuration, child_of(connection, configuration, "GetCertificates"),
+             {Variant{NodeId{}}}, "reading the server's certificate");
+    const auto* const ders = outputs.size() < 2 ? nullptr : outputs[1].array_if<ByteString>();
+    if (ders != nullptr && !ders->empty()) {
+        if (auto chain = crypto::parse_chain((*ders)[0].span())) {
+            return chain->front();
+        }
+    }
+    throw Failure{status::Bad_NotFound, "the server's certificate"};
+}
+
+Exit show(Context& context, Connection& connection, const AdminArguments&)
+{
+    print_certificates(context, {{"own", present(connection)}});
+    return Exit::Good;
+}
+
+void apply(Connection& connection)
+{
+    on_server(connection, id::ServerConfiguration_ApplyChanges, {}, "applying the changes");
+}
+
+Exit request(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    constexpr std::size_t nonce_size = 32;
+    std::vector<std::byte> nonce(nonce_size);
+    crypto::SystemRandom random;
+    if (!random.fill(nonce)) {
+        throw Failure{Exit::Failed, "no random bytes"};
+    }
+    const auto outputs =
+        on_server(connection, id::ServerConfiguration_CreateSigningRequest,
+                  {Variant{NodeId{}}, Variant{rsa}, Variant{String{arguments.subject}},
+                   Variant{true}, Variant{ByteString{nonce}}},
+                  "making the request");
+    const auto* const der = outputs.empty() ? nullptr : outputs.front().get_if<ByteString>();
+    if (der == nullptr) {
+        throw Failure{status::Bad_UnexpectedError, "making the request"};
+    }
+    write_file(arguments.words.front(),
+               {reinterpret_cast<const char*>(der->span().data()), der->span().size()});
+    return report(context, "wrote a request for a CA to " + safe(arguments.words.front()));
+}
+
+Exit install(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const std::string& file = arguments.words.front();
+    const std::string contents = read_file(file);
+    const auto certificates = crypto::read_certificates(std::as_bytes(std::span{contents}));
+    if (!certificates) {
+        throw Failure{Exit::Usage, file + ": " + text(certificates.error())};
+    }
+    Array<ByteString> issuers;
+    issuers.clear();
+    for (std::size_t i = 1; i < certificates->size(); ++i) {
+        issuers.push_back(ByteString{(*certificates)[i].der()});
+    }
+    on_server(connection, id::ServerConfiguration_UpdateCertificate,
+              {Variant{NodeId{}}, Variant{rsa}, Variant{ByteString{certificates->front().der()}},
+               Variant{std::move(issuers)}, Variant{String{}}, Variant{ByteString{}}},
+              "installing the certificate");
+    apply(connection);
+    return report(context, "installed " + certificates->front().thumbprint_text());
+}
+
+/// "CN=Name/O=Works" of a certificate.
+std::string subject_name(const crypto::CertificateSubject& subject)
+{
+    std::string name = "CN=\"" + subject.common_name + "\"";
+    if (!subject.organization.empty()) {
+        name += "/O=\"" + subject.organization + "\"";
+    }
+    return name;
+}
+
+Exit regenerate(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const crypto::Certificate before = present(connection);
+    make_sure(context, arguments,
+              "Clients have to trust the new certificate. Replace " + before.thumbprint_text() +
+                  "?");
+    crypto::CertificateSubject names;
+    for (const std::string& host :
+         arguments.hosts.empty() ? before.host_names() : arguments.hosts) {
+        crypto::add_host(names, host);
+    }
+    const auto strings = [](const std::vector<std::string>& texts) {
+        Array<String> list;
+        list.clear();
+        for (const std::string& text : texts) {
+            list.push_back(String{text});
+        }
+        return Variant{std::move(list)};
+    };
+    const std::string what = "making a new certificate";
+    call(connection, configuration, child_of(connection, configuration, "DeleteCertificate"),
+         {Variant{NodeId{}}, Variant{rsa}}, what);
+    const std::string subject =
+        arguments.subject.empty() ? subject_name(crypto::subject_of(before)) : arguments.subject;
+    const auto outputs =
+        call(connection, configuration,
+             child_of(connection, configuration, "CreateSelfSignedCertificate"),
+             {Variant{NodeId{}}, Variant{rsa}, Variant{String{subject}}, strings(names.dns_names),
+              strings(names.ip_addresses), Variant{static_cast<std::uint16_t>(arguments.days)},
+              Variant{std::uint16_t{0}}},
+             what);
+    apply(connection);
+    const auto* const der = outputs.empty() ? nullptr : outputs.front().get_if<ByteString>();
+    const auto made =
+        crypto::Certificate::parse(der != nullptr ? der->span() : std::span<const std::byte>{});
+    return report(context, made ? "the server's certificate is " + made->thumbprint_text()
+                                : "the server has a new certificate");
+}
+
+} // namespace
+} // namespace own_certificate
+
+void add_own(CLI::App& admin, Run& run)
+{
+    using namespace own_certificate;
+    Group group{admin, run, "cert", "The server's own certificate."};
+    auto& arguments = group.arguments();
+    constexpr unsigned max_days = 7'305; // twenty years
+    group.add("show", "Shows it.", 0, "URL", show);
+    auto* asked = group.add("request", "Writes a request for a CA to a file.", 1, "FILE", request);
+    group.add("install", "Puts what a CA issued for the request in force.", 1, "FILE", install);
+    auto* made =
+        group.add("regenerate", "Has the server make a new one for itself.", 0, "URL", regenerate);
+    for (auto* command : {asked, made}) {
+        command->add_option("--subject", arguments.subject,
+                            "CN=Name/O=Organization; as it is by default");
+    }
+    made->add_option("--host", arguments.hosts,
+                     "all names and addresses that clients connect to; as they are by default");
+    made->add_option("--days", arguments.days, "how long it is valid")
+        ->check(CLI::Range(1U, max_days))
+        ->capture_default_str();
+    made->add_flag("--yes", arguments.is_sure, "do not ask");
+}
+
+} // namespace busbar::tool::admin

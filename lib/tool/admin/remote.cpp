@@ -1,0 +1,173 @@
+#include "remote.hpp"
+
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/binary/reader.hpp>
+#include <busbar/client/methods.hpp>
+#include <busbar/client/view.hpp>
+
+#include "tool/nodes/nodes.hpp"
+
+namespace busbar::tool::admin {
+
+namespace {
+
+constexpr std::int32_t piece_size = 32'768;
+/// What no trust list has: a server that sends more is not believed.
+constexpr std::size_t max_list_size = 64U << 20U;
+
+std::vector<ReferenceDescription> children(Connection& connection, const NodeId& parent)
+{
+    using Results = std::vector<BrowseResult>;
+    const auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
+        client::browse(connection.client(), {client::children_of(parent)}, std::move(done));
+    });
+    const auto& references = results.front().references;
+    return {references.begin(), references.end()};
+}
+
+} // namespace
+
+std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
+                          const std::vector<Variant>& inputs, const std::string& what)
+{
+    CallMethodRequest request;
+    request.object_id = object;
+    request.method_id = method;
+    request.input_arguments = Array<Variant>{inputs};
+    using Results = std::vector<CallMethodResult>;
+    const auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
+        client::call(connection.client(), {std::move(request)}, std::move(done));
+    });
+    const CallMethodResult& result = results.front();
+    if (result.status_code == status::Bad_NodeIdUnknown) {
+        throw Failure{result.status_code, what,
+                      "the server has no such service, or this user may not see it: log in as one "
+                      "with the role SecurityAdmin"};
+    }
+    if (result.status_code.is_bad()) {
+        throw Failure{result.status_code, what};
+    }
+    return {result.output_arguments.begin(), result.output_arguments.end()};
+}
+
+Variant read(Connection& connection, const NodeId& variable)
+{
+    const auto values = read_attributes(connection, variable, {AttributeId::Value});
+    return values.front().status.is_bad() ? Variant{} : values.front().value;
+}
+
+NodeId find_child(Connection& connection, const NodeId& parent, std::string_view name)
+{
+    for (const ReferenceDescription& child : children(connection, parent)) {
+        if (child.browse_name.name.view() == name) {
+            return child.node_id.node_id;
+        }
+    }
+    return {};
+}
+
+NodeId find_method(Connection& connection, const NodeId& parent, std::string_view name)
+{
+    for (const ReferenceDescription& child : children(connection, parent)) {
+        if (child.node_class == NodeClass::Method && child.browse_name.name.view() == name) {
+            return child.node_id.node_id;
+        }
+    }
+    return {};
+}
+
+NodeId child_of(Connection& connection, const NodeId& parent, std::string_view name)
+{
+    if (NodeId found = find_child(connection, parent, name); !found.is_null()) {
+        return found;
+    }
+    throw Failure{status::Bad_NotFound, std::string{name},
+                  "the server has no such service, or this user may not see it: log in as one with "
+                  "the role SecurityAdmin"};
+}
+
+std::vector<NamedChild> objects_below(Connection& connection, const NodeId& parent)
+{
+    std::vector<NamedChild> result;
+    for (const ReferenceDescription& child : children(connection, parent)) {
+        if (child.node_class == NodeClass::Object) {
+            result.push_back({child.browse_name.name.str(), child.node_id.node_id});
+        }
+    }
+    return result;
+}
+
+TrustListNodes trust_list(Connection& connection, bool of_users)
+{
+    const NodeId group =
+        standard(of_users ? id::ServerConfiguration_CertificateGroups_DefaultUserTokenGroup
+                          : id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup);
+    TrustListNodes nodes;
+    nodes.object = child_of(connection, group, "TrustList");
+    for (const ReferenceDescription& child : children(connection, nodes.object)) {
+        const std::string_view name = child.browse_name.name.view();
+        NodeId* const known = name == "Open"                ? &nodes.open
+                              : name == "Close"             ? &nodes.close
+                              : name == "Read"              ? &nodes.read
+                              : name == "AddCertificate"    ? &nodes.add
+                              : name == "RemoveCertificate" ? &nodes.remove
+                                                            : nullptr;
+        if (known != nullptr) {
+            *known = child.node_id.node_id;
+        }
+    }
+    return nodes;
+}
+
+TrustListDataType read_trust_list(Connection& connection, const TrustListNodes& nodes)
+{
+    constexpr std::uint8_t for_reading = 1;
+    const std::string what = "reading the trust list";
+    const auto opened = call(connection, nodes.object, nodes.open, {Variant{for_reading}}, what);
+    const Variant handle = opened.empty() ? Variant{} : opened.front();
+    std::vector<std::byte> bytes;
+    for (;;) {
+        const auto piece =
+            call(connection, nodes.object, nodes.read, {handle, Variant{piece_size}}, what);
+        const auto* const part = piece.empty() ? nullptr : piece.front().get_if<ByteString>();
+        if (part == nullptr || part->span().empty()) {
+            break;
+        }
+        bytes.insert(bytes.end(), part->span().begin(), part->span().end());
+        if (bytes.size() > max_list_size) {
+            throw Failure{status::Bad_EncodingLimitsExceeded, what};
+        }
+    }
+    call(connection, nodes.object, nodes.close, {handle}, what);
+    TrustListDataType data;
+    binary::Reader reader{bytes};
+    decode(reader, data);
+    if (!reader.ok()) {
+        throw Failure{reader.status(), what};
+    }
+    return data;
+}
+
+std::vector<crypto::Certificate> certificates_of(const Array<ByteString>& ders)
+{
+    std::vector<crypto::Certificate> result;
+    for (const ByteString& der : ders) {
+        if (auto certificate = crypto::Certificate::parse(der.span())) {
+            result.push_back(*std::move(certificate));
+        }
+    }
+    return result;
+}
+
+std::vector<crypto::Certificate> rejected(Connection& connection)
+{
+    const auto outputs =
+        call(connection, standard(id::ServerConfiguration),
+             standard(id::ServerConfiguration_GetRejectedList), {}, "reading the rejected list");
+    const auto* const ders = outputs.empty() ? nullptr : outputs.front().array_if<ByteString>();
+    return ders != nullptr ? certificates_of(*ders) : std::vector<crypto::Certificate>{};
+}
+
+} // namespace busbar::tool::admin

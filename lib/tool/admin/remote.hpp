@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/variant.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/types/configuration.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "tool/connection/connection.hpp"
+
+/// What `busbar admin` asks a server for: the nodes of the standard, by their well-known NodeIds.
+namespace busbar::tool::admin {
+
+[[nodiscard]] inline NodeId standard(std::uint32_t id)
+{
+    return NodeId{0, id};
+}
+
+/// The outputs of a Method; throws Failure, which says that `what` failed.
+std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
+                          const std::vector<Variant>& inputs, const std::string& what);
+/// The value of a Variable; null if the server refuses it.
+[[nodiscard]] Variant read(Connection& connection, const NodeId& variable);
+/// The child with this name; null if there is none, or if this user may not see it.
+[[nodiscard]] NodeId find_child(Connection& connection, const NodeId& parent,
+                                std::string_view name);
+/// The same; throws Failure.
+[[nodiscard]] NodeId child_of(Connection& connection, const NodeId& parent, std::string_view name);
+/// The Method with this name; null if there is none. A child of another kind may have it, too.
+[[nodiscard]] NodeId find_method(Connection& connection, const NodeId& parent,
+                                 std::string_view name);
+/// All children that are Objects, and their names.
+struct NamedChild {
+    std::string name;
+    NodeId id;
+};
+[[nodiscard]] std::vector<NamedChild> objects_below(Connection& connection, const NodeId& parent);
+
+/// The trust list of one CertificateGroup.
+struct TrustListNodes {
+    NodeId object;
+    NodeId open;
+    NodeId close;
+    NodeId read;
+    NodeId add;
+    NodeId remove;
+};
+/// Of applications, or of users; throws Failure if the server has none.
+[[nodiscard]] TrustListNodes trust_list(Connection& connection, bool of_users);
+/// What the list holds.
+[[nodiscard]] TrustListDataType read_trust_list(Connection& connection,
+                                                const TrustListNodes& nodes);
+/// The certificates that the server refused.
+[[nodiscard]] std::vector<crypto::Certificate> rejected(Connection& connection);
+/// Those that can be read.
+[[nodiscard]] std::vector<crypto::Certificate> certificates_of(const Array<ByteString>& ders);
+
+} // namespace busbar::tool::admin

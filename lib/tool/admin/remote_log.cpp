@@ -1,0 +1,170 @@
+#include "remote_log.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "log_line.hpp"
+#include "tool/printing/display_text.hpp"
+
+namespace busbar::tool::admin {
+
+namespace {
+
+constexpr const char* log_folder = "ExecutionLog";
+/// 65,536 records of 256 bytes are 16 MiB (seed 000, 7-1-5).
+constexpr std::size_t max_log_size = 64U << 20U;
+constexpr std::size_t max_log_files = 100;
+
+std::string path_of(const NamedChild& file)
+{
+    return std::string{log_folder} + "/" + file.name;
+}
+
+/// The last full file's name; empty if there is none.
+std::string newest_full(const std::vector<NamedChild>& files)
+{
+    const auto found = std::find_if(files.rbegin(), files.rend(), [](const NamedChild& file) {
+        return !is_current_log(file.name);
+    });
+    return found == files.rend() ? std::string{} : found->name;
+}
+
+/// A last line without its end is one that is being written.
+std::string whole_lines(std::string text)
+{
+    text.resize(text.rfind('\n') + 1); // npos + 1: none
+    return text;
+}
+
+Failure no_log(Connection& connection)
+{
+    const EndpointDescription* const endpoint = connection.client().endpoint();
+    if (endpoint != nullptr && endpoint->security_mode != MessageSecurityMode::SignAndEncrypt) {
+        return Failure{Exit::Refused, "files of a server go over encrypted connections only",
+                       "connect with --mode SignAndEncrypt"};
+    }
+    return Failure{Exit::Failed, "the server shares no execution log, or this user may not see it",
+                   "a busbar-controller has one with execution_log = true in [machine], for users "
+                   "with the role Operator, Supervisor, Engineer, ConfigureAdmin or "
+                   "SecurityAdmin"};
+}
+
+} // namespace
+
+RemoteLog::RemoteLog(Connection& connection)
+    : connection_{connection}, folder_{look_for_file(connection, log_folder)}
+{
+    if (folder_.is_null()) {
+        throw no_log(connection);
+    }
+}
+
+std::vector<NamedChild> RemoteLog::files()
+{
+    std::vector<NamedChild> files = objects_below(connection_, folder_);
+    std::erase_if(files, [](const NamedChild& file) { return !is_log_name(file.name); });
+    std::sort(files.begin(), files.end(), [](const NamedChild& a, const NamedChild& b) {
+        return std::pair{is_current_log(a.name), a.name} <
+               std::pair{is_current_log(b.name), b.name};
+    });
+    const std::size_t surplus = files.size() - std::min(files.size(), max_log_files);
+    files.erase(files.begin(), files.begin() + static_cast<std::ptrdiff_t>(surplus));
+    return files;
+}
+
+std::string RemoteLog::fetch(const NamedChild& file, std::uint64_t offset)
+{
+    return download(connection_, file.id, path_of(file),
+                    {.offset = offset, .max_size = max_log_size, .is_growing = true});
+}
+
+std::string RemoteLog::fetch_if_there(const NamedChild& file, std::uint64_t offset)
+{
+    try {
+        return fetch(file, offset);
+    } catch (const Failure& failure) {
+        if (failure.status != status::Bad_NotFound && failure.status != status::Bad_NodeIdUnknown) {
+            throw;
+        }
+        return {};
+    }
+}
+
+void RemoteLog::remove(const NamedChild& file)
+{
+    call_on_file(connection_, folder_, log_folder, "Delete", {Variant{file.id}});
+}
+
+controller::ExecutionLogContents RemoteLog::last_of(const std::vector<NamedChild>& files,
+                                                    const controller::ExecutionLogFilter& filter,
+                                                    std::size_t count)
+{
+    controller::ExecutionLogContents all;
+    newest_full_ = newest_full(files);
+    offset_ = 0;
+    // From the end, since the last ones count.
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+        if (all.entries.size() >= count) {
+            all.is_cut = true; // there may be none that match, but nobody looked
+            break;
+        }
+        const std::string text = whole_lines(fetch_if_there(*file));
+        offset_ = is_current_log(file->name) ? text.size() : offset_;
+        auto part = controller::read_execution_log(text, filter, count - all.entries.size());
+        all.entries.insert(all.entries.begin(), std::make_move_iterator(part.entries.begin()),
+                           std::make_move_iterator(part.entries.end()));
+        all.is_cut = all.is_cut || part.is_cut;
+        all.damaged += part.damaged;
+    }
+    return all;
+}
+
+controller::ExecutionLogContents RemoteLog::last(const controller::ExecutionLogFilter& filter,
+                                                 std::size_t count)
+{
+    constexpr unsigned most_attempts = 3;
+    for (unsigned attempt = 1;; ++attempt) {
+        auto contents = last_of(files(), filter, count);
+        // What became full meanwhile was not in the list.
+        if (attempt == most_attempts || newest_full(files()) == newest_full_) {
+            return contents;
+        }
+    }
+}
+
+void RemoteLog::fetch_new(const std::function<void(const std::string&)>& show)
+{
+    for (const NamedChild& file : files()) {
+        if (is_current_log(file.name)) {
+            fetch_new_of_current(file, show);
+        } else if (file.name > newest_full_) {
+            show(whole_lines(fetch_if_there(file, offset_)));
+            newest_full_ = file.name;
+            offset_ = 0;
+            is_shorter_ = false;
+        }
+    }
+}
+
+void RemoteLog::fetch_new_of_current(const NamedChild& file,
+                                     const std::function<void(const std::string&)>& show)
+{
+    const auto size = file_property(connection_, file.id, "Size").value_or<std::uint64_t>(offset_);
+    // It was cleared and begun again, or became full, which shows in the next list.
+    if (size < offset_ && !std::exchange(is_shorter_, true)) {
+        return;
+    }
+    is_shorter_ = false;
+    if (size == offset_) {
+        return;
+    }
+    offset_ = size < offset_ ? 0 : offset_;
+    const std::string text = whole_lines(fetch_if_there(file, offset_));
+    offset_ += text.size();
+    show(text);
+}
+
+} // namespace busbar::tool::admin

@@ -1,0 +1,123 @@
+#include <string>
+
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/enumerations.hpp>
+
+#include "commands.hpp"
+#include "remote.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+
+namespace busbar::tool::admin {
+
+namespace roles {
+namespace {
+
+const NodeId role_set{0, id::Server_ServerCapabilities_RoleSet};
+
+NodeId role_of(Connection& connection, const std::string& name)
+{
+    for (const NamedChild& role : objects_below(connection, role_set)) {
+        if (role.name == name) {
+            return role.id;
+        }
+    }
+    throw Failure{status::Bad_NotFound, safe(name), "see `busbar admin role list`"};
+}
+
+const char* name_of(IdentityCriteriaType criteria)
+{
+    switch (criteria) {
+    case IdentityCriteriaType::UserName:
+        return "user";
+    case IdentityCriteriaType::Thumbprint:
+        return "thumbprint";
+    case IdentityCriteriaType::Role:
+        return "role";
+    case IdentityCriteriaType::GroupId:
+        return "group";
+    case IdentityCriteriaType::Anonymous:
+        return "anonymous";
+    case IdentityCriteriaType::AuthenticatedUser:
+        return "authenticated user";
+    case IdentityCriteriaType::Application:
+        return "application";
+    case IdentityCriteriaType::X509Subject:
+        return "subject";
+    case IdentityCriteriaType::TrustedApplication:
+        break;
+    }
+    return "trusted application";
+}
+
+Exit list(Context& context, Connection& connection, const AdminArguments&)
+{
+    JsonLine json;
+    json.open_array();
+    Table table{{{"ROLE", 12}, {"GIVEN TO", 20}}};
+    for (const NamedChild& role : objects_below(connection, role_set)) {
+        const NodeId identities = find_child(connection, role.id, "Identities");
+        if (identities.is_null()) {
+            continue; // no rules, none that this user may see
+        }
+        const Variant value = read(connection, identities);
+        std::string whom;
+        json.open_object().member("role", role.name).key("identities").open_array();
+        if (const auto* const rules = value.array_if<ExtensionObject>()) {
+            for (const ExtensionObject& each : *rules) {
+                if (const auto* const rule = each.get_if<IdentityMappingRuleType>()) {
+                    const std::string name = name_of(rule->criteria_type);
+                    whom += (whom.empty() ? "" : ", ") + name +
+                            (rule->criteria.empty() ? "" : " ") + safe(rule->criteria.view());
+                    json.open_object().member("criteria", name);
+                    json.member("value", rule->criteria.view()).close_object();
+                }
+            }
+        }
+        json.close_array().close_object();
+        table.add({{safe(role.name)}, {whom}});
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_array().document());
+    } else {
+        table.print(context.out);
+    }
+    return Exit::Good;
+}
+
+void change(Connection& connection, const AdminArguments& arguments, const char* method,
+            const std::string& what)
+{
+    const NodeId role = role_of(connection, arguments.words[1]);
+    const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{arguments.words[0]}};
+    call(connection, role, child_of(connection, role, method),
+         {Variant{ExtensionObject::from(rule)}}, what);
+}
+
+Exit grant(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    change(connection, arguments, "AddIdentity", "granting the role");
+    return report(context, safe(arguments.words[0]) + " has the role " + safe(arguments.words[1]));
+}
+
+Exit revoke(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    change(connection, arguments, "RemoveIdentity", "revoking the role");
+    return report(context, safe(arguments.words[0]) + " has the role " + safe(arguments.words[1]) +
+                               " no more, unless another rule gives it");
+}
+
+} // namespace
+} // namespace roles
+
+void add_roles(CLI::App& admin, Run& run)
+{
+    using namespace roles;
+    Group group{admin, run, "role", "Which roles users have."};
+    group.add("list", "Lists roles and whom rules give them to.", 0, "URL", list);
+    group.add("grant", "Gives a user a role.", 2, "USER ROLE", grant);
+    group.add("revoke", "Takes a role from a user.", 2, "USER ROLE", revoke);
+}
+
+} // namespace busbar::tool::admin

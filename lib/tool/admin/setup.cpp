@@ -1,0 +1,71 @@
+#include <string>
+
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/enumerations.hpp>
+
+#include "commands.hpp"
+#include "remote.hpp"
+#include "tool/connection/pki.hpp"
+#include "tool/connection/user.hpp"
+#include "tool/connection/verbose_log.hpp"
+#include "tool/printing/display_text.hpp"
+
+namespace busbar::tool::admin {
+
+namespace {
+
+/// We are trusted for good before the setup is over: then strangers are strangers again.
+void trust_us(Context& context, Connection& connection)
+{
+    VerboseLog log{context.options.is_verbose};
+    Pki pki{context.options, log};
+    const auto own = pki.own();
+    if (!own) {
+        return;
+    }
+    const TrustListNodes nodes = trust_list(connection, false);
+    try {
+        call(connection, nodes.object, nodes.add,
+             {Variant{ByteString{own->certificates.front().der()}}, Variant{true}},
+             "trusting our certificate");
+    } catch (const Failure& failure) {
+        if (failure.status != status::Bad_EntryExists) {
+            throw;
+        }
+    }
+}
+
+Exit set_up(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const std::string& name = arguments.words.front();
+    const crypto::Secret password = new_password(context, name, arguments.new_password_file);
+    trust_us(context, connection);
+    call(connection, standard(id::UserManagement), standard(id::UserManagement_AddUser),
+         {Variant{String{name}}, Variant{String{password.text()}}, Variant{std::uint32_t{0}},
+          Variant{String{arguments.description}}},
+         "adding " + safe(name));
+    // The last one makes an administrator, which ends the setup.
+    for (const std::uint32_t role :
+         {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
+        const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{name}};
+        call(connection, standard(role), child_of(connection, standard(role), "AddIdentity"),
+             {Variant{ExtensionObject::from(rule)}}, "giving " + safe(name) + " the roles");
+    }
+    return report(context, safe(name) + " administers the server from now on; the code is void");
+}
+
+} // namespace
+
+void add_setup(CLI::App& admin, Run& run)
+{
+    Group group{admin, run, nullptr, ""};
+    auto& arguments = group.arguments();
+    auto* command = group.add(
+        "setup", "Makes the first administrator: log in as --user setup, by the one-time code.", 1,
+        "NAME", set_up);
+    command->add_option("--new-password-file", arguments.new_password_file,
+                        "its first line is the password; asked for on a terminal otherwise");
+    command->add_option("--description", arguments.description, "who it is");
+}
+
+} // namespace busbar::tool::admin

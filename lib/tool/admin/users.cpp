@@ -1,0 +1,175 @@
+#include <optional>
+#include <string>
+
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/enumerations.hpp>
+
+#include "commands.hpp"
+#include "remote.hpp"
+#include "tool/connection/user.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+
+namespace busbar::tool::admin {
+
+namespace users {
+namespace {
+
+constexpr auto disabled = static_cast<std::uint32_t>(UserConfigurationMask::Disabled);
+constexpr auto must_change = static_cast<std::uint32_t>(UserConfigurationMask::MustChangePassword);
+
+std::vector<UserManagementDataType> users_of(Connection& connection)
+{
+    const Variant value = read(connection, standard(id::UserManagement_Users));
+    std::vector<UserManagementDataType> users;
+    if (const auto* const list = value.array_if<ExtensionObject>()) {
+        for (const ExtensionObject& each : *list) {
+            if (const auto* const user = each.get_if<UserManagementDataType>()) {
+                users.push_back(*user);
+            }
+        }
+        return users;
+    }
+    throw Failure{status::Bad_UserAccessDenied, "reading the users",
+                  "log in as one with the role SecurityAdmin, over an encrypted channel"};
+}
+
+std::string flags_of(UserConfigurationMask mask)
+{
+    struct Flag {
+        UserConfigurationMask bit;
+        const char* name;
+    };
+    std::string text;
+    for (const Flag& flag :
+         {Flag{UserConfigurationMask::NoDelete, "cannot be removed"},
+          Flag{UserConfigurationMask::Disabled, "disabled"},
+          Flag{UserConfigurationMask::NoChangeByUser, "password is fixed"},
+          Flag{UserConfigurationMask::MustChangePassword, "must change the password"}}) {
+        if ((static_cast<std::uint32_t>(mask) & static_cast<std::uint32_t>(flag.bit)) != 0) {
+            text += (text.empty() ? "" : ", ") + std::string{flag.name};
+        }
+    }
+    return text;
+}
+
+Exit list(Context& context, Connection& connection, const AdminArguments&)
+{
+    JsonLine json;
+    json.open_array();
+    Table table{{{"NAME", 12}, {"CONFIGURATION"}, {"DESCRIPTION"}}};
+    for (const UserManagementDataType& user : users_of(connection)) {
+        const std::string flags = flags_of(user.user_configuration);
+        json.open_object().member("name", user.user_name.view()).member("configuration", flags);
+        json.member("description", user.description.view()).close_object();
+        table.add({{safe(user.user_name.view())}, {flags}, {safe(user.description.view())}});
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_array().document());
+    } else if (table.row_count() == 0) {
+        context.out.line("No users that are managed online");
+    } else {
+        table.print(context.out);
+    }
+    return Exit::Good;
+}
+
+void on_users(Connection& connection, std::uint32_t method, const std::vector<Variant>& inputs,
+              const std::string& what)
+{
+    call(connection, standard(id::UserManagement), standard(method), inputs, what);
+}
+
+Exit add(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const std::string& name = arguments.words.front();
+    const crypto::Secret password = new_password(context, name, arguments.new_password_file);
+    on_users(connection, id::UserManagement_AddUser,
+             {Variant{String{name}}, Variant{String{password.text()}},
+              Variant{arguments.must_change ? must_change : std::uint32_t{0}},
+              Variant{String{arguments.description}}},
+             "adding " + safe(name));
+    return report(context,
+                  "added " + safe(name) + "; roles are given by `busbar admin role grant`");
+}
+
+/// ModifyUser with what is to change.
+void modify(Connection& connection, const std::string& name,
+            const std::optional<crypto::Secret>& password, std::optional<std::uint32_t> bits)
+{
+    on_users(connection, id::UserManagement_ModifyUser,
+             {Variant{String{name}}, Variant{password.has_value()},
+              Variant{String{password ? password->text() : std::string_view{}}},
+              Variant{bits.has_value()}, Variant{bits.value_or(0)}, Variant{false},
+              Variant{String{}}},
+             "changing " + safe(name));
+}
+
+/// The user's configuration with a bit set or taken.
+void set_bit(Connection& connection, const std::string& name, std::uint32_t bit, bool is_set)
+{
+    for (const UserManagementDataType& user : users_of(connection)) {
+        if (user.user_name.view() == name) {
+            const auto bits = static_cast<std::uint32_t>(user.user_configuration);
+            return modify(connection, name, std::nullopt, is_set ? bits | bit : bits & ~bit);
+        }
+    }
+    throw Failure{status::Bad_NotFound, safe(name), "see `busbar admin user list`"};
+}
+
+Exit disable(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    set_bit(connection, arguments.words.front(), disabled, true);
+    return report(context, "disabled " + safe(arguments.words.front()));
+}
+
+Exit enable(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    set_bit(connection, arguments.words.front(), disabled, false);
+    return report(context, "enabled " + safe(arguments.words.front()));
+}
+
+Exit set_password(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const std::string& name = arguments.words.front();
+    modify(connection, name, new_password(context, name, arguments.new_password_file),
+           std::nullopt);
+    return report(context, "changed the password of " + safe(name));
+}
+
+Exit remove(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const std::string& name = arguments.words.front();
+    make_sure(context, arguments, "Sessions of the user end. Remove " + safe(name) + "?");
+    on_users(connection, id::UserManagement_RemoveUser, {Variant{String{name}}},
+             "removing " + safe(name));
+    return report(context, "removed " + safe(name));
+}
+
+} // namespace
+} // namespace users
+
+void add_users(CLI::App& admin, Run& run)
+{
+    using namespace users;
+    Group group{admin, run, "user", "The server's users with passwords."};
+    auto& arguments = group.arguments();
+    group.add("list", "Lists users.", 0, "URL", list);
+    auto* added = group.add("add", "Adds a user.", 1, "NAME", add);
+    added->add_option("--description", arguments.description, "what the user is for");
+    added->add_flag("--must-change", arguments.must_change,
+                    "the password has to be changed at the first login");
+    auto* changed =
+        group.add("password", "Gives a user another password.", 1, "NAME", set_password);
+    for (auto* command : {added, changed}) {
+        command->add_option("--new-password-file", arguments.new_password_file,
+                            "its first line is the password; asked for on a terminal otherwise");
+    }
+    group.add("disable", "Lets a user in no more.", 1, "NAME", disable);
+    group.add("enable", "Lets a user in again.", 1, "NAME", enable);
+    group.add("remove", "Removes a user.", 1, "NAME", remove)
+        ->add_flag("--yes", arguments.is_sure, "do not ask");
+}
+
+} // namespace busbar::tool::admin

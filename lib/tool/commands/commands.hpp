@@ -1,0 +1,35 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "tool/connection/context.hpp"
+
+namespace busbar::tool {
+
+/// All that the program understands: its options and its commands. Of a command that was parsed,
+/// `run` is what carries it out; both must live as long as `app`.
+void add_command_line(CLI::App& app, Options& options, Run& run);
+
+} // namespace busbar::tool
+
+/// One function for each command, in a file of its name: adds the command to the program and has
+/// `run` carry it out if it is the one that the user gave.
+namespace busbar::tool {
+
+void add_discover(CLI::App& app, Run& run);
+void add_endpoints(CLI::App& app, Run& run);
+void add_browse(CLI::App& app, Run& run);
+void add_read(CLI::App& app, Run& run);
+void add_write(CLI::App& app, Run& run);
+void add_subscribe(CLI::App& app, Run& run);
+void add_watch(CLI::App& app, Run& run);
+void add_call(CLI::App& app, Run& run);
+void add_events(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
+void add_cert(CLI::App& app, Run& run);
+void add_admin(CLI::App& app, Run& run);
+void add_project(CLI::App& app, Run& run);
+void add_bench(CLI::App& app, Run& run);
+void add_completion(CLI::App& app, Run& run);
+
+} // namespace busbar::tool

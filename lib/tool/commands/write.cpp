@@ -1,0 +1,136 @@
+#include <memory>
+
+#include <busbar/client/attributes.hpp>
+
+#include "commands.hpp"
+#include "tool/nodes/nodes.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/table.hpp"
+#include "tool/printing/value.hpp"
+#include "tool/printing/value_type.hpp"
+
+namespace busbar::tool {
+
+namespace {
+
+struct WriteArguments {
+    std::vector<std::string> nodes_and_values;
+    std::string type;
+    std::string range;
+};
+
+/// The values as the DataTypes of their nodes, or --type, have them.
+std::vector<WriteValue> values_of(Connection& connection, const std::vector<NamedNode>& nodes,
+                                  const WriteArguments& arguments)
+{
+    const auto data_types = read_nodes(connection, nodes, AttributeId::DataType);
+    const auto ranks = read_nodes(connection, nodes, AttributeId::ValueRank);
+    std::vector<WriteValue> values;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].id) {
+            continue;
+        }
+        // A range may be one element or more: the text tells.
+        const std::int32_t rank =
+            arguments.range.empty() ? ranks[i].value.value_or<std::int32_t>(-2) : -2;
+        const TypeOfValue type =
+            arguments.type.empty()
+                ? value_type(connection, data_types[i].value.value_or<NodeId>({}), rank)
+                : value_type(arguments.type, -2);
+        DataValue value;
+        value.value = parse_value(arguments.nodes_and_values[2 * i + 1], type, nodes[i].text);
+        values.push_back(
+            client::value_for(*nodes[i].id, std::move(value), AttributeId::Value, arguments.range));
+    }
+    return values;
+}
+
+std::vector<StatusCode> write(Connection& connection, const std::vector<NamedNode>& nodes,
+                              std::vector<WriteValue> values)
+{
+    using Statuses = std::vector<StatusCode>;
+    Statuses written;
+    if (!values.empty()) {
+        written = connection.wait_for<Statuses>([&](std::function<void(Statuses)> done) {
+            client::write(connection.client(), std::move(values), std::move(done));
+        });
+    }
+    auto next = written.begin();
+    Statuses statuses;
+    for (const NamedNode& node : nodes) {
+        statuses.push_back(node.id ? *next++ : node.id.error());
+    }
+    return statuses;
+}
+
+void print(Context& context, const std::vector<NamedNode>& nodes,
+           const std::vector<StatusCode>& statuses)
+{
+    JsonLine json;
+    json.open_array();
+    Table table{{{"NODE", 16, false, true}, {"STATUS", 20}}};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        json.open_object().member("node", nodes[i].text).member("status", statuses[i]);
+        append_candidates(json, nodes[i]);
+        json.close_object();
+        table.add({{safe(nodes[i].text)}, {text_of(statuses[i]), style_of(statuses[i])}});
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_array().document());
+    } else {
+        table.print(context.out);
+        print_candidates(context.err, nodes);
+    }
+}
+
+Exit write_values(Context& context, Connection& connection, const WriteArguments& arguments)
+{
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < arguments.nodes_and_values.size(); i += 2) {
+        texts.push_back(arguments.nodes_and_values[i]);
+    }
+    const auto nodes = find_nodes(connection, texts);
+    const auto statuses = write(connection, nodes, values_of(connection, nodes, arguments));
+    const auto bad = std::count_if(statuses.begin(), statuses.end(),
+                                   [](StatusCode status) { return status.is_bad(); });
+    if (nodes.size() == 1 && bad == 1) {
+        throw failure_of(nodes.front(), statuses.front());
+    }
+    print(context, nodes, statuses);
+    return bad == 0                                        ? Exit::Good
+           : static_cast<std::size_t>(bad) == nodes.size() ? Exit::Failed
+                                                           : Exit::Partly;
+}
+
+constexpr const char* write_footer =
+    "Values are 42, true, any text, 2026-11-21T06:00:00Z, base64 or 0x00FF for bytes;\n"
+    "arrays are [1, 2], with texts in quotes; structures {\"Name\": value, ...}.";
+
+} // namespace
+
+void add_write(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("write", "Writes values of nodes.");
+    const auto arguments = std::make_shared<WriteArguments>();
+    command->add_option("NODE VALUE", arguments->nodes_and_values, "[URL] and nodes with values")
+        ->required();
+    command->add_option("--type", arguments->type, "instead of the node's DataType: Int16, ...")
+        ->type_name("NAME");
+    command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
+    command->footer(write_footer);
+    command->callback([&run, arguments] {
+        run = [arguments](Context& context) {
+            take_url_before(arguments->nodes_and_values, context.options);
+            if (arguments->nodes_and_values.size() % 2 != 0) {
+                throw Failure{Exit::Usage, "a node has no value", "busbar write NODE VALUE"};
+            }
+            for (std::size_t i = 0; i < arguments->nodes_and_values.size(); i += 2) {
+                check_addresses({arguments->nodes_and_values[i]});
+            }
+            Connection connection{context};
+            return write_values(context, connection, *arguments);
+        };
+    });
+}
+
+} // namespace busbar::tool

@@ -1,0 +1,156 @@
+#include "context.hpp"
+
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+
+#include <busbar/crypto/security_policy.hpp>
+
+#include "tool/nodes/ignored_steps.hpp"
+#include "tool/printing/display_text.hpp"
+#include "usage.hpp"
+
+namespace busbar::tool {
+
+namespace {
+
+/// No key of a keyboard, and in no value that anybody writes.
+constexpr char mark = '\x1f';
+
+/// "abc is no thing, perhaps abd is meant; there are ..."
+std::string unknown(const std::string& text, const std::string& thing,
+                    const std::vector<std::string>& names)
+{
+    const std::string meant = nearest(text, names);
+    return text + " is no " + thing + (meant.empty() ? "" : ", perhaps " + meant + " is meant") +
+           "; there are " + joined(names);
+}
+
+/// Empty if it is one, as CLI11 has it.
+std::string check_step(const std::string& text)
+{
+    const auto names = ignorable_steps();
+    const bool is_known = std::find(names.begin(), names.end(), text) != names.end();
+    return is_known ? "" : unknown(text, "step that can be ignored", names);
+}
+
+/// The same.
+std::string check_policy(const std::string& text)
+{
+    std::vector<std::string> names;
+    for (const crypto::SecurityPolicy& policy : crypto::security_policies()) {
+        names.emplace_back(policy.name);
+    }
+    return crypto::find_policy_by_name(text) != nullptr ? ""
+                                                        : unknown(text, "security policy", names);
+}
+
+} // namespace
+
+void add_options(CLI::App& app, Options& options)
+{
+    app.add_option("-u,--url", options.url, "server, or first argument of a command")
+        ->envname("BUSBAR_URL")
+        ->type_name("URL")
+        ->capture_default_str();
+    app.add_option("--user", options.user, "log in by name")->type_name("NAME");
+    app.add_option("--password", options.password, "others can read it here: better one of these:")
+        ->type_name("TEXT");
+    app.add_option("--password-file", options.password_file, "password; or set BUSBAR_PASSWORD")
+        ->type_name("FILE");
+    auto* certificate =
+        app.add_option("--user-certificate", options.user_certificate, "log in by certificate")
+            ->type_name("FILE");
+    app.add_option("--user-key", options.user_key, "its private key")
+        ->type_name("FILE")
+        ->needs(certificate);
+    app.add_option("--policy", options.policies, "security policies to accept, best first")
+        ->type_name("A,B,...")
+        ->delimiter(',')
+        ->check(check_policy)
+        ->expected(1);
+    app.add_option("--mode", options.mode, "least security: Sign, SignAndEncrypt")
+        ->check(CLI::IsMember({"Sign", "SignAndEncrypt"}))
+        ->type_name("MODE")
+        ->capture_default_str();
+    app.add_flag("--insecure", options.is_insecure, "do without security if there is none");
+    app.add_option("--pki", options.pki, "folder of certificates, see `busbar cert`")
+        ->type_name("DIR");
+    app.add_flag("--trust", options.trusts, "trust the server's certificate from now on");
+    app.add_option("--ignore", options.ignored, "let a server's certificate pass though it fails")
+        ->check(check_step)
+        ->type_name("STEP")
+        ->expected(1)
+        ->take_all();
+    app.add_option("--timeout", options.timeout, "wait so long for the server")
+        ->check(CLI::Range(0.1, 86'400.0))
+        ->type_name("SECONDS")
+        ->capture_default_str();
+    app.add_flag("--json", options.is_json, "write JSON, for scripts");
+    app.add_flag("-v,--verbose", options.is_verbose, "tell what is done, on standard error");
+}
+
+void Context::warn(const std::string& label, const std::string& text)
+{
+    const std::string begin = "busbar: " + label + ": ";
+    const std::string lines = wrap(begin + safe(text), err.columns(), 2);
+    err.line(err.styled(Style::Uncertain, begin) + lines.substr(begin.size()));
+}
+
+std::vector<std::string> protected_arguments(int count, char** arguments)
+{
+    int separator = 1; // where "--" is, or the end
+    while (separator < count && std::string_view{arguments[separator]} != "--") {
+        ++separator;
+    }
+    std::vector<std::string> result;
+    for (int i = count - 1; i > 0; --i) {
+        const std::string argument{arguments[i]};
+        const bool is_list = argument.starts_with('[') && argument.ends_with(']');
+        if (i > separator) {
+            result.push_back(mark + argument);
+        } else if (i < separator) {
+            result.push_back(is_list ? mark + argument : argument);
+        }
+    }
+    return result;
+}
+
+void unmark(std::string& argument)
+{
+    if (argument.starts_with(mark)) {
+        argument.erase(0, 1);
+    }
+}
+
+void take_url(std::vector<std::string>& arguments, Options& options, std::size_t others)
+{
+    std::for_each(arguments.begin(), arguments.end(), unmark);
+    unmark(options.user);
+    unmark(options.password);
+    if (arguments.size() > others && is_url(arguments.front())) {
+        options.url = arguments.front();
+        arguments.erase(arguments.begin());
+    }
+}
+
+void take_only_url(std::vector<std::string>& arguments, Options& options)
+{
+    if (arguments.size() > 1) {
+        throw Failure{Exit::Usage, arguments[1] + ": one argument too many"};
+    }
+    take_url(arguments, options);
+    if (!arguments.empty()) {
+        options.url = arguments.front(); // nothing else is meant than a host
+    }
+}
+
+void take_url_before(std::vector<std::string>& arguments, Options& options)
+{
+    take_url(arguments, options);
+    if (arguments.empty()) {
+        throw Failure{Exit::Usage, "no node is given", "find one with `busbar browse`"};
+    }
+}
+
+} // namespace busbar::tool

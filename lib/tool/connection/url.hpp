@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace busbar::tool {
+
+/// Whether somebody who wrote this means a server and no node: opc.tcp://host:4840/path, another
+/// scheme, or host:4840.
+[[nodiscard]] bool is_url(std::string_view text);
+
+/// The URL as the library takes it, with the scheme if that was left out. Throws Failure for what
+/// is none, which says what is wrong with it.
+[[nodiscard]] std::string complete_url(const std::string& text);
+
+} // namespace busbar::tool

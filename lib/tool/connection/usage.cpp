@@ -1,0 +1,152 @@
+#include "usage.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <CLI/CLI.hpp>
+
+#include "url.hpp"
+
+namespace busbar::tool {
+
+namespace {
+
+/// Letters to change, add, leave out or exchange with their neighbours.
+std::size_t distance(std::string_view a, std::string_view b)
+{
+    std::vector<std::size_t> before(b.size() + 1);
+    std::vector<std::size_t> row(b.size() + 1);
+    std::vector<std::size_t> next(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        next[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t change = row[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            next[j] = std::min({change, row[j] + 1, next[j - 1] + 1});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+                next[j] = std::min(next[j], before[j - 2] + 1);
+            }
+        }
+        before.swap(row);
+        row.swap(next);
+    }
+    return row.back();
+}
+
+/// The innermost command that was recognised.
+const CLI::App& command_of(const CLI::App& app)
+{
+    const CLI::App* command = &app;
+    while (!command->get_subcommands().empty()) {
+        command = command->get_subcommands().front();
+    }
+    return *command;
+}
+
+std::string full_name(const CLI::App& command)
+{
+    const CLI::App* const parent = command.get_parent();
+    return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
+}
+
+std::vector<std::string> commands_below(const CLI::App& level)
+{
+    std::vector<std::string> names;
+    for (const CLI::App* command : level.get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(command->get_name());
+    }
+    return names;
+}
+
+Failure unknown_command(const CLI::App& level, const std::string& word)
+{
+    const std::vector<std::string> commands = commands_below(level);
+    const std::string name = full_name(level);
+    if (const std::string meant = nearest(word, commands); !meant.empty()) {
+        return {Exit::Usage, word + ": no command", "did you mean `" + name + " " + meant + "`?"};
+    }
+    if (is_url(word)) {
+        return {Exit::Usage, word + ": a command is to come first",
+                "`" + name + " browse " + word + "` shows what the server has"};
+    }
+    return {Exit::Usage, word + ": no command", "there are " + joined(commands)};
+}
+
+Failure unknown_option(const CLI::App& command, const std::string& word)
+{
+    const std::string name = word.substr(0, word.find('='));
+    const std::string meant = nearest(name, options_of(command));
+    return {Exit::Usage, name + ": no option of `" + full_name(command) + "`",
+            meant.empty() ? "`" + full_name(command) +
+                                " --help` has its options; text that begins "
+                                "with - is to stand behind --"
+                          : "did you mean " + meant + "?"};
+}
+
+} // namespace
+
+std::string joined(const std::vector<std::string>& words)
+{
+    std::string text;
+    for (const std::string& word : words) {
+        text += (text.empty() ? "" : ", ") + word;
+    }
+    return text;
+}
+
+std::vector<std::string> options_of(const CLI::App& app)
+{
+    std::vector<std::string> names;
+    for (const CLI::App* level = &app; level != nullptr; level = level->get_parent()) {
+        for (const CLI::Option* option : level->get_options()) {
+            for (const std::string& name : option->get_lnames()) {
+                if (std::find(names.begin(), names.end(), "--" + name) == names.end()) {
+                    names.push_back("--" + name);
+                }
+            }
+        }
+    }
+    return names;
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates)
+{
+    std::string best;
+    std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+    for (const std::string& candidate : candidates) {
+        const std::size_t count = distance(word, candidate);
+        // Not all letters may differ: "xy" is no misspelt "cert".
+        if (count < least && count * 2 <= std::max(word.size(), candidate.size())) {
+            least = count;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+Failure usage_failure(const CLI::App& app, const CLI::ParseError& error)
+{
+    const CLI::App& command = command_of(app);
+    const std::vector<std::string> unknown = app.remaining(true);
+    const bool lacks_command =
+        command.get_require_subcommand_min() > 0 && command.get_subcommands().empty();
+    const std::string help = "`" + full_name(command) + " --help` tells more";
+    for (const std::string& word : unknown) {
+        if (word.starts_with('-')) {
+            return unknown_option(command, word);
+        }
+        if (lacks_command) {
+            return unknown_command(command, word);
+        }
+    }
+    if (lacks_command) {
+        return {Exit::Usage, full_name(command) + ": no command is given",
+                "there are " + joined(commands_below(command))};
+    }
+    if (!unknown.empty()) {
+        return {Exit::Usage, unknown.front() + ": one argument too many", help};
+    }
+    return {Exit::Usage, error.what(), help};
+}
+
+} // namespace busbar::tool

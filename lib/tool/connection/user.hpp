@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include <busbar/client/user_identity.hpp>
+#include <busbar/crypto/secret.hpp>
+
+#include "context.hpp"
+
+namespace busbar::tool {
+
+/// Who the options log in. Asks for a password on a terminal if there is none; throws Failure.
+[[nodiscard]] client::UserIdentity user_of(Context& context);
+
+/// A password that `user` gets: the first line of `file`, or what is typed twice on a terminal.
+/// Throws Failure.
+[[nodiscard]] crypto::Secret new_password(Context& context, const std::string& user,
+                                          const std::string& file);
+
+} // namespace busbar::tool

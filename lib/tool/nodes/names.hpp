@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/enumerations.hpp>
+
+namespace busbar::tool {
+
+/// "Variable"; "?" for what is no NodeClass.
+[[nodiscard]] std::string_view name(NodeClass node_class);
+/// "DisplayName"; "?" for what is no AttributeId.
+[[nodiscard]] std::string_view name(AttributeId attribute);
+[[nodiscard]] std::vector<std::string> attribute_names();
+[[nodiscard]] std::optional<AttributeId> find_attribute(std::string_view name);
+
+} // namespace busbar::tool

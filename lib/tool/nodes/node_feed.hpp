@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/client/node_address.hpp>
+
+#include "tool/stream/stream.hpp"
+
+namespace busbar::tool {
+
+/// How values are subscribed to.
+struct FeedSettings {
+    double interval{500}; // milliseconds
+    double sampling{-1};
+    std::uint32_t queue_size{10};
+};
+void add_feed_options(CLI::App& command, FeedSettings& settings);
+
+/// A node as the user knows it, and where it is found.
+struct FeedNode {
+    std::string text;
+    client::NodeAddress address;
+};
+/// Throws Failure for a text that is no address.
+[[nodiscard]] std::vector<FeedNode> parse_feed(const std::vector<std::string>& texts);
+
+/// Called in run() of the Stream, with the index of the node.
+struct FeedHandlers {
+    std::function<void(std::size_t, const DataValue&)> on_value;
+    /// What became of the monitored item.
+    std::function<void(std::size_t, StatusCode)> on_status;
+};
+
+/// A Subscription to values of nodes.
+class NodeFeed {
+public:
+    /// Throws Failure.
+    NodeFeed(Connection& connection, Stream& stream, const FeedSettings& settings,
+             std::vector<FeedNode> nodes, FeedHandlers handlers);
+    NodeFeed(const NodeFeed&) = delete;
+    NodeFeed& operator=(const NodeFeed&) = delete;
+    /// Closes the connection, so that no handler is called later.
+    ~NodeFeed() { connection_->close(); }
+
+    [[nodiscard]] const std::vector<FeedNode>& nodes() const { return nodes_; }
+    /// Has one more item in the Subscription, whose events and status are delivered in run() too.
+    void add_events(client::ItemSettings item, std::function<void(const Array<Variant>&)> on_event,
+                    std::function<void(StatusCode)> on_status);
+
+private:
+    void subscribe(const FeedSettings& settings);
+    void take_status(client::ItemHandle item, StatusCode status);
+
+    Connection* connection_;
+    Stream* stream_;
+    std::vector<FeedNode> nodes_;
+    FeedHandlers handlers_;
+    client::SubscriptionHandle subscription_{0};
+    std::unordered_map<client::ItemHandle, std::size_t> node_of_;
+    std::function<void(const Array<Variant>&)> on_event_;
+    std::function<void(StatusCode)> on_event_status_;
+};
+
+} // namespace busbar::tool

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/view.hpp>
+
+#include "tool/connection/connection.hpp"
+
+namespace busbar::tool {
+
+/// A node as a server has it.
+struct RemoteNode {
+    NodeId id;
+    NodeClass node_class{NodeClass::Unspecified};
+    /// Those that it has, as far as they could be read.
+    std::unordered_map<AttributeId, Variant> attributes;
+    /// In both directions.
+    Array<ReferenceDescription> references;
+
+    /// The attribute if it is a T, else `otherwise`.
+    template <typename T>
+    [[nodiscard]] T get(AttributeId attribute, T otherwise = {}) const
+    {
+        const auto found = attributes.find(attribute);
+        return found == attributes.end() ? otherwise : found->second.value_or<T>(otherwise);
+    }
+};
+
+struct RemoteNodes {
+    std::vector<RemoteNode> nodes;
+    /// False if a failure, or a limit of a million nodes, kept something out.
+    bool is_complete{true};
+};
+
+/// All nodes of the server that are not in namespace 0, found from the root and along all their
+/// references. Values are read of the nodes of `with_values` alone. Tells how far it is, on a
+/// terminal.
+[[nodiscard]] RemoteNodes read_remote_nodes(Context& context, Connection& connection,
+                                            std::uint16_t with_values);
+
+/// Gives nodes without any inverse reference those that the forward references of others imply:
+/// some servers tell of the encodings of a DataType at the DataType only.
+void adopt_orphans(std::vector<RemoteNode>& nodes);
+
+} // namespace busbar::tool

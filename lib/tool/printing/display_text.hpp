@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace busbar::tool {
+
+/// `text` of a server as a terminal may have it: one line, no control characters, nothing that
+/// changes the direction of writing. What is replaced shows as \x1B or \u202E.
+[[nodiscard]] std::string safe(std::string_view text);
+
+/// Columns that `safe` text takes: two for wide East Asian characters, none for combining ones.
+[[nodiscard]] std::size_t display_width(std::string_view text);
+
+/// Takes the first character off `safe` text, which is not empty.
+[[nodiscard]] std::string_view take_character(std::string_view& text);
+
+/// `text` cut to at most `columns`, the last three "..." if something was left out.
+[[nodiscard]] std::string cut(std::string_view text, std::size_t columns);
+
+/// The same with "..." instead of the front: the end of a path says more than its beginning.
+[[nodiscard]] std::string cut_front(std::string_view text, std::size_t columns);
+
+/// `text` in lines of at most `columns`, broken at blanks; each after the first begins with
+/// `indent` blanks.
+[[nodiscard]] std::string wrap(std::string_view text, std::size_t columns, std::size_t indent);
+
+} // namespace busbar::tool

@@ -1,0 +1,63 @@
+#include "file.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "tool/connection/failure.hpp"
+
+namespace busbar::tool {
+
+namespace {
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+[[noreturn]] void fail_reading(const std::string& path, const std::string& why)
+{
+    throw Failure{Exit::Failed, path + ": cannot be read: " + why};
+}
+
+[[noreturn]] void fail_writing(const std::string& path)
+{
+    throw Failure{Exit::Failed, path + ": cannot be written: " + std::strerror(errno)};
+}
+
+} // namespace
+
+std::string read_file(const std::string& path, std::size_t max_size)
+{
+    const File file{std::fopen(path.c_str(), "rbe")};
+    if (!file) {
+        fail_reading(path, std::strerror(errno));
+    }
+    std::string text;
+    char block[4'096];
+    while (const std::size_t size = std::fread(block, 1, sizeof block, file.get())) {
+        text.append(block, size);
+        if (text.size() > max_size) {
+            fail_reading(path, "it is larger than " + std::to_string(max_size >> 20U) + " MiB");
+        }
+    }
+    if (std::ferror(file.get()) != 0) {
+        fail_reading(path, std::strerror(errno));
+    }
+    return text;
+}
+
+void write_file(const std::string& path, std::string_view text)
+{
+    File file{std::fopen(path.c_str(), "wbe")};
+    if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
+        std::fflush(file.get()) != 0) {
+        fail_writing(path);
+    }
+    if (std::fclose(file.release()) != 0) {
+        fail_writing(path);
+    }
+}
+
+} // namespace busbar::tool

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "output.hpp"
+
+namespace busbar::tool {
+
+struct Column {
+    std::string title;
+    /// Never cut below this.
+    std::size_t min_width{8};
+    bool is_right{false};
+    /// Cut at the front.
+    bool keeps_end{false};
+};
+
+/// `safe` text.
+struct Cell {
+    std::string text;
+    Style style{Style::Plain};
+};
+
+/// Rows in aligned columns with two blanks between them. Where they are wider than the output, the
+/// widest columns are cut.
+class Table {
+public:
+    explicit Table(std::vector<Column> columns) : columns_{std::move(columns)} {}
+
+    /// As many cells as there are columns.
+    void add(std::vector<Cell> row) { rows_.push_back({std::move(row), {}}); }
+    /// The same with lines below it, as they are.
+    void add(std::vector<Cell> row, std::vector<std::string> below)
+    {
+        rows_.push_back({std::move(row), std::move(below)});
+    }
+    [[nodiscard]] std::size_t row_count() const { return rows_.size(); }
+    /// The title and the rows.
+    void print(Output& out) const;
+    /// The same as lines without ends, for an output of so many columns.
+    [[nodiscard]] std::vector<std::string> lines(const Output& out, std::size_t columns) const;
+
+private:
+    struct Row {
+        std::vector<Cell> cells;
+        std::vector<std::string> below;
+    };
+
+    [[nodiscard]] std::vector<std::size_t> widths(std::size_t columns) const;
+
+    std::vector<Column> columns_;
+    std::vector<Row> rows_;
+};
+
+} // namespace busbar::tool

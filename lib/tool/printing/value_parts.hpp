@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "value.hpp"
+
+namespace busbar::tool {
+
+/// A value taken to pieces for printing: what is said of it on one line, and below that the fields
+/// of a structure, the rows of a matrix or the elements of an array. All texts are `safe`.
+struct ValuePart {
+    std::string name;
+    std::string text;
+    /// Fields, rows, or elements that are structures.
+    std::vector<ValuePart> parts;
+    /// Elements that are no structures.
+    std::vector<std::string> cells;
+    /// Numbers, which stand below each other by their last digits.
+    bool has_numbers{false};
+    /// Of an array, how many elements were left out.
+    std::size_t left_out{0};
+
+    [[nodiscard]] bool is_simple() const { return parts.empty() && cells.empty(); }
+};
+
+/// At most `limit` elements of each array are taken, and as many bytes of a ByteString; 0: all.
+[[nodiscard]] ValuePart parts_of(const Variant& value, const Types& types, std::size_t limit);
+
+} // namespace busbar::tool

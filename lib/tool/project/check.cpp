@@ -1,0 +1,133 @@
+#include <optional>
+#include <string_view>
+
+#include <busbar/backend/label_name.hpp>
+
+#include "commands.hpp"
+#include "reports.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+
+namespace busbar::tool::project {
+
+namespace {
+
+using controller::ModelReport;
+using controller::ReportResult;
+
+/// An item of the status bar or of a tooltip of it (seed 001, 4.2).
+struct Counter {
+    const char* name;
+    std::uint64_t count;
+    std::uint64_t limit;
+};
+
+std::vector<Counter> counters_of(const controller::ModelCounters& counters,
+                                 const controller::ModelLimits& limits)
+{
+    return {{"labels", counters.labels, limits.max_labels},
+            {"characters of labels", counters.label_length, limits.max_total_label_length},
+            {"words of Variables", counters.variable_words, limits.max_variable_words},
+            {"Variables", counters.variables, limits.max_variables},
+            {"bytes of files", counters.file_size, limits.max_file_size}};
+}
+
+const char* result_of(const ModelReport& report)
+{
+    return controller::rule_of(report.code).result == ReportResult::Error ? "error" : "warning";
+}
+
+std::string code_of(const ModelReport& report)
+{
+    return "M" + std::to_string(static_cast<int>(report.code));
+}
+
+void write_json(Context& context, const controller::ModelReports& reports,
+                const std::vector<Counter>& counters)
+{
+    JsonLine json;
+    json.open_object().key("reports").open_array();
+    for (const ModelReport& report : reports.list()) {
+        const controller::ReportRule& rule = controller::rule_of(report.code);
+        json.open_object().member("result", result_of(report)).member("function", rule.function);
+        json.member("cause", rule.category).member("where", report.where);
+        json.member("content", rule.content).member("found", report.found);
+        json.member("correctiveAction", rule.corrective_action);
+        json.member("code", code_of(report)).close_object();
+    }
+    json.close_array().key("counters").open_array();
+    for (const Counter& each : counters) {
+        json.open_object().member("name", each.name);
+        json.member("count", static_cast<std::int64_t>(each.count));
+        json.member("limit", static_cast<std::int64_t>(each.limit));
+        json.member("isExceeded", each.count > each.limit).close_object();
+    }
+    json.close_array();
+    json.member("errors", static_cast<std::int64_t>(reports.error_count()));
+    json.member("warnings", static_cast<std::int64_t>(reports.warning_count()));
+    context.out.line(json.close_object().document());
+}
+
+void print_text(Context& context, const controller::ModelReports& reports,
+                const std::vector<Counter>& counters)
+{
+    for (const ModelReport& report : reports.list()) {
+        context.out.line(wrap(safe(controller::text(report)), context.out.columns(), 2));
+    }
+    Table table{{{"ITEM", 20}, {"COUNT", 8, true}, {"LIMIT", 8, true}}};
+    for (const Counter& each : counters) {
+        const Style style = each.count > each.limit ? Style::Bad : Style::Plain;
+        table.add({{each.name}, {std::to_string(each.count), style}, {std::to_string(each.limit)}});
+    }
+    table.print(context.out);
+    context.out.line(std::to_string(reports.error_count()) + " errors, " +
+                     std::to_string(reports.warning_count()) + " warnings");
+}
+
+/// What the button of the output window does (seed 001, 4.2), for settings too.
+Exit check_project(Context& context, const ProjectArguments& arguments)
+{
+    const controller::Project project = open_project(arguments.words[0]);
+    if (const auto checked = controller::check(project); !checked) {
+        throw Failure{Exit::Failed, text(checked.error()), "see `busbar project set`"};
+    }
+    controller::ModelReports reports;
+    auto models = controller::load_models(project, &reports);
+    if (!models) {
+        throw Failure{Exit::Failed, text(models.error()), "the project's models cannot be loaded"};
+    }
+    auto check = check_models(project, *models);
+    reports.add(std::move(check.reports));
+    const auto counters = counters_of(check.counters, models->limits());
+    if (context.options.is_json) {
+        write_json(context, reports, counters);
+    } else {
+        print_text(context, reports, counters);
+    }
+    return reports.has_errors() ? Exit::Failed : Exit::Good;
+}
+
+} // namespace
+
+controller::MappingCheck check_models(const controller::Project& project,
+                                      const controller::ModelSet& models)
+{
+    const bool has_preset = !project.preset.empty();
+    return controller::check_mapping(
+        models, [has_preset](std::string_view label) -> std::optional<Problem> {
+            if (const auto name = backend::parse_label_name(label); !name) {
+                return name.error();
+            }
+            return has_preset ? backend::check_label_characters(label) : std::nullopt;
+        });
+}
+
+void add_check(CLI::App& project, Run& run)
+{
+    const auto arguments = std::make_shared<ProjectArguments>();
+    add_offline(project, run, "check", "Lists what is wrong with a project, and how full it is.", 1,
+                1, "FILE", check_project, arguments);
+}
+
+} // namespace busbar::tool::project

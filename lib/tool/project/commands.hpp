@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <busbar/controller/project.hpp>
+
+#include "tool/connection/context.hpp"
+
+/// The subcommands of `busbar project`, one file for each subject.
+namespace busbar::tool::project {
+
+/// What the offline ones take.
+struct ProjectArguments {
+    /// The project file, and whatever the subcommand names.
+    std::vector<std::string> words;
+    /// Asks nothing.
+    bool is_sure{false};
+    std::string preset;
+    std::string permission;
+    std::string new_password_file;
+    /// 0: the hash is scrypt's.
+    std::uint32_t pbkdf2_iterations{0};
+    /// Of a table that is read.
+    std::string table;
+    std::string part;
+    std::string label;
+};
+
+/// Carries a subcommand out; throws Failure.
+using Action = Exit (*)(Context&, const ProjectArguments&);
+
+/// Adds a subcommand that works with a file; it wants at least `least` words and at most `most`,
+/// which are called: "FILE NAME [VALUE]".
+CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char* text,
+                      std::size_t least, std::size_t most, const char* word_names, Action action,
+                      const std::shared_ptr<ProjectArguments>& arguments);
+
+void add_settings(CLI::App& project, Run& run);
+void add_models(CLI::App& project, Run& run);
+void add_mapping(CLI::App& project, Run& run);
+void add_check(CLI::App& project, Run& run);
+void add_online(CLI::App& project, Run& run);
+
+/// The project in the file; throws Failure.
+[[nodiscard]] controller::Project open_project(const std::string& path);
+/// Writes it as a whole or not at all, for nobody else to read: there are hashes of passwords in
+/// it. Throws Failure.
+void save_project(const std::string& path, const controller::Project& project);
+/// The same for any file.
+void save_file(const std::string& path, const std::string& text);
+/// Throws Failure unless the user lets the file be replaced, if it is there.
+void make_room(Context& context, const std::string& path, bool is_sure);
+/// "done", or {"done": what}.
+Exit say_done(Context& context, const std::string& what);
+
+} // namespace busbar::tool::project

@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <busbar/controller/mapping_check.hpp>
+#include <busbar/controller/mapping_table.hpp>
+#include <busbar/controller/project_models.hpp>
+
+#include "commands.hpp"
+#include "reports.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/file.hpp"
+
+namespace busbar::tool::project {
+
+namespace {
+
+using controller::MappedPart;
+using controller::Mapping;
+using controller::ModelSet;
+
+/// A field of a table as RFC 4180 has it.
+std::string quoted(const std::string& text)
+{
+    std::string field = "\"";
+    for (const char c : text) {
+        field += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return field + "\"";
+}
+
+/// What a line of the table with these columns maps; a node is a NodeId or a path from the Root.
+Mapping mapping_of(Context& context, const ModelSet& models, const std::string& node,
+                   const std::string& columns, const std::string& fields)
+{
+    const bool is_path = node.starts_with('/');
+    const auto read = controller::read_mapping_table((is_path ? "Path," : "NodeId,") + columns +
+                                                         "\n" + quoted(node) + "," + fields + "\n",
+                                                     models.space());
+    if (read.reports.has_errors() ||
+        (read.mapping.variables.empty() && read.mapping.methods.empty())) {
+        print_reports(context, read.reports);
+        throw Failure{Exit::Failed, safe(node) + ": not mapped",
+                      "`busbar project tree` lists the nodes, `busbar project csv` the parts"};
+    }
+    return read.mapping;
+}
+
+bool is_same_part(const MappedPart& a, const MappedPart& b)
+{
+    return a.kind == b.kind && a.number == b.number && a.name == b.name;
+}
+
+/// What `from` has comes to what there is.
+void merge(MappedPart& into, const MappedPart& from)
+{
+    into.label = from.label.empty() ? into.label : from.label;
+    into.is_array = into.is_array || from.is_array;
+    into.is_structure = into.is_structure || from.is_structure;
+    if (from.specification != controller::ArraySpecification{}) {
+        into.specification = from.specification;
+    }
+    for (const MappedPart& part : from.parts) {
+        const auto found =
+            std::find_if(into.parts.begin(), into.parts.end(),
+                         [&](const MappedPart& each) { return is_same_part(each, part); });
+        merge(found != into.parts.end()
+                  ? *found
+                  : into.parts.emplace_back(
+                        MappedPart{.kind = part.kind, .number = part.number, .name = part.name}),
+              part);
+    }
+}
+
+void merge(Mapping& into, const Mapping& from)
+{
+    for (const auto& [node, mapping] : from.variables) {
+        merge(into.variables[node].value, mapping.value);
+    }
+    for (const auto& [node, mapping] : from.methods) {
+        controller::MethodMapping& method = into.methods[node];
+        method.handle = mapping.handle.empty() ? method.handle : mapping.handle;
+        MappedPart all{.parts = std::move(method.arguments)};
+        merge(all, MappedPart{.parts = mapping.arguments});
+        method.arguments = std::move(all.parts);
+        std::sort(method.arguments.begin(), method.arguments.end(),
+                  [](const auto& a, const auto& b) { return a.number < b.number; });
+    }
+}
+
+/// Not where the check finds an error with one of these nodes that was changed.
+void keep_mapping(Context& context, const std::string& path, controller::Project& project,
+                  const ModelSet& models, const Mapping& changed)
+{
+    const auto check = check_models(project, models);
+    bool is_wrong = false;
+    for (const controller::ModelReport& report : check.reports.list()) {
+        const bool is_error =
+            controller::rule_of(report.code).result == controller::ReportResult::Error;
+        if (is_error &&
+            (changed.variables.contains(report.node) || changed.methods.contains(report.node))) {
+            context.warn("error", safe(controller::text(report)));
+            is_wrong = true;
+        }
+    }
+    if (is_wrong) {
+        throw Failure{Exit::Failed, "not mapped", "the project is as it was"};
+    }
+    controller::keep_models(models, project);
+    save_project(path, project);
+}
+
+/// A label for a node or, with PART, for a part of it; "" takes all labels of the node away.
+Exit map_node(Context& context, const ProjectArguments& arguments)
+{
+    const auto& words = arguments.words;
+    controller::Project project = open_project(words[0]);
+    ModelSet models = open_models(project);
+    const std::string part = words.size() > 3 ? words[3] : "";
+    const bool is_cleared = words[2].empty();
+    const Mapping changed = mapping_of(context, models, words[1], "Part,Label",
+                                       quoted(part) + "," + quoted(is_cleared ? "x" : words[2]));
+    if (is_cleared) {
+        for (const auto& [node, mapping] : changed.variables) {
+            models.mapping().variables.erase(node);
+        }
+        for (const auto& [node, mapping] : changed.methods) {
+            models.mapping().methods.erase(node);
+        }
+    } else {
+        merge(models.mapping(), changed);
+    }
+    keep_mapping(context, words[0], project, models, changed);
+    return say_done(context, safe(words[1]) +
+                                 (is_cleared ? ": nothing is mapped" : " is " + safe(words[2])));
+}
+
+/// Rank and dimensions of an array that does not say them itself (seed 001, 9.5), with the first
+/// labels of it: without any label it is not kept.
+Exit specify_array(Context& context, const ProjectArguments& arguments)
+{
+    const auto& words = arguments.words;
+    controller::Project project = open_project(words[0]);
+    ModelSet models = open_models(project);
+    std::string columns = "Part,Label,Rank";
+    std::string fields = quoted(arguments.part) + ",," + quoted(words[2]);
+    for (std::size_t i = 3; i < words.size(); ++i) {
+        columns += ",Dim" + std::to_string(i - 2);
+        fields += "," + quoted(words[i]);
+    }
+    const Mapping changed = mapping_of(context, models, words[1], columns, fields);
+    merge(models.mapping(), changed);
+    if (!arguments.label.empty()) {
+        merge(models.mapping(),
+              mapping_of(context, models, words[1], "Part,Label",
+                         quoted(arguments.part + "[0]") + "," + quoted(arguments.label)));
+    }
+    keep_mapping(context, words[0], project, models, changed);
+    return say_done(context, safe(words[1]) + " has its array specification");
+}
+
+/// The table on standard output, or into the project in the place of all mapping.
+Exit table_of(Context& context, const ProjectArguments& arguments)
+{
+    const std::string& path = arguments.words[0];
+    controller::Project project = open_project(path);
+    ModelSet models = open_models(project);
+    if (arguments.table.empty()) {
+        context.out.write(controller::write_mapping_table(models.space(), models.mapping()));
+        return Exit::Good;
+    }
+    auto read = controller::read_mapping_table(
+        read_file(arguments.table, controller::MappingTableLimits{}.max_size), models.space());
+    print_reports(context, read.reports);
+    if (read.reports.has_errors()) {
+        throw Failure{Exit::Failed, arguments.table + ": not taken", "the project is as it was"};
+    }
+    models.mapping() = read.mapping;
+    keep_mapping(context, path, project, models, read.mapping);
+    return say_done(context, std::to_string(controller::count_labels(read.mapping)) + " labels");
+}
+
+} // namespace
+
+void add_mapping(CLI::App& project, Run& run)
+{
+    const auto arguments = std::make_shared<ProjectArguments>();
+    add_offline(project, run, "map", "Maps a node, or a part of it, to a label; \"\" unmaps it.", 3,
+                4, "FILE NODE LABEL [PART]", map_node, arguments);
+    auto* array =
+        add_offline(project, run, "array", "Sets the dimensions that an array is mapped with.", 3,
+                    6, "FILE NODE RANK [DIM]...", specify_array, arguments);
+    array->add_option("--part", arguments->part, "of a node that is no array itself");
+    array->add_option("--first", arguments->label, "the label of the element [0]");
+    add_offline(project, run, "csv", "Prints the mapping as a table, or takes it from one.", 1, 1,
+                "FILE", table_of, arguments)
+        ->add_option("--in", arguments->table,
+                     "takes all mapping from this table; from a spreadsheet, too")
+        ->type_name("TABLE");
+}
+
+} // namespace busbar::tool::project

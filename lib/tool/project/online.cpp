@@ -1,0 +1,181 @@
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "core/json.hpp"
+#include "tool/admin/commands.hpp"
+#include "tool/admin/remote_files.hpp"
+#include "tool/admin/remote_transfer.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/file.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+
+namespace busbar::tool::project {
+
+namespace {
+
+using admin::RemoteTransfer;
+using busbar::detail::Json;
+using RemoteArguments = admin::AdminArguments;
+
+RemoteTransfer transfer_of(Connection& connection)
+{
+    return {connection, "Project",
+            "the server has no project, which --project gives it, or this user may not see it: "
+            "log in as one with the role SecurityAdmin or ConfigureAdmin"};
+}
+
+Json answer_of(RemoteTransfer& transfer, const char* what)
+{
+    auto json = busbar::detail::parse_json(transfer.fetch(Variant{what}));
+    return json ? *std::move(json) : Json{};
+}
+
+std::string text_in(const Json& json, std::string_view name)
+{
+    const Json* const found = json.find(name);
+    return found != nullptr ? found->text : std::string{};
+}
+
+/// Has the server take the file; a refusal has the server's reason, which the status does not say.
+void send(Context& context, RemoteTransfer& transfer, const char* what, const std::string& file)
+{
+    try {
+        transfer.send(Variant{what}, file,
+                      [&](std::size_t done) { admin::show_progress(context, done, file.size()); });
+    } catch (const Failure& failure) {
+        std::string reason;
+        try {
+            reason = text_in(answer_of(transfer, "report"), "problem");
+        } catch (const Failure&) {
+            // The server refused it before it looked at the file: the status says why.
+        }
+        throw Failure{failure.status,
+                      std::string{what} + ": nothing was changed" +
+                          (reason.empty() ? "" : ": " + safe(reason)),
+                      failure.hint};
+    }
+}
+
+/// The file, which is a project.
+std::string document_in(const std::string& path)
+{
+    static_cast<void>(open_project(path));
+    return read_file(path, controller::ProjectLimits{}.max_file_size);
+}
+
+Exit write(Context& context, Connection& connection, const RemoteArguments& arguments)
+{
+    const std::string document = document_in(arguments.words[0]);
+    RemoteTransfer transfer = transfer_of(connection);
+    admin::make_sure(context, arguments, "Replace the project of the server?");
+    send(context, transfer, "write", document);
+    return say_done(context, "written; it counts after `busbar project update` or a restart");
+}
+
+Exit read(Context& context, Connection& connection, const RemoteArguments& arguments)
+{
+    const std::string& path = arguments.words[0];
+    RemoteTransfer transfer = transfer_of(connection);
+    make_room(context, path, arguments.is_sure);
+    const std::string document = transfer.fetch(Variant{});
+    if (const auto project = controller::read_project(document, "the server's"); !project) {
+        throw Failure{Exit::Failed, text(project.error()), "nothing was written"};
+    }
+    save_file(path, document);
+    return say_done(context, "read to " + path + ": " + std::to_string(document.size()) + " bytes");
+}
+
+Exit verify(Context& context, Connection& connection, const RemoteArguments& arguments)
+{
+    const std::string document = document_in(arguments.words[0]);
+    RemoteTransfer transfer = transfer_of(connection);
+    send(context, transfer, "verify", document);
+    const Json report = answer_of(transfer, "report");
+    const Json* const list = report.find("differences");
+    JsonLine json;
+    json.open_object().key("differences").open_array();
+    Table table{{{"WHERE", 24}, {"FILE", 16}, {"SERVER", 16}}};
+    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+        const std::string where = text_in(each, "where");
+        const std::string file = text_in(each, "file");
+        const std::string server = text_in(each, "server");
+        json.open_object().member("where", where).member("file", file);
+        json.member("server", server).close_object();
+        table.add({{safe(where)}, {safe(file)}, {safe(server)}});
+    }
+    const bool is_same = table.row_count() == 0;
+    if (context.options.is_json) {
+        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
+    } else if (is_same) {
+        context.out.line("no differences");
+    } else {
+        table.print(context.out);
+    }
+    return is_same ? Exit::Good : Exit::Failed;
+}
+
+/// Has the server that runs take up what was written, as a restart does.
+Exit update(Context& context, Connection& connection, const RemoteArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    admin::make_sure(context, arguments, "Have the server take up the project that was written?");
+    send(context, transfer, "update", {});
+    return say_done(context, "the server takes up its project");
+}
+
+Exit restart(Context& context, Connection& connection, const RemoteArguments& arguments)
+{
+    RemoteArguments again = arguments;
+    again.restarts = true;
+    return admin::shut_down(context, connection, again);
+}
+
+Exit show_status(Context& context, Connection& connection, const RemoteArguments&)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    const Json status = answer_of(transfer, "status");
+    JsonLine json;
+    json.open_object();
+    Table table{{{"ITEM", 16}, {"STATE", 16}}};
+    for (std::size_t i = 0; i < status.items.size() && i < status.names.size(); ++i) {
+        json.member(status.names[i], status.items[i].text);
+        table.add({{safe(status.names[i])}, {safe(status.items[i].text)}});
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_object().document());
+    } else {
+        table.print(context.out);
+    }
+    return Exit::Good;
+}
+
+} // namespace
+
+void add_online(CLI::App& project, Run& run)
+{
+    admin::Group group{project, run, nullptr, ""};
+    RemoteArguments& arguments = group.arguments();
+    const auto asks = [&](CLI::App* command) {
+        command->add_flag("--yes", arguments.is_sure, "ask nothing");
+    };
+    asks(
+        group.add("write", "Writes a project to a server, whole or not at all.", 1, "FILE", write));
+    asks(group.add("read", "Reads the project of a server.", 1, "FILE", read));
+    group.add("verify", "Lists what differs between a project and that of a server.", 1, "FILE",
+              verify);
+    asks(group.add("update", "Has a server take up the project that was written.", 0, "URL",
+                   update));
+    for (CLI::App* command :
+         {group.add("stop", "Stops a server.", 0, "URL", admin::shut_down),
+          group.add("restart", "Restarts a server, with its project.", 0, "URL", restart)}) {
+        asks(command);
+        command->add_option("--seconds", arguments.seconds, "how long clients are told before")
+            ->check(CLI::Range(0U, 86'400U));
+        command->add_option("--reason", arguments.reason, "what clients are told");
+    }
+    group.add("status", "Shows how a server and its project are.", 0, "URL", show_status);
+}
+
+} // namespace busbar::tool::project

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "tool/nodes/node_feed.hpp"
+
+namespace busbar::tool {
+
+/// What is known of a node whose values are shown as they change.
+struct ValueRow {
+    DataValue value;
+    std::string shown{"(waiting)"};
+    std::uint64_t changes{0};
+    StatusCode status; // of the item
+};
+
+/// Values of nodes as they change: each as a line, or a JSON document, unless somebody else shows
+/// them.
+class WatchedValues {
+public:
+    /// None: only rows() change.
+    enum class Printing : std::uint8_t { Lines, None };
+
+    /// Throws Failure.
+    WatchedValues(Context& context, Connection& connection, Stream& stream,
+                  const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing);
+
+    [[nodiscard]] NodeFeed& feed() { return feed_; }
+    [[nodiscard]] const std::vector<FeedNode>& nodes() const { return feed_.nodes(); }
+    [[nodiscard]] const std::vector<ValueRow>& rows() const { return rows_; }
+    /// Partly if some of the nodes had no value because their items were refused.
+    [[nodiscard]] Exit exit() const;
+
+private:
+    void show(std::size_t node, const DataValue& value);
+    void print(const std::string& node, const ValueRow& row, const Types& types);
+    void set_status(std::size_t node, StatusCode status);
+
+    Context* context_;
+    Connection* connection_;
+    Stream* stream_;
+    Printing printing_;
+    std::vector<ValueRow> rows_;
+    NodeFeed feed_;
+};
+
+} // namespace busbar::tool

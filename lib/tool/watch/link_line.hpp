@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/types.hpp>
+
+#include "tool/printing/output.hpp"
+
+namespace busbar::tool::watch {
+
+/// This moment, for what is measured and for what is shown.
+struct Now {
+    TimePoint steady;
+    DateTime wall;
+};
+
+/// What the connection does, on one line: the news first.
+class LinkLine {
+public:
+    /// `how` it is secured and who is logged in.
+    void connected(std::string how, bool is_secure, const Now& now);
+    void lost(StatusCode why, const Now& now);
+    /// Notifications between the two moments may be missing; null: it is not known since when.
+    void missed(DateTime from, DateTime to, StatusCode why);
+
+    [[nodiscard]] bool is_lost() const { return lost_.has_value(); }
+    [[nodiscard]] std::string text(const Now& now) const;
+    [[nodiscard]] Style style() const;
+
+private:
+    struct Loss {
+        Now at;
+        StatusCode why;
+    };
+
+    std::string how_;
+    bool is_secure_{true};
+    std::optional<Loss> lost_;
+    std::string back_;
+    std::string missed_;
+};
+
+/// "0.2 s", "3 s", "2 min", "5 h", "12 d".
+[[nodiscard]] std::string age_text(Duration age);
+
+} // namespace busbar::tool::watch

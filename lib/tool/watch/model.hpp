@@ -1,0 +1,139 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "history.hpp"
+#include "keys.hpp"
+#include "link_line.hpp"
+
+namespace busbar::tool::watch {
+
+/// A Variable; all texts are `safe`.
+struct Row {
+    std::string name;
+    /// The value for people, on one line.
+    std::string text{"(waiting)"};
+    /// Of the value, or of the monitored item if that is bad.
+    StatusCode status{};
+    StatusCode item{};
+    /// To sort by; not NaN.
+    std::optional<double> number{};
+    History history{};
+    /// When the value was new, by our clock; null if there is none.
+    std::optional<TimePoint> born{};
+};
+
+/// An event; all texts are `safe`.
+struct EventRow {
+    DateTime time;
+    std::uint16_t severity{0};
+    std::string source;
+    std::string message;
+};
+
+enum class SortBy : std::uint8_t { Given, Name, Value, Age, Status };
+[[nodiscard]] std::string_view name(SortBy sort);
+
+/// What is typed into at the bottom.
+struct Prompt {
+    enum class Kind : std::uint8_t { Filter, Write };
+    Kind kind;
+    std::string label;
+    LineEditor line;
+};
+
+/// What `busbar watch` shows and how the user wants to see it; knows neither the terminal, nor the
+/// server, nor what time it is.
+class Model {
+public:
+    static constexpr std::size_t max_events = 1'000;
+
+    explicit Model(std::string title) : title_{std::move(title)} {}
+
+    // What happened.
+
+    void add_row(std::string name);
+    /// The age follows from the server's two timestamps and from how long ago `now` is: clocks that
+    /// differ do not matter.
+    void set_value(std::size_t row, const DataValue& value, std::string text, const Now& now);
+    /// The same value can be told better now.
+    void set_text(std::size_t row, std::string text) { rows_[row].text = std::move(text); }
+    /// What became of the monitored item.
+    void set_item(std::size_t row, StatusCode status);
+    void add_event(EventRow event);
+    [[nodiscard]] LinkLine& link() { return link_; }
+    /// In place of events; empty for none.
+    void set_event_note(std::string text) { event_note_ = std::move(text); }
+    /// Shown until the next key.
+    void tell(std::string message, Style style = Style::Plain);
+
+    // What the user wants.
+
+    /// Actions that concern the view alone; false for the others.
+    bool apply(Action action, const Now& now);
+    void open_prompt(Prompt prompt);
+    [[nodiscard]] std::optional<Prompt>& prompt() { return prompt_; }
+    void set_filter(std::string text);
+    /// The table has room for so many rows: the selected one is among them from now on.
+    void fit(std::size_t page_rows);
+
+    // What is seen.
+
+    [[nodiscard]] const std::string& title() const { return title_; }
+    [[nodiscard]] const LinkLine& link() const { return link_; }
+    [[nodiscard]] const std::optional<Prompt>& prompt() const { return prompt_; }
+    [[nodiscard]] const std::string& filter() const { return filter_; }
+    [[nodiscard]] const std::string& message() const { return message_; }
+    [[nodiscard]] Style message_style() const { return message_style_; }
+    [[nodiscard]] const std::string& event_note() const { return event_note_; }
+    [[nodiscard]] bool shows_events() const { return shows_events_; }
+    [[nodiscard]] SortBy sort() const { return sort_; }
+    [[nodiscard]] bool is_reversed() const { return is_reversed_; }
+    [[nodiscard]] bool is_paused() const { return paused_.has_value(); }
+    /// As they are, or were when the view was paused.
+    [[nodiscard]] const std::vector<Row>& rows() const;
+    [[nodiscard]] const std::deque<EventRow>& events() const; // newest first
+    /// The time that ages are counted to.
+    [[nodiscard]] TimePoint shown_time(const Now& now) const;
+    /// Indices of rows that pass the filter, sorted.
+    [[nodiscard]] std::vector<std::size_t> order() const;
+    /// The row that the user is at; none if the filter leaves none.
+    [[nodiscard]] std::optional<std::size_t> selected() const;
+    /// Where in order() the first row that is seen stands.
+    [[nodiscard]] std::size_t top() const { return top_; }
+
+private:
+    struct Paused {
+        std::vector<Row> rows;
+        std::deque<EventRow> events;
+        TimePoint at;
+    };
+
+    void toggle_pause(const Now& now);
+    bool move(Action action);
+    [[nodiscard]] bool is_before(const Row& a, const Row& b) const;
+
+    std::string title_;
+    std::vector<Row> rows_;
+    std::deque<EventRow> events_;
+    std::optional<Paused> paused_;
+    LinkLine link_;
+    std::optional<Prompt> prompt_;
+    std::string filter_;
+    std::string message_;
+    Style message_style_{Style::Plain};
+    std::string event_note_;
+    bool shows_events_{true};
+    SortBy sort_{SortBy::Given};
+    bool is_reversed_{false};
+    std::size_t selected_{0}; // a row
+    std::size_t top_{0};
+    std::size_t page_rows_{1};
+};
+
+} // namespace busbar::tool::watch
