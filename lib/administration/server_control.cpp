@@ -68,7 +68,18 @@ StatusCode ServerControl::check(const Wish& wish) const
     }
     // How many seconds is of no interest to a server that stays.
     const bool is_too_far = wish.ends_server() && wish.seconds_till_shutdown > max_seconds;
-    return is_too_far || wish.reason.size() > max_reason ? status::Bad_OutOfRange : status::Good;
+    if (is_too_far || wish.reason.size() > max_reason) {
+        return status::Bad_OutOfRange;
+    }
+    if (!wish.restarts || !needs_.replace || !needs_.may_replace) {
+        return status::Good;
+    }
+    const auto may = needs_.may_replace();
+    if (!may) {
+        needs_.log.write(LogLevel::Error, "stop",
+                         "a restart is refused: " + text(may.error()) + "; nothing was changed");
+    }
+    return may ? StatusCode{status::Good} : may.error().status;
 }
 
 void ServerControl::request(MethodCall call)

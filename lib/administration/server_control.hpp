@@ -29,6 +29,7 @@ public:
         const std::function<void()>& stop;
         const std::function<void()>& restart;
         const std::function<void(const RestartWish&)>& replace;
+        const std::function<Configured<void>()>& may_replace;
     };
 
     explicit ServerControl(const Needs& needs) : needs_{needs} {}

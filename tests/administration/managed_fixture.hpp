@@ -159,25 +159,28 @@ struct ManagedFixture {
         if (restart_how == Restart::ByReplacing) {
             replace = [this](const administration::RestartWish& asked) { wish = asked; };
         }
-        administration = std::make_unique<administration::Administration>(
-            administration::AdministrationParts{.wall_clock = &wall_clock,
-                                                .log = &log,
-                                                .roles = &roles,
-                                                .users = &user_list,
-                                                .certificates = &certificates,
-                                                .random = &random,
-                                                .worker = worker,
-                                                .stop = [this] { ++stops; },
-                                                .restart = std::move(restart),
-                                                .replace = std::move(replace),
-                                                .reset = [this] { return reset(); },
-                                                .is_in_setup = [this] { return changes == 0; },
-                                                .settings = &settings,
-                                                .setting_owner = &owner,
-                                                .file_systems = {files},
-                                                .file_transfers = {transfer},
-                                                .authorities = authorities,
-                                                .changed = [this] { ++changes; }});
+        administration =
+            std::make_unique<administration::Administration>(administration::AdministrationParts{
+                .wall_clock = &wall_clock,
+                .log = &log,
+                .roles = &roles,
+                .users = &user_list,
+                .certificates = &certificates,
+                .random = &random,
+                .worker = worker,
+                .stop = [this] { ++stops; },
+                .restart = std::move(restart),
+                .replace = std::move(replace),
+                .may_replace =
+                    [this] { return refusal ? Unexpected{*refusal} : Configured<void>{}; },
+                .reset = [this] { return reset(); },
+                .is_in_setup = [this] { return changes == 0; },
+                .settings = &settings,
+                .setting_owner = &owner,
+                .file_systems = {files},
+                .file_transfers = {transfer},
+                .authorities = authorities,
+                .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
     }
 
@@ -304,6 +307,8 @@ struct ManagedFixture {
     int stops{0};
     int restarts{0};
     std::optional<administration::RestartWish> wish;
+    /// Why a restart would not work.
+    std::optional<Problem> refusal;
     /// Of users and roles.
     int changes{0};
     NoteWaker waker;

@@ -146,6 +146,19 @@ TEST_CASE_METHOD(Replacing, "server control: who has another server take over en
     CHECK(stops == 1);
 }
 
+TEST_CASE_METHOD(Replacing, "server control: a restart that would not work is not promised")
+{
+    auto admin = log_in();
+    refusal = Problem{status::Bad_ConfigurationError, "press.st:2", "found nothing"};
+    CHECK(request(admin, ServerState::Running, 5, true) == "Bad_ConfigurationError");
+    CHECK_FALSE(wish);
+    CHECK(log.text.find("a restart is refused: press.st:2: found nothing") != std::string::npos);
+    CHECK(request(admin, ServerState::Suspended) == "Good"); // it is asked for restarts only
+    refusal.reset();
+    CHECK(request(admin, ServerState::Running, 5, true) == "Good");
+    CHECK(wish);
+}
+
 TEST_CASE_METHOD(Control, "server control: who gives no reason has the usual one told")
 {
     auto admin = log_in();
