@@ -48,26 +48,30 @@ struct ServiceFixture {
                      : std::string{name(bytes.error())};
     }
 
+    /// As a server says that begins with what is in the store.
+    static std::string status_of(controller::ProjectStore& store)
+    {
+        NullLog log;
+        ProjectService next{{.store = store, .log = log, .status = status, .update = {}}};
+        const Variant options{"status"};
+        const server::UserIdentity user;
+        const auto bytes = next.generate({options, user, first_tool}, 1'000);
+        return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    }
+    static ProjectService::ModuleStatus status() { return {"model mode", "Running", "1.2.3"}; }
+
     NullLog log;
     storage::MemoryStorage storage;
     server::UserIdentity user;
     int updates{0};
     bool can_update{true};
     controller::ProjectStore store{storage, "project", {}};
-    ProjectService service{
-        {.store = store,
-         .log = log,
-         .status =
-             [] {
-                 return ProjectService::ModuleStatus{"model mode", "Running", "1.2.3"};
-             },
-         .update =
-             [this] {
-                 ++updates;
-                 return can_update
-                            ? Configured<void>{}
-                            : misconfigured("port", "is in use", status::Bad_ResourceUnavailable);
-             }}};
+    ProjectService service{{.store = store, .log = log, .status = status, .update = [this] {
+                                ++updates;
+                                return can_update ? Configured<void>{}
+                                                  : misconfigured("port", "is in use",
+                                                                  status::Bad_ResourceUnavailable);
+                            }}};
 };
 
 } // namespace
@@ -130,8 +134,10 @@ TEST_CASE("9.14 Project service: operation mode, server status and version", "[9
     CHECK(server.fetch(Variant{"status"}) == begin + "none\"}");
     REQUIRE(server.send("write", document_of_host("A")) == "Good");
     CHECK(server.fetch(Variant{"status"}) == begin + "written, an update or restart is due\"}");
+    // It is the one after it that serves the project, or none if that does not work out.
     REQUIRE(server.send("update", "") == "Good");
-    CHECK(server.fetch(Variant{"status"}) == begin + "in use\"}");
+    CHECK(server.fetch(Variant{"status"}) == begin + "written, an update or restart is due\"}");
+    CHECK(ServiceFixture::status_of(server.store) == begin + "in use\"}");
 }
 
 TEST_CASE("9.13 Project service: it is for administrators, and for one writer at a time", "[9.13]")

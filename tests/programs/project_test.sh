@@ -275,8 +275,13 @@ run 0 project set press.busbar "listener 1.address" 127.0.0.1 "listener 1.use" d
 run 1 project set press.busbar "listener 2.address" 127.0.0.2
 says 'expected another network'
 as chief 0 project write "$url" press.busbar --yes
-as chief 0 project update "$url" --yes
-await logged 'cannot listen on 4840 of 192.0.2.77.*nothing was changed'
+as chief 1 project update "$url" --yes
+says 'cannot listen on 4840 of 192.0.2.77'
+logged 'nothing was changed: server.port: cannot listen on 4840 of 192.0.2.77' || fail "not logged"
+as chief 0 project status "$url"
+says 'project *written, an update or restart is due'
+as chief 1 project restart "$url" --yes
+logged 'a restart is refused: server.port: cannot listen on 4840' || fail "a restart was not refused"
 run 0 project set press.busbar "listener 2.address" 127.0.1.2 "listener 2.port" "$tool_port"
 as chief 0 project write "$url" press.busbar --yes
 as chief 0 project update "$url" --yes

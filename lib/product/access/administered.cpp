@@ -8,6 +8,7 @@
 #include <busbar/server/running_server.hpp>
 
 #include "product/configuration/toml_reader.hpp"
+#include "product/store/taken_over.hpp"
 
 namespace busbar::product {
 
@@ -85,11 +86,11 @@ Configured<void> Administered::reset()
     // Whoever set the first account's password at the machine keeps it.
     static constexpr std::array<std::string_view, 4> names{"users.json", "roles.json",
                                                            "settings.json", "setup.code"};
-    static constexpr std::array<std::string_view, 14> folders{
-        "own/certs",         "own/private",         "own/crl",           "own/replaced",
-        "trusted/certs",     "trusted/crl",         "issuers/certs",     "issuers/crl",
-        "rejected/certs",    "users/trusted/certs", "users/trusted/crl", "users/issuers/certs",
-        "users/issuers/crl", "users/rejected/certs"};
+    static constexpr std::array<std::string_view, 15> folders{
+        TakenOverFiles::folder, "own/certs",         "own/private",         "own/crl",
+        "own/replaced",         "trusted/certs",     "trusted/crl",         "issuers/certs",
+        "issuers/crl",          "rejected/certs",    "users/trusted/certs", "users/trusted/crl",
+        "users/issuers/certs",  "users/issuers/crl", "users/rejected/certs"};
     return administration::remove_files(files_, names, folders);
 }
 
@@ -99,7 +100,8 @@ void Administered::attach(const ToAdminister& what)
                                               .log = &audit_,
                                               .roles = &roles_,
                                               .stop = what.stop,
-                                              .replace = what.restart};
+                                              .replace = what.restart,
+                                              .may_replace = what.may_restart};
     parts.authorities = what.config.users.authorities;
     parts.file_systems = file_systems_.all();
     parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),

@@ -34,6 +34,8 @@ struct ToAdminister {
     std::function<void()> stop;
     /// Has another server take over, soon.
     std::function<void(const administration::RestartWish& wish)> restart;
+    /// Whether that would work, and if not, why not.
+    std::function<Configured<void>()> may_restart;
     /// Called on the server's thread when other kinds of user may log in than before.
     std::function<void()> offer_changed;
     /// Called on the server's thread when `config` was told of another certificate. May be empty.

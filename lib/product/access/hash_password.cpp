@@ -14,8 +14,9 @@ namespace busbar::product {
 
 int hash_password(const std::string& config_file)
 {
-    const toml::table file = parse_table(read_config_text(config_file), config_file);
-    const auto cost = read_password_cost(TomlTable{file, config_file}.table("users"));
+    SourceFiles sources;
+    const toml::table file = parse_table(read_config_text(config_file, sources), config_file);
+    const auto cost = read_password_cost(TomlTable{file, config_file, sources}.table("users"));
     std::string password;
     if (!std::getline(std::cin, password) || password.empty()) {
         std::fprintf(stderr, "expected a password on standard input\n");

@@ -1,11 +1,7 @@
 #include "config.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
-#include <system_error>
 
 #include <arpa/inet.h>
 
@@ -191,43 +187,46 @@ toml::table parse_table(std::string_view text, const std::string& file)
     return std::move(*table);
 }
 
-ControllerConfig config_of(const toml::table& table, const std::string& file)
+ControllerConfig config_of(const toml::table& table, const std::string& file, SourceFiles& sources)
 {
-    return read_root(TomlTable{table, file});
+    return read_root(TomlTable{table, file, sources});
+}
+
+std::string certificate_folder(const toml::table& table)
+{
+    return table["certificates"]["folder"].value_or(CertificateConfig{}.folder);
 }
 
 ControllerConfig parse_config(std::string_view text, const std::string& file)
 {
-    return config_of(parse_table(text, file), file);
+    SourceFiles sources;
+    return config_of(parse_table(text, file), file, sources);
 }
 
-std::string read_config_text(const std::string& path)
+std::string read_config_text(const std::string& path, SourceFiles& sources)
 {
     if (path.empty()) {
         return default_config;
     }
-    if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
-        throw ConfigError{path, "found a directory, expected a file; --print-config prints one"};
+    auto text = sources.text(path, max_config_size);
+    if (!text) {
+        Problem problem = std::move(text).error();
+        if (problem.status == status::Bad_EncodingLimitsExceeded) {
+            problem.text += ", expected a configuration";
+        }
+        if (problem.status != status::Bad_NotFound) {
+            problem.text += "; --print-config prints one";
+        }
+        throw ConfigError{problem.where, problem.text};
     }
-    errno = 0;
-    std::ifstream file{path, std::ios::binary};
-    std::string text(max_config_size + 1, '\0');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (file.bad() || !file.is_open()) {
-        throw ConfigError{path,
-                          "the file cannot be read: " + std::generic_category().message(errno)};
-    }
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.size() > max_config_size) {
-        throw ConfigError{path, "found more than " + std::to_string(max_config_size) +
-                                    " bytes, expected a configuration; --print-config prints one"};
-    }
-    return text;
+    return **text;
 }
 
 ControllerConfig read_config(const std::string& path)
 {
-    return parse_config(read_config_text(path), path);
+    SourceFiles sources;
+    const std::string text = read_config_text(path, sources);
+    return config_of(parse_table(text, path), path, sources);
 }
 
 ControllerConfig read_config_or_default(const std::string& path)

@@ -187,11 +187,15 @@ void offer_users(ControllerConfig& config);
 // Reading a configuration. All throw ConfigError.
 
 /// What a file has in it; the built-in one if `path` is empty.
-[[nodiscard]] std::string read_config_text(const std::string& path);
+[[nodiscard]] std::string read_config_text(const std::string& path, SourceFiles& sources);
 /// `file` is its name in messages.
 [[nodiscard]] toml::table parse_table(std::string_view text, const std::string& file);
-/// What has no line was not read from the file, but changed online.
-[[nodiscard]] ControllerConfig config_of(const toml::table& table, const std::string& file);
+/// What has no line was not read from the file, but changed online. `sources` has the files that
+/// the configuration names.
+[[nodiscard]] ControllerConfig config_of(const toml::table& table, const std::string& file,
+                                         SourceFiles& sources);
+/// Where certificates lie, and what is kept beside them; whatever else is wrong in the file.
+[[nodiscard]] std::string certificate_folder(const toml::table& table);
 [[nodiscard]] ControllerConfig parse_config(std::string_view text, const std::string& file);
 [[nodiscard]] ControllerConfig read_config(const std::string& path);
 /// The built-in one if `path` is empty.

@@ -4,23 +4,29 @@
 
 namespace busbar::product {
 
-Reading read_sources(const Origin& origin)
+Reading read_sources(const Origin& origin, Substitutes substitutes)
 {
     Reading reading;
     std::string preset = origin.preset;
     if (!origin.project.empty()) {
-        reading.project = std::make_unique<KeptProject>(origin.project);
+        reading.project = std::make_shared<KeptProject>(origin.project, substitutes.project,
+                                                        substitutes.takes_other_project);
         const controller::Project* const project = reading.project->project();
         if (preset.empty() && project != nullptr) {
             preset = project->preset;
         }
     }
-    reading.settings = std::make_unique<Settings>(origin.file, std::move(preset));
+    const auto complete = [project = reading.project,
+                           port = origin.port](ControllerConfig& config,
+                                               const administration::SettingValues& changes) {
+        if (project != nullptr) {
+            project->apply(config, changes);
+        }
+        config.port = port.value_or(config.port);
+    };
+    reading.settings = std::make_unique<Settings>(origin.file, std::move(preset), complete,
+                                                  SourceFiles{std::move(substitutes.files)});
     reading.config = reading.settings->config();
-    reading.config.port = origin.port.value_or(reading.config.port);
-    if (reading.project) {
-        reading.project->apply(reading.config, origin.port.has_value());
-    }
     return reading;
 }
 

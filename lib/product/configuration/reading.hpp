@@ -22,18 +22,35 @@ struct Origin {
     std::string project;
 };
 
-/// A configuration as it is now, with what was changed online.
+/// The effective configuration: what is in force is made here and nowhere else, for a start as for
+/// each change of a running controller. Later ones count:
+///
+///     built-in values, with those of the preset
+///     the file
+///     the project of model mode
+///     what administrators changed online
+///     the command line
 struct Reading {
+    /// Its config() is all of these, now and after each change.
     std::unique_ptr<Settings> settings;
-    /// The same with what the project says; from read() of startup.hpp, ready to be served:
-    /// somebody can log in.
+    /// The same; from read() of startup.hpp with the first account, where the controller makes one.
     ControllerConfig config;
     /// Null if there is none.
-    std::unique_ptr<KeptProject> project;
+    std::shared_ptr<KeptProject> project;
 };
 
-/// Whether anybody can log in or not. A project's preset counts instead of the file's. Throws
-/// ConfigError.
-[[nodiscard]] Reading read_sources(const Origin& origin);
+/// What of a TakenOver is used instead of what is there.
+struct Substitutes {
+    /// Files that count as read.
+    SourceFiles::Texts files;
+    /// For a project that is there but cannot be read any more; empty: there is no other.
+    std::string project;
+    /// Instead of any project that is there.
+    bool takes_other_project{false};
+};
+
+/// Whether anybody can log in or not. The command line's preset counts instead of the project's,
+/// and that instead of the file's. Throws ConfigError.
+[[nodiscard]] Reading read_sources(const Origin& origin, Substitutes substitutes = {});
 
 } // namespace busbar::product

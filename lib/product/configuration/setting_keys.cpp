@@ -153,7 +153,8 @@ std::string setting_name(const SubjectKey& key)
 std::vector<Setting> controller_settings(const toml::table& file)
 {
     ControllerConfig preset;
-    read_preset(TomlTable{file, ""}, preset);
+    SourceFiles sources;
+    read_preset(TomlTable{file, "", sources}, preset);
     std::vector<Setting> settings = server_settings();
     append(settings, security_settings());
     append(settings, machine_settings());

@@ -1,6 +1,7 @@
 #include "settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -24,6 +25,26 @@ std::string name_of_file(const std::string& path)
     return path.empty() ? "built-in" : path;
 }
 
+Variant text_value(const std::string& text)
+{
+    return Variant{String{text}};
+}
+
+/// Those that more than the file says (see Reading).
+constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerConfig&)>, 6>
+    other_values{{
+        {"endpoint", [](const ControllerConfig& c) { return endpoint_value(c.server); }},
+        {"server.address", [](const ControllerConfig& c) { return text_value(c.address); }},
+        {"server.port", [](const ControllerConfig& c) { return Variant{std::int64_t{c.port}}; }},
+        {"certificates.trust_all_clients",
+         [](const ControllerConfig& c) { return Variant{c.certificates.trusts_all_clients}; }},
+        {"discovery.url", [](const ControllerConfig& c) { return text_value(c.discovery.url); }},
+        {"discovery.interval_s",
+         [](const ControllerConfig& c) {
+             return Variant{std::int64_t{c.discovery.interval.count()}};
+         }},
+    }};
+
 /// Limits and names that no key sets are those of the preset.
 Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
 {
@@ -37,8 +58,10 @@ Variant value_of(const toml::table& table, const ControllerConfig& config, const
             return Variant{String{config.certificates.subject.*key.member}};
         }
     }
-    if (setting.name == "endpoint") {
-        return endpoint_value(config.server);
+    for (const auto& [name, value] : other_values) {
+        if (setting.name == name) {
+            return value(config);
+        }
     }
     Variant value = value_in(table, setting);
     return value.is_null() ? setting.otherwise : value;
@@ -55,22 +78,22 @@ bool is_encrypted(const ControllerConfig& config)
 
 } // namespace
 
-Settings::Settings(const std::string& path, std::string preset)
-    : Settings{path, std::move(preset), read_config_text(path)}
-{
-}
-
-Settings::Settings(const std::string& path, std::string preset, std::string text)
-    : path_{path}, preset_{std::move(preset)}, name_{name_of_file(path)}, text_{std::move(text)},
-      folder_{config_of(table_of(text_), name_).certificates.folder}, list_{files_, file_name,
-                                                                            controller_settings(
-                                                                                table_of(text_))}
+Settings::Settings(const std::string& path, std::string preset, Completion completion,
+                   SourceFiles sources)
+    : path_{path}, preset_{std::move(preset)}, completion_{std::move(completion)},
+      sources_{std::move(sources)}, name_{name_of_file(path)}, text_{read_config_text(path,
+                                                                                      sources_)},
+      folder_{certificate_folder(table_of(text_))}, list_{files_, file_name,
+                                                          controller_settings(table_of(text_))}
 {
     expect(administration::finish_changes(folder_));
     expect(list_.load());
     try {
-        take(version(text_, list_.changes()));
+        take(version(text_, sources_, list_.changes()));
     } catch (const ConfigError& error) {
+        if (list_.changes().empty()) {
+            throw;
+        }
         throw ConfigError{error.what(), "with what was changed online, which --forget-changes "
                                         "drops"};
     }
@@ -91,11 +114,16 @@ toml::table Settings::table_of(const std::string& text) const
     return table;
 }
 
-Settings::Version Settings::version(const std::string& text, const SettingValues& changes) const
+Settings::Version Settings::version(const std::string& text, SourceFiles sources,
+                                    const SettingValues& changes) const
 {
     toml::table table = table_of(text);
     overlay(table, changes);
-    Version version{config_of(table, name_), {}};
+    Version version{{}, {}, std::move(sources)};
+    version.config = config_of(table, name_, version.sources);
+    if (completion_) {
+        completion_(version.config, changes);
+    }
     for (const Setting& setting : list_.settings()) {
         version.values.emplace(setting.name, value_of(table, version.config, setting));
     }
@@ -106,6 +134,7 @@ void Settings::take(Version version)
 {
     config_ = std::move(version.config);
     values_ = std::move(version.values);
+    sources_ = std::move(version.sources);
     if (running_.apply) {
         running_.apply(config_);
     }
@@ -113,8 +142,9 @@ void Settings::take(Version version)
 
 void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
 {
-    std::string text = read_config_text(path_);
-    Version all = version(text, list_.changes());
+    SourceFiles sources;
+    std::string text = read_config_text(path_, sources);
+    Version all = version(text, std::move(sources), list_.changes());
     check(all.config);
     if (running_.check) {
         expect(running_.check(all.config));
@@ -133,10 +163,16 @@ bool Settings::waits_for_restart(const Setting& setting) const
     return !is_live(setting.name) && !(values_.at(setting.name) == started_.at(setting.name));
 }
 
+bool Settings::waits_for_restart() const
+{
+    return std::ranges::any_of(list_.settings(),
+                               [this](const Setting& each) { return waits_for_restart(each); });
+}
+
 Configured<void> Settings::check(const SettingValues& changes)
 {
     try {
-        const Version all = version(text_, changes);
+        const Version all = version(text_, sources_, changes);
         if (is_in_run_) {
             if (auto checked = check_in_run(values_, all.values); !checked) {
                 return checked;
@@ -155,7 +191,7 @@ Configured<void> Settings::check(const SettingValues& changes)
 
 void Settings::apply(const SettingValues& changes)
 {
-    take(version(text_, changes));
+    take(version(text_, sources_, changes));
 }
 
 void forget_changes(const std::string& path)

@@ -29,15 +29,26 @@ public:
         std::function<void(const ControllerConfig& config)> apply;
     };
 
+    /// What else a configuration is made of than a file and what was changed over it: completes
+    /// `config`, which has both. `changes` count more than what it says. May throw ConfigError.
+    using Completion =
+        std::function<void(ControllerConfig& config, const administration::SettingValues& changes)>;
+
     /// `path` is that of the file, empty for the built-in one; `preset`, unless it is empty, counts
     /// instead of the file's. Throws ConfigError, also where what was changed does not fit the file
     /// any more.
-    explicit Settings(const std::string& path, std::string preset = {});
+    explicit Settings(const std::string& path, std::string preset = {}, Completion completion = {},
+                      SourceFiles sources = {});
 
-    /// The configuration with what was changed.
+    /// The configuration in force: the file's with what was changed, and complete. What was changed
+    /// takes over no other text of a file that the configuration names.
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     /// The file's, as it was read last.
     [[nodiscard]] const std::string& text() const { return text_; }
+    /// Those that config() is made of.
+    [[nodiscard]] SourceFiles& sources() { return sources_; }
+    /// They have these texts from now on, of which config() is not made anew.
+    void use(SourceFiles sources) { sources_ = std::move(sources); }
     [[nodiscard]] administration::SettingList& list() { return list_; }
     [[nodiscard]] const administration::SettingList& list() const { return list_; }
     /// The folder of certificates, as everybody changes it; and what is behind the gate, for a
@@ -52,6 +63,8 @@ public:
 
     [[nodiscard]] Variant value(const administration::Setting& setting) const override;
     [[nodiscard]] bool waits_for_restart(const administration::Setting& setting) const override;
+    /// Whether any does.
+    [[nodiscard]] bool waits_for_restart() const;
     [[nodiscard]] Configured<void> check(const administration::SettingValues& changes) override;
     void apply(const administration::SettingValues& changes) override;
 
@@ -59,16 +72,18 @@ private:
     struct Version {
         ControllerConfig config;
         administration::SettingValues values;
+        SourceFiles sources;
     };
 
-    Settings(const std::string& path, std::string preset, std::string text);
     [[nodiscard]] toml::table table_of(const std::string& text) const;
-    [[nodiscard]] Version version(const std::string& text,
+    [[nodiscard]] Version version(const std::string& text, SourceFiles sources,
                                   const administration::SettingValues& changes) const;
     void take(Version version);
 
     std::string path_;
     std::string preset_;
+    Completion completion_;
+    SourceFiles sources_;
     /// How messages call the file.
     std::string name_;
     /// The file's.

@@ -159,7 +159,7 @@ TomlTable TomlTable::table(std::string_view key) const
     if (table == nullptr && has(key)) {
         fail(key, "a table");
     }
-    return {table == nullptr ? no_table() : *table, file_};
+    return {table == nullptr ? no_table() : *table, file_, *sources_};
 }
 
 std::vector<TomlTable> TomlTable::tables(std::string_view key) const
@@ -173,7 +173,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const
         fail(key, "tables written as [[" + std::string{key} + "]]");
     }
     for (const toml::node& element : *array) {
-        result.emplace_back(*element.as_table(), file_);
+        result.emplace_back(*element.as_table(), file_, *sources_);
     }
     return result;
 }

@@ -14,6 +14,7 @@
 #include <busbar/core/problem.hpp>
 #include <busbar/core/result.hpp>
 
+#include "product/store/source_files.hpp"
 #include "toml.hpp"
 
 namespace busbar::product {
@@ -63,7 +64,9 @@ T expect(Result<T> result, const std::string& what)
 /// there is not what is expected.
 class TomlTable {
 public:
-    TomlTable(const toml::table& table, std::string file) : table_{&table}, file_{std::move(file)}
+    /// `sources` is where files are read from that the table names. Both must outlive it.
+    TomlTable(const toml::table& table, std::string file, SourceFiles& sources)
+        : table_{&table}, file_{std::move(file)}, sources_{&sources}
     {
     }
 
@@ -90,6 +93,8 @@ public:
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
     [[nodiscard]] const toml::node* node(std::string_view key) const { return table_->get(key); }
 
+    [[nodiscard]] SourceFiles& sources() const { return *sources_; }
+
     /// Fails at a key, or at the table itself if the key is not there.
     [[noreturn]] void fail(std::string_view key, const std::string& expected) const;
     /// The same in words of the caller's own, which say what was found and what was expected.
@@ -100,6 +105,7 @@ private:
 
     const toml::table* table_;
     std::string file_;
+    SourceFiles* sources_;
 };
 
 } // namespace busbar::product

@@ -8,6 +8,7 @@
 #include "product/configuration/reload.hpp"
 #include "product/machine/machine_items.hpp"
 #include "product/machine/program_change.hpp"
+#include "product/model/models.hpp"
 #include "startup.hpp"
 #include "welcome.hpp"
 
@@ -82,7 +83,7 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
 
 void Generation::publish(const Requests& requests)
 {
-    plant_.publish(server_, around_.lines,
+    plant_.publish(server_, settings_->sources(), around_.lines,
                    around_.machine != nullptr ? &around_.machine->event_log() : nullptr,
                    requests.hardware);
     if (project_ == nullptr) {
@@ -152,12 +153,43 @@ void Generation::attach(const Requests& requests)
                           .worker = worker_,
                           .stop = requests.stop,
                           .restart = requests.restart,
+                          .may_restart = requests.may_restart,
                           .offer_changed = [this] { live_.apply(settings_->config()); },
                           .renewed = requests.renewed,
                           .file_systems = files,
                           .file_transfers = transfers(requests)});
-    settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
-                    .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
+    settings_->run(
+        {.check =
+             [this, listeners = requests.check_listeners](const ControllerConfig& next) {
+                 return live_.check(next).and_then([&] { return listeners(next); }).and_then([&] {
+                     return check_models(next);
+                 });
+             },
+         .apply =
+             [this, changed = requests.settings_changed](const ControllerConfig& next) {
+                 live_.apply(next);
+                 changed();
+             }});
+}
+
+Configured<void> Generation::check_models(const ControllerConfig& next) const
+{
+    if (next.nodesets == config_.nodesets) {
+        return {};
+    }
+    try {
+        NullLog no_log;
+        server::ServerEnvironment environment = around_.environment;
+        environment.log = &no_log;
+        server::ServerConfig config;
+        config.endpoints = {server::EndpointConfig{.allows_anonymous = true}};
+        auto scratch = expect(server::Server::create(config, environment));
+        SourceFiles sources;
+        load_models(scratch, next.nodesets, sources, no_log);
+        return {};
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
 }
 
 std::vector<administration::TemporaryFileTransfer> Generation::backups(const Requests& requests)
@@ -184,9 +216,12 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
 {
     auto all = backups(requests);
     if (project_ != nullptr) {
-        all.push_back(project_->transfer(
-            server_, BUSBAR_VERSION, administered_.log(),
-            [restart = requests.restart] { restart({.reason = "the project was updated"}); }));
+        all.push_back(
+            project_->transfer(server_, BUSBAR_VERSION, administered_.log(),
+                               [restart = requests.restart, may_restart = requests.may_restart] {
+                                   return may_restart().transform(
+                                       [&] { restart({.reason = "the project was updated"}); });
+                               }));
     }
     return all;
 }
@@ -204,8 +239,20 @@ Configured<void> Generation::edit(const Reading& next)
     if (done) {
         config_.machine.program = machine.program;
         config_.machine.program_text = machine.program_text;
+        use(next.settings->sources());
     }
     return done;
+}
+
+TakenOver Generation::taken_over() const
+{
+    TakenOver all;
+    all.files = settings_->sources().texts();
+    if (!settings_->waits_for_restart()) {
+        all.settings = administration::settings_document(settings_->list().changes());
+    }
+    all.project = project_ != nullptr ? project_->document() : std::string{};
+    return all;
 }
 
 void Generation::print_welcome() const

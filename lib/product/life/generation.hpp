@@ -22,6 +22,7 @@
 #include "product/machine/plant.hpp"
 #include "product/model/label_plant.hpp"
 #include "product/model/mapped_model.hpp"
+#include "product/store/taken_over.hpp"
 
 namespace busbar::product {
 
@@ -50,6 +51,12 @@ struct Requests {
     std::function<void(HardwareEvent)> hardware;
     /// The machine's memory was restored or cleared; the client has no answer yet.
     std::function<void()> memory_replaced;
+    /// Whether what restart() would take up works, and if not, why not.
+    std::function<Configured<void>()> may_restart;
+    /// Whether a server with this configuration could listen.
+    std::function<Configured<void>(const ControllerConfig& next)> check_listeners;
+    /// Settings were changed online.
+    std::function<void()> settings_changed;
 };
 
 /// Everything that is made of one reading of the configuration: a server with its users and
@@ -77,6 +84,11 @@ public:
     void halt();
     /// See Lookout.
     void look() { lookout_.look(); }
+    /// What it was made of, and what administrators have changed that is in force; without where it
+    /// listens.
+    [[nodiscard]] TakenOver taken_over() const;
+    /// These files' texts are what it runs with from now on.
+    void use(SourceFiles sources) { settings_->use(std::move(sources)); }
     /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
     /// that this takes another generation: nothing was changed.
     [[nodiscard]] Configured<void> edit(const Reading& next);
@@ -92,6 +104,8 @@ private:
     [[nodiscard]] server::Server make_server();
     void publish(const Requests& requests);
     void attach(const Requests& requests);
+    /// Whether other information models than those that are served could be.
+    [[nodiscard]] Configured<void> check_models(const ControllerConfig& next) const;
     /// A machine's backups (seed 000, 8-2 and 8-3).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     backups(const Requests& requests);
@@ -107,7 +121,7 @@ private:
     // Before the Administration, which they outlive.
     std::optional<MachineFiles> memory_files_;
     std::optional<MachineBackup> backup_;
-    std::unique_ptr<KeptProject> project_;
+    std::shared_ptr<KeptProject> project_;
     Administered administered_;
     Admission admission_;
     server::Server server_;

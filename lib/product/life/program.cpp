@@ -18,8 +18,7 @@
 #include "product/configuration/reading.hpp"
 #include "product/configuration/settings.hpp"
 #include "product/printing/prints.hpp"
-#include "running_controller.hpp"
-#include "startup.hpp"
+#include "start.hpp"
 
 namespace busbar::product {
 
@@ -36,23 +35,6 @@ int regenerate_certificate(ControllerConfig config)
                 "after a restart\n",
                 made.thumbprint_text().c_str());
     return 0;
-}
-
-/// From the configuration as it is now until the end. True if it is to start again.
-bool start(const Origin& origin)
-{
-    Reading reading = read(origin);
-    const bool was_changed = !reading.settings->list().changes().empty();
-    try {
-        return RunningController{origin, std::move(reading)}.run();
-    } catch (const ConfigError& error) {
-        // An address that is not this machine's, a model that is not there any more.
-        if (!was_changed) {
-            throw;
-        }
-        throw ConfigError{error.what(),
-                          "settings were changed online, --forget-changes drops what was"};
-    }
 }
 
 constexpr int usage_exit = 2;
@@ -139,7 +121,7 @@ int run(int argc, char** argv)
     net::give_way();
     bool starts = true;
     while (starts) {
-        starts = start(origin);
+        starts = start(origin)->run();
     }
     return 0;
 }

@@ -18,6 +18,9 @@ namespace busbar::product {
 
 namespace {
 
+/// How often it tries to listen where it is told to.
+constexpr std::chrono::seconds listening_period{5};
+
 bool has_terminal()
 {
     const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -27,10 +30,7 @@ bool has_terminal()
 Standing standing_of(const ControllerConfig& config)
 {
     Standing standing{.is_used = config.machine.is_used,
-                      .address = config.address,
-                      .port = config.port,
-                      .use = config.use,
-                      .further_listeners = config.further_listeners,
+                      .listeners = listeners_of(config),
                       .reverse_urls = config.reverse_urls,
                       .discovery = config.discovery,
                       .application_uri = {},
@@ -43,12 +43,23 @@ Standing standing_of(const ControllerConfig& config)
     return standing;
 }
 
+Unexpected<Problem> cannot_listen(const FurtherListener& listener)
+{
+    const std::string at = listener.address.empty() ? "" : " of " + listener.address;
+    return misconfigured("server.port", "cannot listen on " + std::to_string(listener.port) + at);
+}
+
 } // namespace
 
-RunningController::RunningController(Origin origin, Reading reading)
+RunningController::RunningController(Origin origin, Beginning beginning)
     : origin_{std::move(origin)}, has_terminal_{has_terminal()}
 {
-    const ControllerConfig config = reading.config;
+    Reading& reading = beginning.reading;
+    ControllerConfig& config = reading.config;
+    if (!beginning.refusal.empty()) {
+        log_.write(LogLevel::Error, "controller",
+                   beginning.refusal + "; it begins with what it ran with last");
+    }
     if (config.machine.program) {
         machine_.emplace(config, clock_, log_, [this](bool is_in) {
             loop_.post([this, is_in] { machine_->medium_is(is_in); });
@@ -63,7 +74,7 @@ RunningController::RunningController(Origin origin, Reading reading)
     }
 #endif
     standing_ = standing_of(config);
-    listen(config);
+    listen(config, beginning.last ? beginning.last->listeners : std::vector<FurtherListener>{});
     current_ =
         std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
     clients_.use(current_->clients());
@@ -72,32 +83,94 @@ RunningController::RunningController(Origin origin, Reading reading)
 }
 
 /// For clients that come, and those that wait to be connected to.
-void RunningController::listen(const ControllerConfig& config)
+void RunningController::listen(ControllerConfig& config, std::span<const FurtherListener> last)
 {
     if (!config.machine.is_used) {
         port_ = config.port;
         return;
     }
-    port_ = expect_listener({config.address, config.port, config.use});
-    for (const FurtherListener& each : config.further_listeners) {
-        static_cast<void>(expect_listener(each));
+    if (auto opened = open(standing_.listeners)) {
+        port_ = *opened;
+    } else if (last.empty() && !machine_) {
+        expect(std::move(opened)); // it never served anybody, and there is no program to go on
+    } else {
+        listen_elsewhere(config, opened.error(), last);
     }
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
     expect(loop_.connect_to_clients(reverse), "connecting to clients");
 }
 
-std::uint16_t RunningController::expect_listener(const FurtherListener& listener)
+Configured<std::uint16_t> RunningController::open(std::span<const FurtherListener> listeners)
 {
-    const auto port =
-        loop_.listen(listener.address, listener.port, static_cast<std::uint32_t>(listener.use));
-    if (!port) {
-        if (machine_) {
-            machine_->cannot_start("it cannot listen on port " + std::to_string(listener.port));
+    std::vector<std::uint16_t> ports;
+    for (const FurtherListener& each : listeners) {
+        const auto port =
+            loop_.listen(each.address, each.port, static_cast<std::uint32_t>(each.use));
+        if (!port) {
+            std::ranges::for_each(ports, [this](auto open) { loop_.stop_listening(open); });
+            return cannot_listen(each);
         }
-        throw ConfigError{Problem{port.error(), "listening", "failed"}};
+        ports.push_back(*port);
     }
-    return *port;
+    return ports.front();
+}
+
+void RunningController::listen_elsewhere(ControllerConfig& config, const Problem& problem,
+                                         std::span<const FurtherListener> last)
+{
+    elsewhere_.assign(last.begin(), last.end());
+    auto opened = last.empty() ? Unexpected{problem} : open(elsewhere_);
+    is_halted_ = !opened;
+    if (is_halted_) {
+        elsewhere_ = {{"127.0.0.1", 0, ListenerUse::Administration}};
+        opened = open(elsewhere_);
+    }
+    if (is_halted_ && machine_) {
+        machine_->cannot_start(text(problem));
+    }
+    port_ = expect(std::move(opened));
+    elsewhere_.front().port = port_;
+    log_.write(LogLevel::Error, "controller",
+               text(problem) +
+                   (is_halted_ ? "; the server halts, and administrators reach it at this machine"
+                               : "; it listens where it did last") +
+                   ", on port " + std::to_string(port_) + ", until it can");
+    set_listeners(config, elsewhere_);
+}
+
+void RunningController::listen_as_told()
+{
+    if (elsewhere_.empty() || !std::ranges::all_of(standing_.listeners, can_listen)) {
+        return;
+    }
+    const auto close_all = [this](std::span<const FurtherListener> listeners) {
+        std::ranges::for_each(listeners,
+                              [this](const auto& each) { loop_.stop_listening(each.port); });
+    };
+    const std::uint16_t port_before = port_;
+    const bool was_halted = std::exchange(is_halted_, false);
+    std::vector<FurtherListener> before = std::exchange(elsewhere_, {});
+    close_all(before);
+    try_to([&] {
+        port_ = expect(open(standing_.listeners));
+        try {
+            const TakenOver now = current_->taken_over(); // nothing else is taken up by this
+            replace(Machine::Cause::Restart,
+                    read(origin_, {now.files, now.project, !now.project.empty()}),
+                    {.reason = "it can listen where it is told to"});
+            before.clear();
+        } catch (const ConfigError&) {
+            close_all(standing_.listeners);
+            throw;
+        }
+    });
+    if (!before.empty()) {
+        static_cast<void>(open(before)); // the loop logs what fails, and it is tried again
+        elsewhere_ = std::move(before);
+        port_ = port_before;
+        is_halted_ = was_halted;
+    }
 }
 
 void RunningController::register_with_discovery_server(const ControllerConfig& config)
@@ -145,7 +218,11 @@ Requests RunningController::requests()
             },
         .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
         .hardware = [this](HardwareEvent event) { loop_.post([this, event] { happen(event); }); },
-        .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); }};
+        .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); },
+        .may_restart = [this] { return may_restart(); },
+        .check_listeners =
+            [this](const ControllerConfig& next) { return check_listeners(standing_of(next)); },
+        .settings_changed = [this] { loop_.post([this] { keep(); }); }};
 }
 
 /// Not in a callback of the server's, and of the server that serves then.
@@ -199,18 +276,47 @@ void RunningController::restart(const administration::RestartWish& wish)
     });
 }
 
+Configured<void> RunningController::may_restart()
+{
+    try {
+        return check_listeners(standing_of(read(origin_).config));
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
+}
+
+/// What is wrong is told once: it will be the same the next time.
+void RunningController::keep()
+{
+    const std::string& place = current_->config().certificates.folder;
+    if (!kept_folder_ || kept_folder_->place("") != storage::FolderStorage{place}.place("")) {
+        kept_.emplace(kept_folder_.emplace(place));
+    }
+    TakenOver now = current_->taken_over();
+    if (elsewhere_.empty()) {
+        now.listeners = standing_.listeners;
+    }
+    if (const auto kept = kept_->keep(now); !kept) {
+        log_.write(LogLevel::Warning, "controller",
+                   "what runs cannot be kept for the next start: " + text(kept.error()));
+    }
+}
+
 void RunningController::replace(Machine::Cause cause, Reading reading, net::Handover handover)
 {
     const bool has_fitting_machine =
         machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
     Standing next = standing_of(reading.config);
     if (!has_fitting_machine || !(next == standing_ || moves(next))) {
-        check_listeners(next);
+        expect(check_listeners(next));
         return start_again(handover);
     }
     const std::uint16_t port_before = port_;
-    if (!(next == standing_)) {
-        port_ = expect_port(next);
+    const bool moves_on = !(next == standing_);
+    if (moves_on) {
+        port_ = expect(open(next.listeners));
+    } else if (!elsewhere_.empty()) {
+        set_listeners(reading.config, elsewhere_);
     }
     try {
         take_over(
@@ -221,15 +327,20 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
         throw;
     }
     leave_port(port_before);
+    if (moves_on) {
+        elsewhere_.clear();
+        is_halted_ = false;
+    }
     standing_ = std::move(next);
     if (labels_) {
         labels_->download(current_->config());
     }
-    if (machine_) {
+    if (machine_ && !is_halted_) {
         machine_->replace(cause, *current_->plant().program(), current_->config());
     }
     clients_.use(current_->clients());
     renewed();
+    keep();
     leaving_.back()->print_statistics();
     current_->print_welcome();
 }
@@ -239,44 +350,30 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
 bool RunningController::moves(const Standing& next) const
 {
     Standing before = standing_;
-    before.address = next.address;
-    before.port = next.port;
-    return before == next && next.is_used && next.discovery.url.empty() && next.port != port_ &&
-           next.further_listeners.empty(); // a port is left at all addresses
-}
-
-std::uint16_t RunningController::expect_port(const Standing& next)
-{
-    const auto port = loop_.listen(next.address, next.port, static_cast<std::uint32_t>(next.use));
-    if (!port) {
-        throw ConfigError{
-            Problem{port.error(), "server.port", "cannot listen on " + std::to_string(next.port)}};
-    }
-    return *port;
+    before.listeners = next.listeners;
+    return before == next && next.is_used && next.discovery.url.empty() &&
+           next.listeners.size() == 1 && standing_.listeners.size() == 1 &&
+           next.listeners.front().port != port_; // a port is left at all addresses
 }
 
 /// Whether all can be opened, so that it is not left with none in the end. One at a port that is
 /// open now cannot be tried there: its address can.
-void RunningController::check_listeners(const Standing& next)
+Configured<void> RunningController::check_listeners(const Standing& next) const
 {
-    if (!next.is_used) {
-        return;
+    if (!next.is_used || next.listeners == standing_.listeners) {
+        return {};
     }
-    std::vector<FurtherListener> all = next.further_listeners;
-    all.insert(all.begin(), {next.address, next.port, next.use});
-    for (const FurtherListener& each : all) {
-        const bool is_open = each.port == port_ ||
-                             std::ranges::any_of(standing_.further_listeners, [&](const auto& now) {
-                                 return now.port == each.port;
-                             });
-        const auto port = loop_.listen(each.address, is_open ? std::uint16_t{0} : each.port);
-        if (!port) {
-            const std::string at = each.address.empty() ? "" : " of " + each.address;
-            throw ConfigError{Problem{port.error(), "server.port",
-                                      "cannot listen on " + std::to_string(each.port) + at}};
+    for (const FurtherListener& each : next.listeners) {
+        const auto is_open = [&](const FurtherListener& now) { return now.port == each.port; };
+        FurtherListener tried = each;
+        if (each.port == port_ || std::ranges::any_of(standing_.listeners, is_open)) {
+            tried.port = 0;
         }
-        loop_.stop_listening(*port);
+        if (!can_listen(tried)) {
+            return cannot_listen(each);
+        }
     }
+    return {};
 }
 
 void RunningController::leave_port(std::uint16_t port)
@@ -312,6 +409,7 @@ bool RunningController::download()
     const auto edited = current_->edit(reading);
     if (edited) {
         log_.write(LogLevel::Info, "controller", "edited online: " + file);
+        keep();
         return false;
     }
     check_download(reading.config, edited.error());
@@ -326,9 +424,11 @@ void RunningController::download_labels()
     if (!labels_ || origin_.file.empty()) {
         return;
     }
-    const ControllerConfig next = Settings{origin_.file, origin_.preset}.config();
-    if (labels_->download(next)) {
-        log_.write(LogLevel::Info, "controller", "downloaded: " + next.labels.program_file);
+    const Reading next = read(origin_);
+    if (labels_->download(next.config)) {
+        current_->use(next.settings->sources());
+        keep();
+        log_.write(LogLevel::Info, "controller", "downloaded: " + next.config.labels.program_file);
     }
 }
 
@@ -398,6 +498,7 @@ void RunningController::hang_up()
         }
         download_labels();
         log_.write(LogLevel::Info, "controller", current_->reload());
+        keep();
     });
 }
 
@@ -419,12 +520,17 @@ bool RunningController::run()
     });
     loop_.on_hangup([this] { hang_up(); });
     current_->print_welcome();
-    if (machine_) {
+    if (machine_ && !is_halted_) {
         machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
     }
-    const Ticker ticker{[this] {
+    keep();
+    const Ticker lookouts{[this] {
         look_soon();
         return lookout_period;
+    }};
+    const Ticker attempts{[this] {
+        loop_.post([this] { listen_as_told(); });
+        return listening_period;
     }};
     loop_.run(current_->server());
     current_->halt();

@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <busbar/core/function_ref.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/storage/folder_storage.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
@@ -17,6 +19,7 @@
 #include "product/access/current_validator.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
+#include "product/store/taken_over.hpp"
 
 namespace busbar::product {
 
@@ -24,10 +27,8 @@ namespace busbar::product {
 struct Standing {
     /// Whether clients are served at all.
     bool is_used;
-    std::string address;
-    std::uint16_t port;
-    ListenerUse use;
-    std::vector<FurtherListener> further_listeners;
+    /// Where it is told to listen.
+    std::vector<FurtherListener> listeners;
     std::vector<std::string> reverse_urls;
     DiscoveryConfig discovery;
     /// Under which it is registered with a discovery server; empty without one.
@@ -37,12 +38,24 @@ struct Standing {
     friend bool operator==(const Standing&, const Standing&) = default;
 };
 
+/// What a controller begins with.
+struct Beginning {
+    Reading reading;
+    /// What it ran with last; nothing if it never ran.
+    std::optional<TakenOver> last;
+    /// Why it begins with a part of `last` instead of what is there now; empty: it does not.
+    std::string refusal;
+};
+
 /// A controller while it runs: its listeners, its machine with life and logs, and the Generation
 /// that serves, of which another one takes the place at a restart and a download.
 class RunningController {
 public:
-    /// Listens, and makes the first generation. Throws ConfigError.
-    RunningController(Origin origin, Reading reading);
+    /// Listens, and makes the first generation. Where it is told to listen it may not be able to:
+    /// then it listens where it did last, or for administrators at this machine, and goes where it
+    /// is told to once it can; but not one that never ran and has no machine's program. Throws
+    /// ConfigError.
+    RunningController(Origin origin, Beginning beginning);
     RunningController(const RunningController&) = delete;
     RunningController& operator=(const RunningController&) = delete;
 
@@ -50,7 +63,15 @@ public:
     [[nodiscard]] bool run();
 
 private:
-    void listen(const ControllerConfig& config);
+    /// Has `config` say where it listens.
+    void listen(ControllerConfig& config, std::span<const FurtherListener> last);
+    /// At all of these or at none; the port of the first.
+    [[nodiscard]] Configured<std::uint16_t> open(std::span<const FurtherListener> listeners);
+    /// Instead of where it is told to, for the reason that the problem says.
+    void listen_elsewhere(ControllerConfig& config, const Problem& problem,
+                          std::span<const FurtherListener> last);
+    /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
+    void listen_as_told();
     void register_with_discovery_server(const ControllerConfig& config);
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
@@ -77,11 +98,11 @@ private:
     void download_labels();
     /// Whether it can go to another port while it listens at the one that it has.
     [[nodiscard]] bool moves(const Standing& next) const;
-    /// Listens there, too. Throws ConfigError.
-    [[nodiscard]] std::uint16_t expect_port(const Standing& next);
-    /// Throws ConfigError, also in the machine's log.
-    [[nodiscard]] std::uint16_t expect_listener(const FurtherListener& listener);
-    void check_listeners(const Standing& next);
+    [[nodiscard]] Configured<void> check_listeners(const Standing& next) const;
+    /// What restart() would take up: whether it could.
+    [[nodiscard]] Configured<void> may_restart();
+    /// As what it runs with.
+    void keep();
     /// If it is not the one that it has now.
     void leave_port(std::uint16_t port);
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
@@ -106,6 +127,12 @@ private:
     /// With a project of model mode.
     std::optional<LabelPlant> labels_;
     std::uint16_t port_{0};
+    /// Where it listens until it can where it is told to; empty: it does that.
+    std::vector<FurtherListener> elsewhere_;
+    /// That is for administrators at this machine only: nobody else is served.
+    bool is_halted_{false};
+    std::optional<storage::FolderStorage> kept_folder_;
+    std::optional<TakenOverFiles> kept_;
     CurrentValidator clients_;
     /// The current generation's, for the discovery server.
     std::optional<channel::ApplicationIdentity> identity_;

@@ -84,9 +84,9 @@ void add_first_account(ControllerConfig& config)
     offer_users(config);
 }
 
-Reading read(const Origin& origin)
+Reading read(const Origin& origin, Substitutes substitutes)
 {
-    Reading reading = read_sources(origin);
+    Reading reading = read_sources(origin, std::move(substitutes));
     ControllerConfig& config = reading.config;
     if (origin.file.empty()) {
         add_first_account(config);

@@ -18,12 +18,12 @@ Plant::Plant(const ControllerConfig& config) : config_{config}
     }
 }
 
-void Plant::publish(server::Server& server, LogSink& log,
+void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
                     const controller::MachineEventLog* machine_log,
                     std::function<void(HardwareEvent)> hardware)
 {
     if (config_.labels.program != nullptr) {
-        load_models(server, config_.nodesets, log);
+        load_models(server, config_.nodesets, sources, log);
         return; // the PLC is a machine of its own, of which clients see what is mapped
     }
     plc_ = program_ ? program_->make_plc(server)
@@ -36,7 +36,7 @@ void Plant::publish(server::Server& server, LogSink& log,
     const auto folder =
         program_ ? program_->publish(server, nodes.source, *machine_log)
                  : expect(controller::publish_variables(space, *plc_, nodes), "the variables");
-    load_models(server, config_.nodesets, log);
+    load_models(server, config_.nodesets, sources, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");
     if (program_ && config_.machine.simulates_hardware) {

@@ -25,9 +25,9 @@ public:
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
     /// and information models beside them. `machine_log` is there if the configuration has a
-    /// program, and must outlive it. `hardware` learns what clients tell of it. Once; throws
-    /// ConfigError.
-    void publish(server::Server& server, LogSink& log,
+    /// program, and must outlive it. `sources` has the models. `hardware` learns what clients tell
+    /// of it. Once; throws ConfigError.
+    void publish(server::Server& server, SourceFiles& sources, LogSink& log,
                  const controller::MachineEventLog* machine_log,
                  std::function<void(HardwareEvent)> hardware);
     /// From publish() on, but not with a program of labels.

@@ -1,35 +1,16 @@
 #include "program_file.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/plcopen_xml.hpp>
+#include <busbar/core/status_codes.hpp>
 
 namespace busbar::product {
 
 namespace {
 
 constexpr std::string_view xml_ending = ".xml";
-
-std::string read_text(const TomlTable& table, const std::string& key, const std::string& path)
-{
-    const controller::DeclarationLimits limits;
-    std::ifstream file{path, std::ios::binary | std::ios::ate};
-    const auto size = file ? static_cast<std::streamoff>(file.tellg()) : std::streamoff{-1};
-    if (size < 0 || std::filesystem::is_directory(path)) {
-        table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
-    }
-    if (static_cast<std::uint64_t>(size) > limits.max_text_size) {
-        table.fail(key, "a file of at most " + std::to_string(limits.max_text_size) + " bytes");
-    }
-    std::string text(static_cast<std::size_t>(size), '\0');
-    file.seekg(0);
-    file.read(text.data(), size);
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    return text;
-}
 
 controller::Program read_program(const std::string& text, const std::string& path)
 {
@@ -44,10 +25,19 @@ controller::Program read_program(const std::string& text, const std::string& pat
 ProgramFile read_program_file(const TomlTable& table, const std::string& key)
 {
     const std::string path = table.text(key);
-    ProgramFile file;
-    file.text = std::make_shared<const std::string>(read_text(table, key, path));
-    file.program = std::make_shared<const controller::Program>(read_program(*file.text, path));
-    return file;
+    const std::size_t most = controller::DeclarationLimits{}.max_text_size;
+    auto text = table.sources().text(path, most);
+    if (!text && text.error().status == status::Bad_EncodingLimitsExceeded) {
+        table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
+    }
+    if (!text) {
+        table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
+    }
+    auto& program = table.sources().program(path);
+    if (program == nullptr) {
+        program = std::make_shared<const controller::Program>(read_program(**text, path));
+    }
+    return {*std::move(text), program};
 }
 
 Problem in_file(Problem problem, const std::string& file)

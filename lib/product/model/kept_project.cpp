@@ -14,13 +14,14 @@ namespace busbar::product {
 
 namespace {
 
+using administration::SettingValues;
 using controller::Project;
 using controller::ProjectPermission;
 
 constexpr const char* kept_source = "project";
 constexpr const char* operation_mode = "model mode";
 
-void apply_users(const Project& project, UserConfig& users)
+void apply_users(const Project& project, UserConfig& users, const SettingValues& changes)
 {
     for (const controller::ProjectUser& user : project.users) {
         if (has_account(users, user.name)) {
@@ -35,34 +36,47 @@ void apply_users(const Project& project, UserConfig& users)
         }
         users.accounts.push_back(std::move(account));
     }
-    if (project.security.allows_anonymous) {
-        users.anonymous = AccountAccess::Read;
+    if (project.security.allows_anonymous && !changes.contains("users.anonymous")) {
+        users.anonymous = AccountAccess::Write;
     }
-    if (project.security.allows_certificates) {
+    if (project.security.allows_certificates && !changes.contains("users.certificates")) {
         users.certified = AccountAccess::Write;
     }
 }
 
-void apply_security(const Project& project, ControllerConfig& config)
+void apply_endpoints(const Project& project, server::ServerConfig& server)
 {
-    config.server.endpoints.clear();
+    server.endpoints.clear();
     for (const controller::MessageSecurity& each : controller::allowed_security(project.security)) {
         server::EndpointConfig endpoint;
         endpoint.security = {crypto::find_policy_by_name(each.policy), each.mode};
-        config.server.endpoints.push_back(endpoint);
+        server.endpoints.push_back(endpoint);
     }
-    config.certificates.trusts_all_clients = project.security.trusts_all_clients;
+}
+
+void apply_security(const Project& project, ControllerConfig& config, const SettingValues& changes)
+{
+    if (!changes.contains("endpoint")) {
+        apply_endpoints(project, config.server);
+    }
+    if (!changes.contains("certificates.trust_all_clients")) {
+        config.certificates.trusts_all_clients = project.security.trusts_all_clients;
+    }
 }
 
 /// The first one for data is where clients find the server: its address is in the end points.
 void apply_listeners(const std::vector<controller::ProjectListener>& listeners,
-                     ControllerConfig& config, bool keeps_port)
+                     ControllerConfig& config, const SettingValues& changes)
 {
     const auto data = std::find_if(listeners.begin(), listeners.end(), [](const auto& each) {
         return each.use != ListenerUse::Administration;
     });
-    config.address = data->address;
-    config.port = keeps_port ? config.port : static_cast<std::uint16_t>(data->port);
+    if (!changes.contains("server.address")) {
+        config.address = data->address;
+    }
+    if (!changes.contains("server.port")) {
+        config.port = static_cast<std::uint16_t>(data->port);
+    }
     config.use = data->use;
     for (auto each = listeners.begin(); each != listeners.end(); ++each) {
         if (each != data) {
@@ -75,20 +89,27 @@ void apply_listeners(const std::vector<controller::ProjectListener>& listeners,
     }
 }
 
-void apply_names(const Project& project, ControllerConfig& config)
+void apply_names(const Project& project, ControllerConfig& config, const SettingValues& changes)
 {
     SubjectNames& subject = config.certificates.subject;
-    const auto take = [](std::string& to, const std::string& from) {
-        to = from.empty() ? to : from;
+    const auto take = [&](std::string_view key, std::string& to, const std::string& from) {
+        if (!from.empty() && !changes.contains(key)) {
+            to = from;
+        }
     };
-    take(subject.common_name, project.certificate.server_name);
-    take(subject.organization, project.certificate.organization);
-    take(subject.organizational_unit, project.certificate.unit);
-    take(subject.locality, project.certificate.locality);
-    take(subject.state, project.certificate.state);
-    take(subject.country, project.certificate.country);
-    config.discovery.url = project.discovery.url;
-    config.discovery.interval = std::chrono::seconds{project.discovery.interval};
+    const auto& names = project.certificate;
+    take("certificates.common_name", subject.common_name, names.server_name);
+    take("certificates.organization", subject.organization, names.organization);
+    take("certificates.organizational_unit", subject.organizational_unit, names.unit);
+    take("certificates.locality", subject.locality, names.locality);
+    take("certificates.state", subject.state, names.state);
+    take("certificates.country", subject.country, names.country);
+    if (!changes.contains("discovery.url")) {
+        config.discovery.url = project.discovery.url;
+    }
+    if (!changes.contains("discovery.interval_s")) {
+        config.discovery.interval = std::chrono::seconds{project.discovery.interval};
+    }
     if (!project.network.host_name.empty()) {
         config.host_names.push_back(project.network.host_name);
     }
@@ -123,24 +144,38 @@ model::NodeIndex add_module(model::AddressSpace& space, const std::string& versi
 
 } // namespace
 
-KeptProject::KeptProject(const std::string& folder)
+KeptProject::KeptProject(const std::string& folder, const std::string& other, bool takes_other)
     : files_{folder}, store_{files_, "project", controller::check_models}
 {
     if (std::error_code ignored; std::filesystem::exists(folder, ignored)) {
         recovered_ = store_.recover();
     }
+    if (store_.current() != nullptr && !takes_other) {
+        served_ = *store_.current();
+    } else if (!other.empty() && (takes_other || !recovered_)) {
+        served_ = expect(controller::read_project(other, "the project that was served last"));
+        is_other_due_ = store_.current() != nullptr;
+    }
 }
 
-void KeptProject::apply(ControllerConfig& config, bool keeps_port) const
+std::string KeptProject::document() const
 {
-    if (store_.current() == nullptr) {
+    if (!served_) {
+        return {};
+    }
+    auto document = controller::document_of(*served_);
+    return document ? *std::move(document) : std::string{};
+}
+
+void KeptProject::apply(ControllerConfig& config, const SettingValues& changes) const
+{
+    if (!served_) {
         return;
     }
-    const Project& project = *store_.current();
-    apply_listeners(project.network.listeners, config, keeps_port);
-    apply_users(project, config.users);
-    apply_security(project, config);
-    apply_names(project, config);
+    apply_listeners(served_->network.listeners, config, changes);
+    apply_users(*served_, config.users, changes);
+    apply_security(*served_, config, changes);
+    apply_names(*served_, config, changes);
     offer_users(config);
 }
 
@@ -149,12 +184,14 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
 {
     PublishedProject published{{}, add_module(server.address_space(), version)};
     if (!recovered_) {
-        log.write(LogLevel::Error, kept_source, "there is none: " + text(recovered_.error()));
+        log.write(LogLevel::Error, kept_source,
+                  (served_ ? "the one that was served last is served: " : "there is none: ") +
+                      text(recovered_.error()));
     }
-    if (store_.current() == nullptr) {
+    if (!served_) {
         return published;
     }
-    const Project& project = *store_.current();
+    const Project& project = *served_;
     controller::ModelReports reports;
     const controller::ModelSet models = expect(controller::load_models(project, &reports));
     auto loaded = models.load_into(server.address_space());
@@ -171,9 +208,9 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     return published;
 }
 
-administration::TemporaryFileTransfer KeptProject::transfer(const server::Server& server,
-                                                            std::string version, LogSink& log,
-                                                            std::function<void()> restart)
+administration::TemporaryFileTransfer
+KeptProject::transfer(const server::Server& server, std::string version, LogSink& log,
+                      std::function<Configured<void>()> restart)
 {
     service_.emplace(ProjectService::Needs{
         .store = store_,
@@ -183,11 +220,8 @@ administration::TemporaryFileTransfer KeptProject::transfer(const server::Server
                 return ProjectService::ModuleStatus{
                     operation_mode, server.is_stopped() ? "Shutdown" : "Running", version};
             },
-        .update =
-            [restart = std::move(restart)] {
-                restart();
-                return Configured<void>{};
-            }});
+        .update = std::move(restart),
+        .is_update_due = is_other_due_});
     return service_->transfer();
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <busbar/administration/setting_list.hpp>
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/project_store.hpp>
 #include <busbar/server/server.hpp>
@@ -27,27 +28,40 @@ struct PublishedProject {
 class KeptProject {
 public:
     /// Reads the project; there may be none yet. One that cannot be read any more is told by
-    /// publish(), and another one can be written. `folder` is made when it is needed.
-    explicit KeptProject(const std::string& folder);
+    /// publish(), and another one can be written. `folder` is made when it is needed. `other` is
+    /// the file of a project that is served instead of one that cannot be read, or instead of any
+    /// if `takes_other`; empty: there is none.
+    explicit KeptProject(const std::string& folder, const std::string& other = {},
+                         bool takes_other = false);
 
     /// Has the configuration say what the project says: its first listener for data, host name,
-    /// users, security, certificate subject and discovery server. `keeps_port`: but for the port.
-    void apply(ControllerConfig& config, bool keeps_port) const;
+    /// users, security, certificate subject and discovery server; but for what `changes`, made
+    /// online, have said.
+    void apply(ControllerConfig& config, const administration::SettingValues& changes) const;
     /// Adds the models' nodes to the server, and the Object "Module" with OperationMode and Version
     /// (seed 001, 9.14); logs what there is to say. Throws ConfigError.
     [[nodiscard]] PublishedProject publish(server::Server& server, const std::string& version,
                                            LogSink& log) const;
-    /// Null if there is none yet.
-    [[nodiscard]] const controller::Project* project() const { return store_.current(); }
+    /// The one that is served; null if there is none yet. Another one that is written meanwhile
+    /// waits for the next KeptProject.
+    [[nodiscard]] const controller::Project* project() const
+    {
+        return served_ ? &*served_ : nullptr;
+    }
+    /// Its file; empty if there is none.
+    [[nodiscard]] std::string document() const;
     /// For AdministrationParts::file_transfers; once. All must outlive the server.
-    [[nodiscard]] administration::TemporaryFileTransfer transfer(const server::Server& server,
-                                                                 std::string version, LogSink& log,
-                                                                 std::function<void()> restart);
+    [[nodiscard]] administration::TemporaryFileTransfer
+    transfer(const server::Server& server, std::string version, LogSink& log,
+             std::function<Configured<void>()> restart);
 
 private:
     storage::FolderStorage files_;
     controller::ProjectStore store_;
     Configured<void> recovered_;
+    std::optional<controller::Project> served_;
+    /// Another one is in the store than is served.
+    bool is_other_due_{false};
     std::optional<ProjectService> service_;
 };
 

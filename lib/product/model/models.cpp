@@ -7,16 +7,23 @@
 
 namespace busbar::product {
 
-void load_models(server::Server& server, const std::vector<std::string>& files, LogSink& log)
+namespace {
+
+constexpr std::size_t max_model_size = model::NodeSetLimits{}.max_file_size;
+
+} // namespace
+
+void load_models(server::Server& server, const std::vector<std::string>& files,
+                 SourceFiles& sources, LogSink& log)
 {
     if (files.empty()) {
         return;
     }
-    std::vector<model::NodeSetSource> sources;
+    std::vector<model::NodeSetSource> models;
     for (const std::string& file : files) {
-        sources.push_back({file});
+        models.push_back({file, *expect(sources.text(file, max_model_size))});
     }
-    const auto loaded = model::load_nodesets(server.address_space(), sources);
+    const auto loaded = model::load_nodesets(server.address_space(), models);
     if (!loaded) {
         std::string lines = "the information models cannot be loaded";
         for (const Problem& problem : loaded.error()) {

@@ -6,11 +6,14 @@
 #include <busbar/core/log.hpp>
 #include <busbar/server/server.hpp>
 
+#include "product/store/source_files.hpp"
+
 namespace busbar::product {
 
 /// Adds the nodes of NodeSet2 files, given in any order, and logs what is odd in them;
-/// Server.Namespaces has their versions. Throws a
-/// ConfigError that has a line for each mistake; nothing was added then.
-void load_models(server::Server& server, const std::vector<std::string>& files, LogSink& log);
+/// Server.Namespaces has their versions. Throws a ConfigError that has a line for each mistake;
+/// nothing was added then.
+void load_models(server::Server& server, const std::vector<std::string>& files,
+                 SourceFiles& sources, LogSink& log);
 
 } // namespace busbar::product

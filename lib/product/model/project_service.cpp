@@ -79,8 +79,8 @@ std::string ProjectService::status_text() const
                         {"serverStatus", status.server_status},
                         {"version", status.version},
                         {"project", needs_.store.current() == nullptr ? "none"
-                                    : is_update_due_ ? "written, an update or restart is due"
-                                                     : "in use"}});
+                                    : needs_.is_update_due ? "written, an update or restart is due"
+                                                           : "in use"}});
     return json.take();
 }
 
@@ -155,7 +155,7 @@ Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
     if (auto written = needs_.store.replace(bytes); !written) {
         return Unexpected{std::move(written.error())};
     }
-    is_update_due_ = true;
+    needs_.is_update_due = true;
     needs_.log.write(LogLevel::Info, project_source,
                      "a project was written: " + std::to_string(bytes.size()) + " bytes");
     return std::string{R"({"written":true})"};
@@ -184,7 +184,6 @@ Configured<std::string> ProjectService::update(std::span<const std::byte> bytes)
     if (auto updated = needs_.update(); !updated) {
         return Unexpected{std::move(updated.error())};
     }
-    is_update_due_ = false;
     return std::string{R"({"updated":true})"};
 }
 

@@ -39,11 +39,13 @@ public:
         controller::ProjectStore& store;
         LogSink& log;
         std::function<ModuleStatus()> status;
-        /// Has the server take up the project that is in the store. The client has no answer yet.
+        /// Has the server take up the project that is in the store, which another ProjectService
+        /// then serves. The client has no answer yet; a problem says why it would not work.
         std::function<Configured<void>()> update;
+        /// The project that the server runs is another one than is in the store.
+        bool is_update_due{false};
     };
 
-    /// The project that the server runs is the one in the store now.
     explicit ProjectService(Needs needs);
 
     /// For AdministrationParts::file_transfers: for SecurityAdmin.
@@ -70,7 +72,6 @@ private:
 
     Needs needs_;
     Report report_;
-    bool is_update_due_{false};
 };
 
 } // namespace busbar::product

@@ -48,7 +48,8 @@ void add_nodes(server::Server& server, const ControllerConfig& config, controlle
     nodes.cycle = config.scan;
     static_cast<void>(
         expect(controller::publish_variables(server.address_space(), plc, nodes), "the variables"));
-    load_models(server, config.nodesets, log);
+    SourceFiles sources;
+    load_models(server, config.nodesets, sources, log);
 }
 
 std::string lines_of(const server::ProfileAssessment& profile)

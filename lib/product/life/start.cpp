@@ -1,0 +1,137 @@
+#include "start.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <busbar/storage/folder_storage.hpp>
+
+#include "product/configuration/toml_text.hpp"
+#include "startup.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+/// What of a TakenOver is used.
+struct Way {
+    bool takes_files;
+    bool takes_settings;
+    bool takes_project;
+};
+
+constexpr std::array ways{Way{true, false, false}, Way{false, true, false}, Way{false, false, true},
+                          Way{true, true, true}};
+
+/// The first lines of a text, up to this one, counted from 1.
+std::string_view lines_before(std::string_view text, std::size_t line)
+{
+    std::size_t end = 0;
+    for (; line > 1 && end < text.size(); --line) {
+        end = std::min(text.find('\n', end), text.size() - 1) + 1;
+    }
+    return text.substr(0, end);
+}
+
+/// The folder of certificates, as far as the file can be read: in a text that is no TOML up to
+/// where it is none.
+std::string kept_in(const Origin& origin)
+{
+    try {
+        SourceFiles sources;
+        const std::string text = read_config_text(origin.file, sources);
+        auto table = parse_toml(text);
+        if (!table) {
+            table = parse_toml(lines_before(text, table.error().line));
+        }
+        return certificate_folder(table ? *table : toml::table{});
+    } catch (const ConfigError&) {
+        return certificate_folder(toml::table{});
+    }
+}
+
+/// Puts other settings in the place of those that are there, which come back unless it is said that
+/// they are used.
+class OtherSettings {
+public:
+    OtherSettings(Storage& folder, std::string_view document) : folder_{folder}
+    {
+        const auto refused = folder_.move(Settings::file_name, refused_name, WhenThere::Replace);
+        if (!refused && refused.error() != StorageError::NotFound) {
+            return;
+        }
+        is_moved_ = refused.has_value();
+        static_cast<void>(folder_.replace(Settings::file_name, std::as_bytes(std::span{document}),
+                                          FileAccess::Owner));
+    }
+    OtherSettings(const OtherSettings&) = delete;
+    OtherSettings& operator=(const OtherSettings&) = delete;
+    ~OtherSettings()
+    {
+        if (!is_used_ && is_moved_) {
+            static_cast<void>(folder_.move(refused_name, Settings::file_name, WhenThere::Replace));
+        }
+    }
+    void use() { is_used_ = true; }
+
+private:
+    static constexpr std::string_view refused_name = "settings.json.refused";
+
+    Storage& folder_;
+    bool is_moved_{false};
+    bool is_used_{false};
+};
+
+std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin,
+                                            const TakenOver& last, Storage& folder,
+                                            const std::string& refusal)
+{
+    Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
+    if (way.takes_files) {
+        substitutes.files = last.files;
+    }
+    std::optional<OtherSettings> settings;
+    if (way.takes_settings && last.settings) {
+        settings.emplace(folder, *last.settings);
+    }
+    auto controller = std::make_unique<RunningController>(
+        origin, Beginning{read(origin, std::move(substitutes)), last, refusal});
+    if (settings) {
+        settings->use();
+    }
+    return controller;
+}
+
+} // namespace
+
+std::unique_ptr<RunningController> start(const Origin& origin)
+{
+    storage::FolderStorage folder{kept_in(origin)};
+    auto last = TakenOverFiles{folder}.read();
+    if (last && !origin.file.empty() && !last->files.contains(origin.file)) {
+        last.reset(); // of another controller, which has the same folder
+    }
+    try {
+        Substitutes substitutes{.project = last ? last->project : std::string{}};
+        return std::make_unique<RunningController>(
+            origin, Beginning{read(origin, std::move(substitutes)), last, {}});
+    } catch (const ConfigError& error) {
+        if (!last) {
+            throw;
+        }
+        for (const Way& way : ways) {
+            try {
+                return start_by(way, origin, *last, folder, error.what());
+            } catch (const ConfigError&) {
+                // The next way takes something else, and the first reason is what matters.
+            }
+        }
+        throw;
+    }
+}
+
+} // namespace busbar::product

@@ -1,0 +1,43 @@
+#include "source_files.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar::product {
+
+Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::size_t most)
+{
+    if (const auto known = texts_.find(path); known != texts_.end()) {
+        return known->second;
+    }
+    if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
+        return misconfigured(path, "found a directory, expected a file");
+    }
+    errno = 0;
+    std::ifstream file{path, std::ios::binary};
+    std::string text;
+    while (file && text.size() <= most) {
+        constexpr std::size_t piece = 64U << 10U;
+        const std::size_t before = text.size();
+        text.resize(before + piece);
+        file.read(text.data() + before, static_cast<std::streamsize>(piece));
+        text.resize(before + static_cast<std::size_t>(file.gcount()));
+    }
+    if (file.bad() || !file.is_open()) {
+        return misconfigured(path,
+                             "the file cannot be read: " + std::generic_category().message(errno),
+                             status::Bad_NotFound);
+    }
+    if (text.size() > most) {
+        return misconfigured(path, "found more than " + std::to_string(most) + " bytes",
+                             status::Bad_EncodingLimitsExceeded);
+    }
+    return texts_.emplace(path, std::make_shared<const std::string>(std::move(text))).first->second;
+}
+
+} // namespace busbar::product

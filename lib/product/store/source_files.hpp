@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <busbar/controller/program.hpp>
+#include <busbar/core/problem.hpp>
+
+namespace busbar::product {
+
+/// The text files that a configuration is made of: its own file, and the programs and information
+/// models that it names. Each is read once and remembered, so that all that is made of them later
+/// is made of the same texts, whatever lies on the disk by then. A copy remembers the same.
+class SourceFiles {
+public:
+    using Text = std::shared_ptr<const std::string>;
+    /// By their paths, as the configuration has them.
+    using Texts = std::map<std::string, Text, std::less<>>;
+
+    /// Remembers nothing yet.
+    SourceFiles() = default;
+    /// Remembers these, as if it had read them.
+    explicit SourceFiles(Texts texts) : texts_{std::move(texts)} {}
+
+    /// What the file has. Bad_NotFound if it cannot be read, Bad_ConfigurationError for a
+    /// directory, Bad_EncodingLimitsExceeded if it has more than `most` bytes.
+    [[nodiscard]] Configured<Text> text(const std::string& path, std::size_t most);
+    /// What was read so far.
+    [[nodiscard]] const Texts& texts() const { return texts_; }
+
+    /// The program that a file's text was read as, so that it need not be read again; null if it
+    /// was not yet. For read_program_file.
+    [[nodiscard]] std::shared_ptr<const controller::Program>& program(const std::string& path)
+    {
+        return programs_[path];
+    }
+
+private:
+    Texts texts_;
+    std::map<std::string, std::shared_ptr<const controller::Program>, std::less<>> programs_;
+};
+
+} // namespace busbar::product

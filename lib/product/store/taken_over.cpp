@@ -1,0 +1,169 @@
+#include "taken_over.hpp"
+
+#include <array>
+#include <charconv>
+#include <span>
+#include <utility>
+
+#include "controller/life/checksum.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+using controller::detail::checksum;
+
+constexpr std::size_t max_part_size = 256U << 20U;
+constexpr std::string_view files_name = "files";
+constexpr std::string_view settings_name = "settings";
+constexpr std::string_view project_name = "project";
+constexpr std::string_view listeners_name = "listeners";
+
+std::span<const std::byte> bytes_of(std::string_view text)
+{
+    return std::as_bytes(std::span{text});
+}
+
+/// Takes up to the next `end`, which goes, too; nothing if there is none.
+std::optional<std::string_view> take_until(std::string_view& rest, char end)
+{
+    const std::size_t at = rest.find(end);
+    if (at == std::string_view::npos) {
+        return std::nullopt;
+    }
+    const std::string_view taken = rest.substr(0, at);
+    rest.remove_prefix(at + 1);
+    return taken;
+}
+
+template <typename T>
+std::optional<T> number_in(std::optional<std::string_view> text)
+{
+    T number{};
+    if (!text) {
+        return std::nullopt;
+    }
+    const char* const end = text->data() + text->size();
+    const auto read = std::from_chars(text->data(), end, number);
+    return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
+}
+
+/// "SIZE-OF-PATH SIZE-OF-TEXT PATH" and the text, one file after the other.
+std::string text_of(const SourceFiles::Texts& files)
+{
+    std::string all;
+    for (const auto& [path, text] : files) {
+        all += std::to_string(path.size()) + " " + std::to_string(text->size()) + " " + path;
+        all += *text;
+    }
+    return all;
+}
+
+std::optional<SourceFiles::Texts> files_in(std::string_view all)
+{
+    SourceFiles::Texts files;
+    while (!all.empty()) {
+        const auto path = number_in<std::size_t>(take_until(all, ' '));
+        const auto text = number_in<std::size_t>(take_until(all, ' '));
+        if (!path || !text || *path > all.size() || *text > all.size() - *path) {
+            return std::nullopt;
+        }
+        files.emplace(all.substr(0, *path),
+                      std::make_shared<const std::string>(all.substr(*path, *text)));
+        all.remove_prefix(*path + *text);
+    }
+    return files;
+}
+
+/// "USE PORT ADDRESS", a line each.
+std::string text_of(const std::vector<FurtherListener>& listeners)
+{
+    std::string all;
+    for (const auto& each : listeners) {
+        all += std::to_string(static_cast<unsigned>(each.use)) + " " + std::to_string(each.port) +
+               " " + each.address + "\n";
+    }
+    return all;
+}
+
+std::optional<std::vector<FurtherListener>> listeners_in(std::string_view all)
+{
+    constexpr auto last_use = static_cast<unsigned>(controller::ListenerUse::Administration);
+    std::vector<FurtherListener> listeners;
+    while (!all.empty()) {
+        const auto use = number_in<unsigned>(take_until(all, ' '));
+        const auto port = number_in<std::uint16_t>(take_until(all, ' '));
+        const auto address = take_until(all, '\n');
+        if (!use || *use > last_use || !port || !address) {
+            return std::nullopt;
+        }
+        listeners.push_back(
+            {std::string{*address}, *port, static_cast<controller::ListenerUse>(*use)});
+    }
+    return listeners;
+}
+
+} // namespace
+
+Configured<void> TakenOverFiles::keep_part(std::string_view name, std::string text)
+{
+    const std::uint32_t sum = checksum(bytes_of(text));
+    if (const auto known = known_.find(name); known != known_.end() && known->second == sum) {
+        return {};
+    }
+    text = controller::detail::checksum_text(text) + "\n" + text;
+    const std::string path = storage_path(folder, name);
+    if (const auto made = storage_->make_folder(folder, FileAccess::Owner); !made) {
+        return misconfigured(storage_->place(folder), std::string{busbar::text(made.error())},
+                             status_of(made.error()));
+    }
+    if (const auto kept = storage_->replace(path, bytes_of(text), FileAccess::Owner); !kept) {
+        return misconfigured(storage_->place(path), std::string{busbar::text(kept.error())},
+                             status_of(kept.error()));
+    }
+    known_.insert_or_assign(std::string{name}, sum);
+    return {};
+}
+
+Configured<void> TakenOverFiles::keep(const TakenOver& all)
+{
+    return keep_part(files_name, text_of(all.files))
+        .and_then([&] { return keep_part(project_name, all.project); })
+        .and_then([&] {
+            return all.settings ? keep_part(settings_name, *all.settings) : Configured<void>{};
+        })
+        .and_then([&] {
+            return all.listeners.empty() ? Configured<void>{}
+                                         : keep_part(listeners_name, text_of(all.listeners));
+        });
+}
+
+std::string TakenOverFiles::part(std::string_view name)
+{
+    const auto bytes = read_file(*storage_, storage_path(folder, name), max_part_size);
+    if (!bytes) {
+        return {};
+    }
+    std::string_view rest{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    const auto sum = take_until(rest, '\n');
+    if (!sum || *sum != controller::detail::checksum_text(rest)) {
+        return {};
+    }
+    known_.insert_or_assign(std::string{name}, checksum(bytes_of(rest)));
+    return std::string{rest};
+}
+
+std::optional<TakenOver> TakenOverFiles::read()
+{
+    storage_->remove_unfinished(folder);
+    TakenOver all;
+    all.files = files_in(part(files_name)).value_or(SourceFiles::Texts{});
+    all.project = part(project_name);
+    if (std::string settings = part(settings_name); !settings.empty()) {
+        all.settings = std::move(settings);
+    }
+    all.listeners = listeners_in(part(listeners_name)).value_or(std::vector<FurtherListener>{});
+    return known_.empty() ? std::nullopt : std::optional{std::move(all)};
+}
+
+} // namespace busbar::product
