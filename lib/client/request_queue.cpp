@@ -90,8 +90,7 @@ bool RequestQueue::send_one(Connection& connection, TimePoint now)
         return true;
     }
     Result<std::uint32_t> handle = 0;
-    std::string why;
-    const StatusCode thrown = busbar::detail::caught(why, [&] {
+    const StatusCode thrown = busbar::detail::caught([&] {
         handle = connection.send_encoded(
             [&](binary::Writer& writer, const RequestHeader& header) {
                 sent.encode(writer, header);

@@ -45,8 +45,7 @@ public:
                 pending_.is_complete = false;
                 return;
             }
-            std::string why;
-            const StatusCode thrown = busbar::detail::caught(why, [&] {
+            const StatusCode thrown = busbar::detail::caught([&] {
                 ModelChange made;
                 describe(made);
                 changes.push_back(std::move(made));

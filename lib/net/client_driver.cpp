@@ -1,6 +1,7 @@
 #include "client_driver.hpp"
 
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include <asio/post.hpp>

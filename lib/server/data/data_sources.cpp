@@ -102,8 +102,8 @@ void CompletionQueue::wake()
 {
     ++wakers_running_;
     if (Waker* const waker = waker_; waker != nullptr) {
-        std::string lost; // a source cannot help it, and close() waits for this thread
-        static_cast<void>(busbar::detail::caught(lost, [&] { waker->wake(); }));
+        // A source cannot help it, and close() waits for this thread.
+        busbar::detail::attempt([&] { waker->wake(); });
     }
     --wakers_running_;
 }

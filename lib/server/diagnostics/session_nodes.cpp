@@ -162,8 +162,7 @@ void SessionNodes::remove_left()
             continue;
         }
         const model::NodeIndex object = needs_.space.resolve(entry->second.object);
-        std::string why;
-        const StatusCode thrown = busbar::detail::caught(why, [&] {
+        const StatusCode thrown = busbar::detail::caught([&] {
             if (object != model::no_node) {
                 static_cast<void>(needs_.space.remove(object));
             }

@@ -108,8 +108,7 @@ void SubscriptionNodes::remove_left()
             continue;
         }
         const model::NodeIndex element = needs_.space.resolve(entry->second.element);
-        std::string why;
-        const StatusCode thrown = busbar::detail::caught(why, [&] {
+        const StatusCode thrown = busbar::detail::caught([&] {
             if (element != model::no_node) {
                 static_cast<void>(needs_.space.remove(element));
             }

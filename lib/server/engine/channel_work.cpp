@@ -19,7 +19,7 @@ struct ChannelWork::Item final : WorkItem {
     std::shared_ptr<channel::OpenWork> work;
     /// Until it is done.
     StatusCode failure{status::Bad_OutOfMemory};
-    std::string thrown;
+    busbar::detail::ThrownText thrown;
 };
 
 ChannelWork::ChannelWork(Core& core, PeerLink& link, std::string_view address)
@@ -63,10 +63,8 @@ void ChannelWork::work_done(TimePoint now)
 {
     const auto item = std::exchange(item_, nullptr);
     if (item->failure.is_bad()) {
-        busbar::detail::attempt([&] {
-            busbar::detail::report_thrown(link_.log(), "OpenSecureChannel on a worker",
-                                          item->thrown);
-        });
+        busbar::detail::report_thrown(link_.log(), "OpenSecureChannel on a worker",
+                                      item->thrown.view());
     }
     link_.channel_work_done(item->failure, now);
 }

@@ -1,6 +1,7 @@
 #include <busbar/server/server.hpp>
 
 #include <algorithm>
+#include <string>
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
@@ -154,8 +155,7 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
 {
     impl_->latest = now;
     std::unique_ptr<detail::PeerLink> link;
-    std::string why;
-    const StatusCode thrown = busbar::detail::caught(why, [&] {
+    const StatusCode thrown = busbar::detail::caught([&] {
         if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
             return impl_->refuse(peer_address, std::move(found));
         }

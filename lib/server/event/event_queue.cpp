@@ -75,8 +75,8 @@ bool EventQueue::raise_by(Put put)
         }
         // Clients are told of a lost event too.
         if (!is_awake_.exchange(true) && waker_ != nullptr) {
-            std::string lost; // who raises cannot help it
-            static_cast<void>(busbar::detail::caught(lost, [this] { waker_->wake(); }));
+            // The caller cannot help it.
+            busbar::detail::attempt([this] { waker_->wake(); });
         }
     }
     return is_queued;

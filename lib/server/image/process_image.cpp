@@ -226,8 +226,8 @@ void ProcessImage::wake()
     // attach() finds that it is in use and waits.
     wakers_running_.fetch_add(1, std::memory_order_seq_cst);
     if (Waker* const waker = waker_.load(std::memory_order_seq_cst); waker != nullptr) {
-        std::string lost; // the PLC task cannot help it, and attach() waits for this thread
-        static_cast<void>(busbar::detail::caught(lost, [&] { waker->wake(); }));
+        // The PLC task cannot help it, and attach() waits for this thread.
+        busbar::detail::attempt([&] { waker->wake(); });
     }
     wakers_running_.fetch_sub(1, std::memory_order_release);
 }

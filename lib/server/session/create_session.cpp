@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/detail/guarded.hpp>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>

@@ -201,8 +201,7 @@ void ImageWatch::sample(const Sample& sample)
 
 bool ImageWatch::try_report(Entry& entry, const Sample& sample)
 {
-    std::string why;
-    entry.is_left_out = busbar::detail::caught(why, [&] { report(entry, sample); }).is_bad();
+    entry.is_left_out = busbar::detail::caught([&] { report(entry, sample); }).is_bad();
     entry.is_always |= entry.is_left_out; // what it has not seen is new for it still
     return !entry.is_left_out;
 }

@@ -32,9 +32,8 @@ public:
         if (list.empty() || is_full(list.front().notification_size(), limits)) {
             return;
         }
-        std::string why;
         const std::size_t begin = written();
-        const StatusCode thrown = busbar::detail::caught(why, [&] { make_room(2 * frame); });
+        const StatusCode thrown = busbar::detail::caught([&] { make_room(2 * frame); });
         if (thrown.is_bad()) {
             return lack(thrown);
         }
@@ -84,8 +83,7 @@ private:
     {
         MonitoredItem* item = nullptr;
         std::size_t end = written();
-        std::string why;
-        const StatusCode thrown = busbar::detail::caught(why, [&] {
+        const StatusCode thrown = busbar::detail::caught([&] {
             std::size_t size = list.front().notification_size();
             do {
                 make_room(size + frame);

@@ -73,7 +73,6 @@ bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,
 {
     constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
     bool is_whole = true;
-    std::string lost;
     items_.for_each([&](MonitoredItem& item) {
         if (item.kind() != MonitoredItem::Kind::Data) {
             return;
@@ -81,7 +80,7 @@ bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,
         auto& data = static_cast<ValueItem&>(item);
         if (data.target().attribute_id == value_attribute && variables.contains(data.node_id())) {
             is_whole &=
-                busbar::detail::caught(lost, [&] { data.announce_change(status_bits); }).is_good();
+                busbar::detail::caught([&] { data.announce_change(status_bits); }).is_good();
         }
     });
     return is_whole;

@@ -10,7 +10,9 @@ void PasswordCheck::run(UserStore& from)
         busbar::detail::caught(thrown, [&] { result = from.log_in(name, password.text()); });
     if (status.is_bad()) {
         result = fail(status);
-        thrown = thrown.empty() ? "an exception" : thrown;
+        if (thrown.view().empty()) {
+            thrown.set("an exception");
+        }
     }
 }
 

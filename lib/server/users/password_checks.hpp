@@ -21,8 +21,8 @@ struct PasswordCheck final : WorkItem {
     /// Which a worker asks; outlives it.
     UserStore* users{nullptr};
 
-    /// What log_in threw, if it did.
-    std::string thrown{};
+    /// What log_in threw, if it did; not empty then.
+    busbar::detail::ThrownText thrown{};
 
     /// Asks the store; takes its time.
     void run(UserStore& from);

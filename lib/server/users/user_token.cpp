@@ -143,9 +143,9 @@ LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token
 
 Login end_log_in(PasswordCheck& check)
 {
-    if (!check.thrown.empty()) { // which says nothing of the user
+    if (!check.thrown.view().empty()) { // which says nothing of the user
         return Unexpected{misuse(status::Bad_InternalError,
-                                 "UserStore::log_in threw: " + printable(check.thrown), {})};
+                                 "UserStore::log_in threw: " + printable(check.thrown.view()), {})};
     }
     if (!check.is_readable || !check.result) {
         return Unexpected{guess(

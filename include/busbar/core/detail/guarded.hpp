@@ -1,6 +1,6 @@
 #pragma once
 
-#include <string>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 #if defined(__cpp_exceptions)
@@ -16,23 +16,37 @@
 /// and nothing else.
 namespace busbar::detail {
 
+/// What an exception said, as much of it as fits: to keep it needs no memory, which may be what is
+/// missing.
+class BUSBAR_API ThrownText {
+public:
+    static constexpr std::size_t max_size = 240;
+
+    void set(std::string_view text) noexcept;
+    [[nodiscard]] std::string_view view() const noexcept { return {text_, size_}; }
+
+private:
+    std::size_t size_{0};
+    char text_[max_size];
+};
+
 /// Calls `function`: Good, or what became of it if it threw, with the exception's own words in
-/// `what`. Bad_OutOfMemory for a failed allocation, else Bad_InternalError. Compiled without
-/// exceptions it is a plain call.
+/// `what`. Bad_OutOfMemory for a failed allocation, else Bad_InternalError. Allocates nothing
+/// itself and throws nothing. Compiled without exceptions it is a plain call.
 template <typename Function>
-[[nodiscard]] StatusCode caught(std::string& what, Function&& function)
+[[nodiscard]] StatusCode caught(ThrownText& what, Function&& function)
 {
 #if defined(__cpp_exceptions)
     try {
         std::forward<Function>(function)();
     } catch (const std::bad_alloc&) {
-        what = "no memory"; // short enough to need none itself
+        what.set("no memory");
         return status::Bad_OutOfMemory;
     } catch (const std::exception& e) {
-        what = e.what();
+        what.set(e.what());
         return status::Bad_InternalError;
     } catch (...) {
-        what = "unknown exception";
+        what.set("unknown exception");
         return status::Bad_InternalError;
     }
 #else
@@ -42,12 +56,19 @@ template <typename Function>
     return status::Good;
 }
 
-/// Calls what may be left undone: nobody hears of what it throws.
+/// The same where the exception's words are of no use.
+template <typename Function>
+[[nodiscard]] StatusCode caught(Function&& function)
+{
+    ThrownText lost;
+    return caught(lost, std::forward<Function>(function));
+}
+
+/// Calls what may be left undone: what it throws is lost.
 template <typename Function>
 void attempt(Function&& function)
 {
-    std::string lost;
-    static_cast<void>(caught(lost, std::forward<Function>(function)));
+    static_cast<void>(caught(std::forward<Function>(function)));
 }
 
 /// Takes back what was begun, in its destructor, unless keep() was called.
@@ -86,10 +107,10 @@ BUSBAR_API void report_thrown(LogSink& log, std::string_view callback, std::stri
 template <typename Function>
 StatusCode guarded(LogSink& log, std::string_view callback, Function&& function)
 {
-    std::string what;
+    ThrownText what;
     const StatusCode status = caught(what, std::forward<Function>(function));
     if (status.is_bad()) {
-        report_thrown(log, callback, what);
+        report_thrown(log, callback, what.view());
     }
     return status;
 }
