@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 
 #include "support/failing_allocation.hpp"
 
@@ -99,6 +100,22 @@ TEST_CASE("a log that throws without memory ends nothing else")
         status = detail::guarded(safe, "callback", [] { throw std::bad_alloc{}; });
     });
     CHECK(status == status::Bad_OutOfMemory);
+}
+
+TEST_CASE("what a Waker throws reaches neither its caller nor those who wait for it")
+{
+    class Broken final : public Waker {
+    public:
+        void wake() override { complain(said_); }
+
+    private:
+        Talkative said_{std::string(100, 'x')};
+    };
+    Broken broken;
+    detail::WakerSlot slot{&broken};
+    without_memory([&] { slot.wake(); });
+    slot.set(nullptr);
+    CHECK(slot.is_empty());
 }
 
 } // namespace guarded_failure_test
