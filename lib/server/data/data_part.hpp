@@ -59,6 +59,9 @@ public:
     /// The one call that ends what start() began. A bad `verdict` stands for every item.
     void complete(StatusCode verdict = status::Good);
 
+    /// The CompletionQueue's.
+    Part* next{nullptr};
+
 private:
     friend class CompletionQueue;
 
@@ -75,7 +78,6 @@ private:
     std::shared_ptr<SourceEntry> source_;
     std::shared_ptr<void> memory_;
     PartOwner* owner_{nullptr};
-    Part* next_{nullptr};
 };
 
 class ReadPart : public Part {

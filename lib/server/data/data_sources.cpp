@@ -24,31 +24,12 @@ namespace detail {
 
 void CompletionQueue::push(Part& part)
 {
-    Part* before = newest_.load();
-    do {
-        part.next_ = before;
-    } while (!newest_.compare_exchange_weak(before, &part));
+    const bool was_empty = completed_.push(part);
     if (closed_) {
-        drop();
-    } else if (before == nullptr) {
-        wake();
+        drop(completed_.take());
+    } else if (was_empty) {
+        waker_.wake();
     }
-}
-
-void CompletionQueue::take()
-{
-    Part* part = newest_.exchange(nullptr);
-    Part* oldest = nullptr;
-    while (part != nullptr) {
-        Part* const next = part->next_;
-        part->next_ = oldest;
-        oldest = std::exchange(part, next);
-    }
-    Part** end = &told_next_;
-    while (*end != nullptr) {
-        end = &(*end)->next_;
-    }
-    *end = oldest;
 }
 
 void CompletionQueue::drain()
@@ -57,15 +38,19 @@ void CompletionQueue::drain()
         ~Rest()
         {
             if (queue.told_next_ != nullptr) {
-                queue.wake();
+                queue.waker_.wake();
             }
         }
         CompletionQueue& queue;
     };
     const Rest rest{*this};
-    take();
+    Part** end = &told_next_;
+    while (*end != nullptr) {
+        end = &(*end)->next;
+    }
+    *end = completed_.take();
     while (told_next_ != nullptr) {
-        Part* const part = std::exchange(told_next_, told_next_->next_);
+        Part* const part = std::exchange(told_next_, told_next_->next);
         const std::shared_ptr<void> memory = std::move(part->memory_);
         if (part->owner_ != nullptr) {
             part->owner_->part_completed(*part);
@@ -73,15 +58,10 @@ void CompletionQueue::drain()
     }
 }
 
-void CompletionQueue::drop()
-{
-    drop(newest_.exchange(nullptr));
-}
-
 void CompletionQueue::drop(Part* first)
 {
     while (first != nullptr) {
-        Part* const next = first->next_;
+        Part* const next = first->next;
         const std::shared_ptr<void> memory = std::move(first->memory_);
         first = next;
     }
@@ -91,21 +71,8 @@ void CompletionQueue::close()
 {
     closed_ = true;
     drop(std::exchange(told_next_, nullptr));
-    drop();
-    waker_ = nullptr;
-    while (wakers_running_ != 0) {
-        // A source's thread is inside Waker::wake, which does not block.
-    }
-}
-
-void CompletionQueue::wake()
-{
-    ++wakers_running_;
-    if (Waker* const waker = waker_; waker != nullptr) {
-        // A source cannot help it, and close() waits for this thread.
-        busbar::detail::attempt([&] { waker->wake(); });
-    }
-    --wakers_running_;
+    drop(completed_.take());
+    waker_.set(nullptr);
 }
 
 SourceEntry::SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -33,18 +34,13 @@ public:
     void close();
 
 private:
-    void wake();
-    void drop();
     static void drop(Part* first);
-    /// Puts what has come behind `told_next_`.
-    void take();
 
-    std::atomic<Part*> newest_{nullptr};
+    busbar::detail::HandOver<Part> completed_;
     /// Those that drain() has taken, the oldest first.
     Part* told_next_{nullptr};
     std::atomic<bool> closed_{false};
-    std::atomic<Waker*> waker_;
-    std::atomic<std::uint32_t> wakers_running_{0};
+    busbar::detail::WakerSlot waker_;
 };
 
 /// A source, while it is there, with what it was given and has not completed; shared with its
