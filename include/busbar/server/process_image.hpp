@@ -7,6 +7,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/image_memory.hpp>
@@ -201,8 +202,6 @@ private:
     friend class ImagePin;
     friend class ImageSource;
 
-    void wake();
-
     ImageLayout layout_;
     ImageOptions options_;
     ImageMemory memory_;
@@ -210,8 +209,7 @@ private:
     std::unique_ptr<detail::ImagePool> pool_;
     std::unique_ptr<detail::ImageWrites> writes_;
     std::atomic<bool> running_{false};
-    std::atomic<Waker*> waker_{nullptr};
-    std::atomic<std::uint32_t> wakers_running_{0};
+    busbar::detail::WakerSlot waker_;
 };
 
 /// Serves a process image to a server; the handles are the layout's.

@@ -12,7 +12,7 @@ ImageSource::ImageSource(std::shared_ptr<ProcessImage> image) : image_{std::move
 
 ImageSource::~ImageSource()
 {
-    image_->wake(); // items that follow the scans are to learn of it
+    image_->waker_.wake(); // items that follow the scans are to learn of it
     attach(nullptr);
     image_->writes_->drop_batches();
 }
@@ -87,10 +87,7 @@ void ImageSource::write(WriteBatch batch)
 
 void ImageSource::attach(Waker* waker)
 {
-    image_->waker_.store(waker, std::memory_order_seq_cst);
-    while (image_->wakers_running_.load(std::memory_order_seq_cst) != 0) {
-        // The task is inside Waker::wake, which does not block.
-    }
+    image_->waker_.set(waker);
 }
 
 void ImageSource::handle_completions()

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include <busbar/core/detail/guarded.hpp>
-
 #include "core/fetch.hpp"
 #include "image_pool.hpp"
 #include "image_segments.hpp"
@@ -205,7 +203,7 @@ void ProcessImage::publish(DateTime time)
     const bool is_queued = pool_->publish(memory_, *segments_, time);
     running_.store(true, std::memory_order_release);
     if (writes_->finish() || is_queued) {
-        wake();
+        waker_.wake();
     }
 }
 
@@ -217,19 +215,7 @@ void ProcessImage::halt()
         writes_->begin();
     }
     writes_->finish();
-    wake(); // who follows the scans has to learn that there are none any more
-}
-
-void ProcessImage::wake()
-{
-    // seq_cst on both, here and in ImageSource::attach: either this load finds the waker gone, or
-    // attach() finds that it is in use and waits.
-    wakers_running_.fetch_add(1, std::memory_order_seq_cst);
-    if (Waker* const waker = waker_.load(std::memory_order_seq_cst); waker != nullptr) {
-        // The PLC task cannot help it, and attach() waits for this thread.
-        busbar::detail::attempt([&] { waker->wake(); });
-    }
-    wakers_running_.fetch_sub(1, std::memory_order_release);
+    waker_.wake(); // who follows the scans has to learn that there are none any more
 }
 
 ImagePin ProcessImage::pin() const
