@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,6 +8,7 @@
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/label_program.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 
 #include "label_sampler.hpp"
 #include "value_carry.hpp"
@@ -88,7 +88,7 @@ private:
 };
 
 /// Jobs from threads to another one. Taking them is one step; giving one is repeated only if
-/// another thread has given or taken in between.
+/// another thread has given or taken in between. The taker looks without being woken.
 class LabelHandover {
 public:
     LabelHandover() = default;
@@ -96,28 +96,12 @@ public:
     LabelHandover& operator=(const LabelHandover&) = delete;
     ~LabelHandover() { static_cast<void>(take_all()); }
 
-    void give(std::unique_ptr<LabelJob> job)
-    {
-        LabelJob* const given = job.release();
-        given->next = newest_.load(std::memory_order_relaxed);
-        while (!newest_.compare_exchange_weak(given->next, given, std::memory_order_release,
-                                              std::memory_order_relaxed)) {
-        }
-    }
+    void give(std::unique_ptr<LabelJob> job) { static_cast<void>(given_.push(*job.release())); }
     /// In the order in which they were given.
-    [[nodiscard]] LabelJobs take_all()
-    {
-        LabelJob* newest = newest_.exchange(nullptr, std::memory_order_acquire);
-        LabelJob* oldest = nullptr;
-        while (newest != nullptr) {
-            LabelJob* const before = std::exchange(newest->next, oldest);
-            oldest = std::exchange(newest, before);
-        }
-        return LabelJobs{oldest};
-    }
+    [[nodiscard]] LabelJobs take_all() { return LabelJobs{given_.take()}; }
 
 private:
-    std::atomic<LabelJob*> newest_{nullptr};
+    busbar::detail::HandOver<LabelJob> given_;
 };
 
 } // namespace busbar::controller::detail

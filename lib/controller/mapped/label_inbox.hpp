@@ -1,11 +1,10 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <memory>
 
 #include <busbar/backend/label_backend.hpp>
-#include <busbar/server/waker.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 
 namespace busbar::controller::detail {
 
@@ -23,19 +22,14 @@ public:
     [[nodiscard]] std::unique_ptr<backend::LabelRequest> take();
     /// True once for all changes before.
     [[nodiscard]] bool take_change() { return has_changed_.exchange(false); }
-    /// Null: when it returns, the one before is not used any more.
-    void set_waker(server::Waker* waker);
+    [[nodiscard]] busbar::detail::WakerSlot& waker() { return waker_; }
 
 private:
-    void wake();
-
-    /// The newest, which owns those before it by `next`.
-    std::atomic<backend::LabelRequest*> newest_{nullptr};
+    busbar::detail::HandOver<backend::LabelRequest> done_;
     /// Those that take() has found, the oldest first.
     std::unique_ptr<backend::LabelRequest> found_;
     std::atomic<bool> has_changed_{false};
-    std::atomic<server::Waker*> waker_{nullptr};
-    std::atomic<std::uint32_t> wakers_running_{0};
+    busbar::detail::WakerSlot waker_;
 };
 
 } // namespace busbar::controller::detail

@@ -102,7 +102,7 @@ void MappedSource::monitoring_changed(std::span<const server::Monitoring> change
 
 void MappedSource::attach(server::Waker* waker)
 {
-    core_->inbox().set_waker(waker);
+    core_->inbox().waker().set(waker);
 }
 
 void MappedSource::handle_completions()
