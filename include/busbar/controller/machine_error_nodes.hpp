@@ -1,12 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <mutex>
 #include <span>
 
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/server.hpp>
 
@@ -63,8 +63,7 @@ private:
     model::NodeHandle code_;
     model::NodeHandle current_;
     std::atomic<bool> is_stale_{false};
-    std::mutex mutex_; // of the waker
-    server::Waker* waker_{nullptr};
+    busbar::detail::WakerSlot waker_;
 };
 
 } // namespace busbar::controller

@@ -125,10 +125,7 @@ Result<void> MachineErrorNodes::add_nodes(model::AddressSpace& space, const Mach
 void MachineErrorNodes::refresh()
 {
     is_stale_ = true;
-    const std::lock_guard lock{mutex_};
-    if (waker_ != nullptr) {
-        waker_->wake();
-    }
+    waker_.wake();
 }
 
 void MachineErrorNodes::read(server::ReadBatch batch)
@@ -138,8 +135,7 @@ void MachineErrorNodes::read(server::ReadBatch batch)
 
 void MachineErrorNodes::attach(server::Waker* waker)
 {
-    const std::lock_guard lock{mutex_};
-    waker_ = waker;
+    waker_.set(waker);
 }
 
 void MachineErrorNodes::handle_completions()

@@ -10,13 +10,12 @@ namespace busbar::server::detail {
 
 WorkQueue::WorkQueue(Waker* waker) : done_{std::make_shared<Done>()}
 {
-    done_->waker = waker;
+    done_->waker.set(waker);
 }
 
 WorkQueue::~WorkQueue()
 {
-    const std::lock_guard lock{done_->mutex};
-    done_->waker = nullptr;
+    done_->waker.set(nullptr);
 }
 
 bool WorkQueue::start(const std::shared_ptr<WorkItem>& item,
@@ -118,11 +117,11 @@ void WorkQueue::Done::work()
         return;
     }
     busbar::detail::attempt([&] { taken.front()->run(); });
-    const std::lock_guard lock{mutex};
-    done.splice(done.end(), taken);
-    if (waker != nullptr) {
-        waker->wake();
+    {
+        const std::lock_guard lock{mutex};
+        done.splice(done.end(), taken);
     }
+    waker.wake();
 }
 
 void WorkQueue::drain(TimePoint now)

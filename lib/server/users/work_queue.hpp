@@ -8,6 +8,7 @@
 #include <string>
 
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/status_code.hpp>
 #include <busbar/server/waker.hpp>
@@ -61,7 +62,7 @@ public:
     ~WorkQueue();
 
     /// False if there is no way back from a worker.
-    [[nodiscard]] bool has_way_back() const { return done_->waker != nullptr; }
+    [[nodiscard]] bool has_way_back() const { return !done_->waker.is_empty(); }
     /// Has a worker do it by `run`, which is Worker::run; its owner is told later. False if there
     /// is no room and nobody else has more waiting.
     [[nodiscard]] bool start(const std::shared_ptr<WorkItem>& item,
@@ -85,8 +86,8 @@ private:
         [[nodiscard]] Items take_greediest();
         [[nodiscard]] std::size_t count_from(const WorkItem& item) const;
 
-        std::mutex mutex;
-        Waker* waker;
+        busbar::detail::WakerSlot waker;
+        std::mutex mutex; // of what follows
         /// The oldest first.
         Items waiting;
         /// Jobs that the worker has not begun: not fewer than wait, as some was forgotten.
