@@ -194,7 +194,7 @@ Configured<void> UserList::load()
         }
     }
     const std::lock_guard lock{mutex_};
-    publish(users);
+    passwords_->apply(publication(users));
     users_ = std::move(users);
     return {};
 }
@@ -244,29 +244,32 @@ Checked<std::string> UserList::hash(std::string_view name, std::string_view pass
     return *std::move(hashed);
 }
 
-void UserList::publish(const std::vector<User>& users)
+server::PasswordUsers::Change UserList::publication(const std::vector<User>& users) const
 {
+    server::PasswordUsers::Change change;
     for (const User& user : users_) {
         const bool stays = std::any_of(users.begin(), users.end(),
                                        [&](const User& each) { return each.name == user.name; });
         if (!stays) {
-            passwords_->remove(user.name);
+            change.remove(user.name);
         }
     }
     for (const User& user : users) {
         if (has(user, user_bit::disabled)) {
-            passwords_->remove(user.name);
+            change.remove(user.name);
             continue;
         }
         // It fails for what is no hash only, which none of them is.
-        static_cast<void>(passwords_->set(user.name, user.password_hash,
-                                          {detail::access_of(user.roles), user.roles,
-                                           has(user, user_bit::must_change_password)}));
+        static_cast<void>(change.set(user.name, user.password_hash,
+                                     {detail::access_of(user.roles), user.roles,
+                                      has(user, user_bit::must_change_password)}));
     }
+    return change;
 }
 
 Checked<void> UserList::replace(std::vector<User> users)
 {
+    auto change = publication(users);
     const std::string document = document_of(users);
     const auto written = storage_->replace(
         file_, std::as_bytes(std::span{document.data(), document.size()}), FileAccess::Owner);
@@ -278,7 +281,7 @@ Checked<void> UserList::replace(std::vector<User> users)
              {},
              "Nothing was changed"});
     }
-    publish(users);
+    passwords_->apply(std::move(change));
     users_ = std::move(users);
     return {};
 }

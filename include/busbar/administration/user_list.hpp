@@ -104,7 +104,7 @@ private:
                                             crypto::Random& random) const;
     /// Writes the file, and then makes `users` the ones that count.
     [[nodiscard]] Checked<void> replace(std::vector<User> users);
-    void publish(const std::vector<User>& users);
+    [[nodiscard]] server::PasswordUsers::Change publication(const std::vector<User>& users) const;
 
     Storage* storage_;
     std::string file_;

@@ -5,6 +5,8 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
@@ -18,7 +20,28 @@ namespace busbar::server {
 /// by default some tens of milliseconds and 16.8 MB (PasswordRules::cost); a name that is not there
 /// costs what one of the users does. See set_worker. Any thread.
 class BUSBAR_API PasswordUsers final : public UserStore {
+    struct User {
+        std::string password_hash;
+        UserRights rights;
+    };
+    using Users = std::map<std::string, User, std::less<>>;
+
 public:
+    /// Users to set and to remove together.
+    class BUSBAR_API Change {
+    public:
+        /// As PasswordUsers::set.
+        [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
+                                       UserRights rights = {});
+        void remove(std::string name) { gone_.push_back(std::move(name)); }
+
+    private:
+        friend class PasswordUsers;
+
+        Users set_;
+        std::vector<std::string> gone_;
+    };
+
     explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
 
     /// Adds a user with a password. Bad_InvalidArgument if name or password break the rules,
@@ -38,6 +61,8 @@ public:
     /// for an empty name or for a text that is no hash.
     [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                    UserRights rights = {});
+    /// Does all of it, and needs no memory for that: what was stored before is then in force.
+    void apply(Change change) noexcept;
     /// What to store of the user; empty if there is no such user.
     [[nodiscard]] std::string password_hash(std::string_view name) const;
     void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
@@ -51,13 +76,9 @@ public:
     [[nodiscard]] UserIdentity anonymous() const override;
 
 private:
-    struct User {
-        std::string password_hash;
-        UserRights rights;
-    };
     PasswordRules rules_;
     mutable std::mutex mutex_; // of users_
-    std::map<std::string, User, std::less<>> users_;
+    Users users_;
     std::uint8_t anonymous_{anonymous_reader().access_level_mask};
     Worker* worker_{nullptr};
 };

@@ -78,14 +78,34 @@ bool PasswordUsers::remove(std::string_view name)
     return true;
 }
 
-Result<void> PasswordUsers::set(std::string name, std::string password_hash, UserRights rights)
+Result<void> PasswordUsers::Change::set(std::string name, std::string password_hash,
+                                        UserRights rights)
 {
     if (name.empty() || !crypto::is_password_hash(password_hash)) {
         return fail(status::Bad_InvalidArgument);
     }
-    const std::lock_guard lock{mutex_};
-    users_.insert_or_assign(std::move(name), User{std::move(password_hash), std::move(rights)});
+    set_.insert_or_assign(std::move(name), User{std::move(password_hash), std::move(rights)});
     return {};
+}
+
+Result<void> PasswordUsers::set(std::string name, std::string password_hash, UserRights rights)
+{
+    Change change;
+    auto set = change.set(std::move(name), std::move(password_hash), std::move(rights));
+    if (set) {
+        apply(std::move(change));
+    }
+    return set;
+}
+
+void PasswordUsers::apply(Change change) noexcept
+{
+    const std::lock_guard lock{mutex_};
+    for (const std::string& name : change.gone_) {
+        users_.erase(name);
+    }
+    change.set_.merge(users_); // those that are not set again
+    users_.swap(change.set_);
 }
 
 std::string PasswordUsers::password_hash(std::string_view name) const
