@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 
 namespace busbar::administration::detail {
@@ -79,10 +80,10 @@ void Transaction::set_trust_list(std::size_t group, crypto::TrustList list,
     const auto before = std::find_if(lists_.begin(), lists_.end(),
                                      [&](const NewList& each) { return each.group == group; });
     if (before != lists_.end()) {
-        parts = both(parts, before->parts);
-        lists_.erase(before);
+        *before = {group, std::move(list), both(parts, before->parts)};
+    } else {
+        lists_.push_back({group, std::move(list), parts});
     }
-    lists_.push_back({group, std::move(list), parts});
 }
 
 void Transaction::set_own_certificate(crypto::OwnCertificate own)
@@ -144,20 +145,24 @@ Checked<void> Transaction::write(FileTransaction& change, std::string_view appli
 
 Checked<Transaction::Changed> Transaction::apply(std::string_view application_uri)
 {
+    Changed changed;
+    for (const NewList& each : lists_) {
+        changed.groups.push_back(each.group);
+    }
     FileTransaction change{*files_.files, transaction_folder};
     if (auto written = write(change, application_uri); !written) {
         end(written.error().status);
         return refuse(std::move(written).error());
     }
-    Changed changed;
-    for (const NewList& each : lists_) {
-        ++groups_[each.group].version;
-        changed.groups.push_back(each.group);
+    for (const std::size_t group : changed.groups) {
+        ++groups_[group].version;
     }
     if (own_) {
-        // Gives the new key its name.
-        const crypto::OwnCertificateStore store{*files_.files};
-        static_cast<void>(store.load(application_uri));
+        // Gives the new key its name; a later load does it otherwise.
+        busbar::detail::attempt([&] {
+            const crypto::OwnCertificateStore store{*files_.files};
+            static_cast<void>(store.load(application_uri));
+        });
         changed.own = std::move(own_);
     }
     end(status::Good);

@@ -9,6 +9,7 @@
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/node_id.hpp>
+#include <busbar/core/status_codes.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/trust_list.hpp>
 #include <busbar/types/configuration.hpp>
@@ -105,6 +106,34 @@ private:
     std::vector<NodeId> trust_lists_;
     std::vector<NodeId> affected_groups_;
     std::vector<TransactionErrorType> errors_;
+};
+
+/// Enters a Transaction. One that this begins is over again with it, unless keep() was called when
+/// something was changed: what fails leaves no transaction that keeps others out.
+class TransactionEntry {
+public:
+    TransactionEntry(Transaction& transaction, const Holder& holder)
+        : transaction_{transaction},
+          is_undone_{!transaction.is_active()}, status_{transaction.enter(holder)}
+    {
+    }
+    TransactionEntry(const TransactionEntry&) = delete;
+    TransactionEntry& operator=(const TransactionEntry&) = delete;
+    ~TransactionEntry()
+    {
+        if (is_undone_) {
+            transaction_.cancel(StatusCode{busbar::status::Bad_ResourceUnavailable});
+        }
+    }
+
+    /// That of Transaction::enter.
+    [[nodiscard]] StatusCode status() const { return status_; }
+    void keep() { is_undone_ = false; }
+
+private:
+    Transaction& transaction_;
+    bool is_undone_;
+    StatusCode status_;
 };
 
 /// Finishes what an earlier change of the folder has decided; before anything is staged.
