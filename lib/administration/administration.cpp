@@ -19,13 +19,26 @@
 namespace busbar::administration {
 
 struct Administration::Impl {
-    explicit Impl(const AdministrationParts& p) : parts{p}, table{*p.wall_clock}
+    explicit Impl(const AdministrationParts& p)
+        : parts{p}, table{*p.wall_clock, *p.log},
+          changed{table.add_signal([this] {
+              if (parts.changed) {
+                  parts.changed();
+              }
+          })},
+          files_changed{table.add_signal([this] {
+              for (detail::FileNodes& files : file_nodes) {
+                  files.refresh();
+              }
+          })}
     {
-        table.after_change(parts.changed);
     }
 
     AdministrationParts parts;
     detail::NodeTable table;
+    /// Users or roles are others.
+    detail::NodeTable::Signal& changed;
+    detail::NodeTable::Signal& files_changed;
     std::optional<detail::RoleSet> role_set;
     std::optional<detail::ServerConfiguration> server_configuration;
     std::optional<detail::UserManagement> user_management;
@@ -93,7 +106,7 @@ Configured<void> Administration::Impl::attach(server::Server& server)
 {
     table.set_server(server);
     if (parts.roles != nullptr) {
-        role_set.emplace(server, *parts.roles, table, *parts.log);
+        role_set.emplace(server, *parts.roles, table, changed, *parts.log);
         if (auto attached = role_set->attach(); !attached) {
             return attached;
         }
@@ -123,14 +136,16 @@ Configured<void> Administration::Impl::attach(server::Server& server)
 Configured<void> Administration::Impl::attach_files(server::Server& server)
 {
     for (const FileSystem& files : parts.file_systems) {
-        if (auto attached = file_nodes.emplace_back(server, files, *parts.wall_clock).add_nodes();
+        if (auto attached = 
+                file_nodes.emplace_back(server, files, *parts.wall_clock, *parts.log).add_nodes();
             !attached) {
             return attached;
         }
     }
     for (const TemporaryFileTransfer& transfer : parts.file_transfers) {
         auto& nodes = transfer_nodes.emplace_back(
-            detail::TransferNodes::Needs{server, transfer, *parts.random, *parts.wall_clock});
+            detail::TransferNodes::Needs{server, transfer, *parts.random, *parts.wall_clock,
+                                         *parts.log});
         if (auto attached = nodes.add_nodes(); !attached) {
             return attached;
         }
@@ -161,7 +176,8 @@ Configured<void> Administration::Impl::attach_certificates(server::Server& serve
     if (parts.users == nullptr) {
         return {};
     }
-    user_management.emplace(server, *parts.users, table, *parts.log, *parts.random, parts.worker);
+    user_management.emplace(detail::UserManagement::Needs{
+        server, *parts.users, table, changed, *parts.log, *parts.random, parts.worker});
     return user_management->attach();
 }
 
@@ -171,6 +187,10 @@ Configured<void> Administration::attach(server::Server& server)
         return checked;
     }
     server.add_source(impl_->table);
+    if (!impl_->table.has_way_back()) {
+        return misconfigured("waker", "is missing in the server's environment: Methods that end "
+                                      "later have no way back to the server's thread");
+    }
     auto attached = impl_->attach(server);
     if (attached && impl_->parts.authorities == Authorities::FiveLevels) {
         detail::give_authorities(server.address_space());
@@ -180,11 +200,7 @@ Configured<void> Administration::attach(server::Server& server)
 
 void Administration::refresh_files()
 {
-    impl_->table.post([impl = impl_.get()] {
-        for (detail::FileNodes& files : impl->file_nodes) {
-            files.refresh();
-        }
-    });
+    impl_->table.raise(impl_->files_changed);
 }
 
 } // namespace busbar::administration

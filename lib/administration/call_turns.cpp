@@ -3,25 +3,30 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/server/waker.hpp>
 
 namespace busbar::administration::detail {
 
-void CallTurns::attach(server::Waker* waker)
-{
-    const std::lock_guard lock{mutex_};
-    waker_ = waker;
-}
-
 bool CallTurns::wake()
 {
-    const std::lock_guard lock{mutex_};
     if (waker_ == nullptr) {
         return false;
     }
-    waker_->wake();
+    busbar::detail::attempt([this] { waker_->wake(); });
     return true;
+}
+
+void CallTurns::serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)
+{
+    const StatusCode thrown =
+        busbar::detail::guarded(*log_, "a Method of administration", [&] { serve_(batch, index); });
+    // Which is what it answers if nobody said anything else.
+    StatusCode& answer = batch->results()[index].status;
+    if (thrown.is_bad() && answer == status::Bad_InternalError) {
+        answer = thrown;
+    }
 }
 
 CallTurns::Line* CallTurns::find(const Holder& holder)
@@ -36,25 +41,27 @@ void CallTurns::add(server::CallBatch batch)
     const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
     const Holder holder =
         server_ != nullptr ? holder_of(*server_, shared->caller().session_id) : Holder{};
-    std::size_t next = 0;
     if (Line* const line = find(holder); line != nullptr) {
-        line->calls.push_back({shared, next});
+        line->calls.push_back({shared, 0});
         return;
     }
-    const std::size_t count = shared->size();
-    serve_(shared, next++);
-    if (next == count) {
+    // What needs memory comes before the first Method is done.
+    std::list<Line> line;
+    if (shared->size() > 1) {
+        line.push_back({holder, {}});
+        line.back().calls.push_back({shared, 1});
+    }
+    serve(shared, 0);
+    if (line.empty()) {
         return;
     }
-    if (server_ == nullptr || !wake()) {
-        while (next < count) {
-            serve_(shared, next++);
-        }
+    if (server_ != nullptr && wake()) {
+        lines_.splice(lines_.end(), line);
         return;
     }
-    Line line{holder, {}};
-    line.calls.push_back({shared, next});
-    lines_.push_back(std::move(line));
+    for (std::size_t next = 1; next < shared->size(); ++next) {
+        serve(shared, next);
+    }
 }
 
 void CallTurns::serve_next()
@@ -80,7 +87,7 @@ void CallTurns::serve_next()
         static_cast<void>(wake());
     }
     if (is_there(*server_, holder)) {
-        serve_(batch, index);
+        serve(batch, index);
     } else {
         server::MethodCall{batch, index}.fail(status::Bad_SessionClosed);
     }

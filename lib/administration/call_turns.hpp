@@ -5,8 +5,8 @@
 #include <functional>
 #include <list>
 #include <memory>
-#include <mutex>
 
+#include <busbar/core/log.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/method.hpp>
 
@@ -20,22 +20,23 @@ namespace busbar::administration::detail {
 ///
 /// The first Method of a session that has nothing waiting is served at once. Methods of one session
 /// are served in the order in which they came. What waits for a session that is over, or that has
-/// another user by then, answers Bad_SessionClosed and is not done.
+/// another user by then, answers Bad_SessionClosed and is not done. A Method that throws answers
+/// Bad_OutOfMemory or Bad_InternalError, unless it was answered, and the log is told.
 ///
-/// On the server's thread, but attach().
+/// On the server's thread.
 class CallTurns {
 public:
     /// Serves the Method with this index, now or later.
     using Serve =
         std::function<void(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)>;
 
-    explicit CallTurns(Serve serve) : serve_{std::move(serve)} {}
+    CallTurns(Serve serve, LogSink& log) : serve_{std::move(serve)}, log_{&log} {}
 
     /// Names the server whose sessions call; to be called before the first add(). Without a server
     /// all Methods are served at once.
     void set_server(server::Server& server) { server_ = &server; }
     /// As DataSource::attach.
-    void attach(server::Waker* waker);
+    void attach(server::Waker* waker) { waker_ = waker; }
 
     void add(server::CallBatch batch);
     /// Serves one of those that wait, and wakes the server again if there are more.
@@ -54,11 +55,12 @@ private:
     [[nodiscard]] Line* find(const Holder& holder);
     /// False without a Waker.
     bool wake();
+    void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
 
     Serve serve_;
+    LogSink* log_;
     server::Server* server_{nullptr};
     std::list<Line> lines_; // the next one in front; none is without calls
-    std::mutex mutex_;      // of what follows
     server::Waker* waker_{nullptr};
 };
 

@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 
 #include "file_nodes.hpp"
@@ -80,6 +81,9 @@ void FileNodes::expire()
 void FileNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index)
 {
     expire();
+    if (is_stale_) {
+        refresh();
+    }
     MethodCall call{batch, index};
     const std::string* const path = path_of(call.object_id());
     const auto method = static_cast<std::size_t>(batch->items()[index].handle);
@@ -118,12 +122,19 @@ void FileNodes::close(MethodCall& call, const std::string& path)
 
 void FileNodes::read_file(MethodCall& call, const std::string& path)
 {
-    const auto bytes = open_.read({path, call.input<std::uint32_t>(0), holder_of(server_, call)},
-                                  call.input<std::int32_t>(1));
+    const Holder holder = holder_of(server_, call);
+    const OpenFiles::Key key{path, call.input<std::uint32_t>(0), holder};
+    // Read again if the client does not get it.
+    busbar::detail::Undo undo{[&, before = open_.position(key)] {
+        static_cast<void>(before ? open_.set_position(key, *before) : before.error());
+    }};
+    const auto bytes = open_.read(key, call.input<std::int32_t>(1));
     if (!bytes) {
         return call.fail(bytes.error());
     }
-    call.succeed(one_output(Variant{ByteString{*bytes}}));
+    auto outputs = one_output(Variant{ByteString{*bytes}});
+    undo.keep();
+    call.succeed(std::move(outputs));
 }
 
 void FileNodes::write_file(MethodCall& call, const std::string& path)
@@ -172,12 +183,15 @@ void FileNodes::create_directory(MethodCall& call, const std::string& path)
     if (!made) {
         return call.fail(made.error());
     }
+    auto outputs = one_output(Variant{node_id(*made)});
+    busbar::detail::Undo undo{[&] { undo_creation(*made); }};
     const auto stored = files_.storage->make_folder(*made, FileAccess::Owner);
     refresh();
+    undo.keep();
     if (!stored) {
         return call.fail(status_of(stored.error()));
     }
-    call.succeed(one_output(Variant{node_id(*made)}));
+    call.succeed(std::move(outputs));
 }
 
 void FileNodes::create_file(MethodCall& call, const std::string& path)
@@ -186,26 +200,34 @@ void FileNodes::create_file(MethodCall& call, const std::string& path)
     if (!made) {
         return call.fail(made.error());
     }
+    busbar::detail::Undo undo{[&] { undo_creation(*made); }};
     const auto stored = files_.storage->replace(*made, {}, FileAccess::Owner);
     refresh();
     if (!stored) {
+        undo.keep();
         return call.fail(status_of(stored.error()));
     }
     std::uint32_t handle = 0;
-    if (call.input<bool>(1)) {
-        const auto opened = open_.open(*made, open_read | open_write, holder_of(server_, call));
-        if (!opened) {
-            // As if it had not been asked for.
-            static_cast<void>(files_.storage->remove(*made));
-            refresh();
-            return call.fail(opened.error());
-        }
-        handle = *opened;
-    }
     Array<Variant> outputs;
     outputs.push_back(Variant{node_id(*made)});
     outputs.push_back(Variant{handle});
+    if (call.input<bool>(1)) {
+        const auto opened = open_.open(*made, open_read | open_write, holder_of(server_, call));
+        if (!opened) {
+            return call.fail(opened.error());
+        }
+        handle = *opened;
+        outputs[1] = Variant{handle};
+    }
+    undo.keep();
     call.succeed(std::move(outputs));
+}
+
+/// As if it had not been asked for.
+void FileNodes::undo_creation(const std::string& path)
+{
+    static_cast<void>(files_.storage->remove(path));
+    refresh();
 }
 
 StatusCode FileNodes::remove_all(const std::string& path, StorageEntry::Kind kind)
@@ -243,7 +265,7 @@ void FileNodes::delete_entry(MethodCall& call, const std::string& path)
         return call.fail(status::Bad_InvalidState);
     }
     const StatusCode removed = remove_all(std::string{*child}, entries_.find(*child)->second.kind);
-    refresh();
+    refresh_soon();
     answer(call, removed);
 }
 
@@ -327,12 +349,13 @@ void FileNodes::move_or_copy(MethodCall& call, const std::string& path)
     if (copies && entries_.size() + entries_below(from) > files_.limits.max_entries + 1) {
         return call.fail(status::Bad_ResourceUnavailable);
     }
+    auto outputs = one_output(Variant{node_id(*to)});
     const StatusCode done = transfer(from, *to, entries_.find(from)->second.kind, copies);
-    refresh();
+    refresh_soon();
     if (done.is_bad()) {
         return call.fail(done);
     }
-    call.succeed(one_output(Variant{node_id(*to)}));
+    call.succeed(std::move(outputs));
 }
 
 } // namespace busbar::administration::detail

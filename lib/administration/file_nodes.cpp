@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "node_table.hpp"
@@ -67,12 +68,14 @@ std::string_view folder_of(std::string_view path)
     return end == std::string_view::npos ? std::string_view{} : path.substr(0, end);
 }
 
-FileNodes::FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock)
+FileNodes::FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock,
+                     LogSink& log)
     : server_{server}, space_{server.address_space()}, files_{files}, clock_{clock},
       open_{*files.storage, files.limits}, turns_{
                                                [this](
                                                    const std::shared_ptr<server::CallBatch>& batch,
-                                                   std::size_t index) { serve(batch, index); }}
+                                                   std::size_t index) { serve(batch, index); },
+                                               log}
 {
     turns_.set_server(server);
 }
@@ -227,7 +230,22 @@ Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t numbe
     return {};
 }
 
-bool FileNodes::add_entry(const std::string& path, Entry& entry)
+/// Without an entry that has no node, and the other way round.
+void FileNodes::add_entry(const std::string& path, Entry entry)
+{
+    const auto place = entries_.emplace(path, entry).first;
+    busbar::detail::Undo undo{[&] {
+        if (const model::NodeIndex node = space_.find(node_id(path)); node != model::no_node) {
+            static_cast<void>(space_.remove(node));
+        }
+        entries_.erase(place);
+    }};
+    if (add_entry_nodes(path, place->second)) {
+        undo.keep();
+    }
+}
+
+bool FileNodes::add_entry_nodes(const std::string& path, Entry& entry)
 {
     model::NewNode node;
     node.id = node_id(path);
@@ -242,28 +260,29 @@ bool FileNodes::add_entry(const std::string& path, Entry& entry)
         return added.has_value();
     }
     if (free_numbers_.empty()) {
-        free_numbers_.push_back(static_cast<std::uint32_t>(paths_.size()));
+        free_numbers_.reserve(paths_.size() + 1);
         paths_.emplace_back();
+        free_numbers_.push_back(static_cast<std::uint32_t>(paths_.size() - 1));
     }
     entry.number = free_numbers_.back();
+    std::string own_path = path;
     if (!add_file(node, entry.number)) {
-        static_cast<void>(space_.remove(space_.find(node.id)));
         return false;
     }
     free_numbers_.pop_back();
-    paths_[entry.number] = path;
+    paths_[entry.number] = std::move(own_path);
     return true;
 }
 
 void FileNodes::remove_entry(const std::string& path)
 {
+    if (const model::NodeIndex node = space_.find(node_id(path)); node != model::no_node) {
+        static_cast<void>(space_.remove(node));
+    }
     const auto found = entries_.find(path);
     if (found->second.kind == StorageEntry::Kind::File) {
         paths_[found->second.number].clear();
         free_numbers_.push_back(found->second.number);
-    }
-    if (const model::NodeIndex node = space_.find(node_id(path)); node != model::no_node) {
-        static_cast<void>(space_.remove(node));
     }
     entries_.erase(found);
 }
@@ -292,8 +311,10 @@ bool FileNodes::collect(const std::string& folder, std::size_t depth, Entries& f
 void FileNodes::refresh()
 {
     Entries found;
+    is_stale_ = true;
     found.emplace("", Entry{StorageEntry::Kind::Folder, 0});
     if (!collect("", 1, found)) {
+        is_stale_ = false;
         return; // what cannot be read now is not gone
     }
     std::vector<std::string> gone;
@@ -306,11 +327,16 @@ void FileNodes::refresh()
     // What is in a folder before the folder.
     std::for_each(gone.rbegin(), gone.rend(), [&](const std::string& path) { remove_entry(path); });
     for (auto& [path, entry] : found) {
-        if (!entries_.contains(path) && entries_.contains(folder_of(path)) &&
-            add_entry(path, entry)) {
-            entries_.emplace(path, entry);
+        if (!entries_.contains(path) && entries_.contains(folder_of(path))) {
+            add_entry(path, entry);
         }
     }
+    is_stale_ = false;
+}
+
+void FileNodes::refresh_soon()
+{
+    busbar::detail::attempt([this] { refresh(); });
 }
 
 } // namespace busbar::administration::detail

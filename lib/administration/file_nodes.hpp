@@ -26,7 +26,8 @@ enum class FileRight : std::uint8_t { Read, Write, Delete };
 /// each kind for all of them.
 class FileNodes final : public server::DataSource {
 public:
-    FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock);
+    FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock,
+              LogSink& log);
 
     /// The problem is one of the namespace, which is too small, or of nodes that are there already.
     [[nodiscard]] Configured<void> add_nodes();
@@ -60,8 +61,11 @@ private:
     [[nodiscard]] Configured<void> add_methods();
     /// False if the medium cannot be read.
     [[nodiscard]] bool collect(const std::string& folder, std::size_t depth, Entries& found);
-    [[nodiscard]] bool add_entry(const std::string& path, Entry& entry);
+    void add_entry(const std::string& path, Entry entry);
+    [[nodiscard]] bool add_entry_nodes(const std::string& path, Entry& entry);
     void remove_entry(const std::string& path);
+    /// The same where the medium has changed already: what fails is done before the next Method.
+    void refresh_soon();
     [[nodiscard]] NodeId node_id(std::string_view path) const;
     /// The path of one of our Objects; nothing for other nodes.
     [[nodiscard]] const std::string* path_of(const NodeId& node) const;
@@ -77,6 +81,7 @@ private:
     void set_position(server::MethodCall& call, const std::string& path);
     void create_directory(server::MethodCall& call, const std::string& path);
     void create_file(server::MethodCall& call, const std::string& path);
+    void undo_creation(const std::string& path);
     void delete_entry(server::MethodCall& call, const std::string& path);
     void move_or_copy(server::MethodCall& call, const std::string& path);
 
@@ -107,7 +112,10 @@ private:
     Entries entries_;
     /// The path of each number; empty for those that are free.
     std::vector<std::string> paths_;
+    /// Has room for all of them, so that a removal needs no memory.
     std::vector<std::uint32_t> free_numbers_;
+    /// A refresh did not come to its end.
+    bool is_stale_{false};
 };
 
 /// What files of clients may be called: no path, and nothing that tools of the medium or control

@@ -4,35 +4,40 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/server/method_table.hpp>
 
 namespace busbar::administration::detail {
 
 /// Tells what a Method of the administration did, or why not; `refusal` may be null. `more` are the
-/// fields that its event type has.
+/// fields that its event type has. What is done is done, so that a record for which there is no
+/// memory is lost.
 inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
                         StatusCode status, const Refusal* refusal,
                         std::span<const RecordField> more = {},
                         std::span<const std::byte> certificate = {})
 {
-    const server::MethodCaller& caller = call.caller();
-    std::vector<RecordField> fields{more.begin(), more.end()};
-    fields.push_back({"ObjectId", Variant{call.object_id()}});
-    fields.push_back({"MethodId", Variant{call.method_id()}});
-    Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning, "administration"};
-    record.text = std::string{name(kind)} + " by user \"" + printable(caller.user.name) +
-                  "\" from " + caller.address +
-                  (refusal != nullptr ? ": " + text(*refusal) : std::string{});
-    record.status = status;
-    record.refusal = refusal;
-    record.actor.session_id = &caller.session_id;
-    record.actor.user = caller.user.name;
-    record.actor.address = caller.address;
-    record.actor.audit_entry_id = caller.audit_entry_id;
-    record.certificate = certificate;
-    record.fields = fields;
-    tell(log, record);
+    busbar::detail::attempt([&] {
+        const server::MethodCaller& caller = call.caller();
+        std::vector<RecordField> fields{more.begin(), more.end()};
+        fields.push_back({"ObjectId", Variant{call.object_id()}});
+        fields.push_back({"MethodId", Variant{call.method_id()}});
+        Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning,
+                      "administration"};
+        record.text = std::string{name(kind)} + " by user \"" + printable(caller.user.name) +
+                      "\" from " + caller.address +
+                      (refusal != nullptr ? ": " + text(*refusal) : std::string{});
+        record.status = status;
+        record.refusal = refusal;
+        record.actor.session_id = &caller.session_id;
+        record.actor.user = caller.user.name;
+        record.actor.address = caller.address;
+        record.actor.audit_entry_id = caller.audit_entry_id;
+        record.certificate = certificate;
+        record.fields = fields;
+        tell(log, record);
+    });
 }
 
 } // namespace busbar::administration::detail

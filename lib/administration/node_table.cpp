@@ -3,15 +3,66 @@
 #include <memory>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::administration::detail {
 
-NodeTable::NodeTable(const WallClock& clock)
-    : clock_{&clock}, turns_{[this](const std::shared_ptr<server::CallBatch>& batch,
-                                    std::size_t index) { serve(batch, index); }}
+/// What a worker has of run(). When it is gone, done or not, the end goes to the server's thread.
+struct NodeTable::Job {
+    /// For `end`, which is on another thread than the work.
+    struct Outcome {
+        StatusCode status{status::Bad_InternalError};
+        busbar::detail::ThrownText thrown;
+    };
+
+    Job(NodeTable& posts_to, std::function<void()> to_do, std::function<void(StatusCode)> end)
+        : table{posts_to}, work{std::move(to_do)}, task{std::make_unique<Task>()}
+    {
+        task->function = [log = table.log_, outcome = outcome, end = std::move(end)] {
+            if (outcome->status.is_bad() && !outcome->thrown.view().empty()) {
+                busbar::detail::report_thrown(*log, "the work of a Method", outcome->thrown.view());
+            }
+            end(outcome->status);
+        };
+    }
+    Job(const Job&) = delete;
+    Job& operator=(const Job&) = delete;
+    ~Job() { post_end(); }
+
+    void do_work() { outcome->status = busbar::detail::caught(outcome->thrown, work); }
+    void refuse()
+    {
+        outcome->status = status::Bad_TooManyOperations;
+        post_end();
+    }
+    void post_end()
+    {
+        work = nullptr; // what it holds goes before the end comes
+        if (task != nullptr) {
+            table.post(std::move(task));
+        }
+    }
+
+    NodeTable& table;
+    std::function<void()> work;
+    std::shared_ptr<Outcome> outcome{std::make_shared<Outcome>()};
+    std::unique_ptr<Task> task;
+};
+
+NodeTable::NodeTable(const WallClock& clock, LogSink& log)
+    : clock_{&clock}, log_{&log}, turns_{[this](const std::shared_ptr<server::CallBatch>& batch,
+                                                std::size_t index) { serve(batch, index); },
+                                         log}
 {
+}
+
+NodeTable::~NodeTable()
+{
+    for (Task* left = posted_.take(); left != nullptr;) {
+        const std::unique_ptr<Task> dropped{std::exchange(left, left->next)};
+    }
 }
 
 std::uint64_t NodeTable::add(Entry entry)
@@ -39,17 +90,39 @@ bool NodeTable::bind_method(model::AddressSpace& space, model::NodeIndex node, M
     return true;
 }
 
-void NodeTable::post(std::function<void()> task)
+void NodeTable::post(std::unique_ptr<Task> task) noexcept
 {
-    {
-        const std::lock_guard lock{mutex_};
-        if (waker_ != nullptr) {
-            tasks_.push_back(std::move(task));
-            waker_->wake();
-            return;
-        }
+    if (posted_.push(*task.release())) {
+        waker_.wake();
     }
-    task();
+}
+
+NodeTable::Signal& NodeTable::add_signal(std::function<void()> function)
+{
+    Signal& added = signals_.emplace_back();
+    added.function = std::move(function);
+    return added;
+}
+
+void NodeTable::raise(Signal& signal) noexcept
+{
+    signal.is_raised = true;
+    waker_.wake();
+}
+
+void NodeTable::run(server::Worker* worker, std::function<void()> work,
+                    std::function<void(StatusCode done)> end)
+{
+    if (worker == nullptr) {
+        return end(busbar::detail::guarded(*log_, "the work of a Method", work));
+    }
+    const auto job = std::make_shared<Job>(*this, std::move(work), std::move(end));
+    bool is_taken = false;
+    busbar::detail::guarded(*log_, "Worker::run",
+                            [&] { is_taken = worker->run([job] { job->do_work(); }); });
+    if (!is_taken) {
+        job->refuse();
+    }
 }
 
 void NodeTable::read(server::ReadBatch batch)
@@ -57,12 +130,15 @@ void NodeTable::read(server::ReadBatch batch)
     const DateTime now = clock_->now();
     for (std::size_t i = 0; i < batch.size(); ++i) {
         const Entry* const entry = find(batch.items()[i].handle);
-        if (entry == nullptr || !entry->value) {
-            batch.results()[i] = DataValue{status::Bad_NotReadable};
-            continue;
+        DataValue value{status::Bad_NotReadable};
+        if (entry != nullptr && entry->value) {
+            const StatusCode done = busbar::detail::guarded(*log_, "the value of a node",
+                                                            [&] { value = entry->value(); });
+            if (done.is_bad()) {
+                value = DataValue{done};
+            }
+            value.source_timestamp = now;
         }
-        DataValue value = entry->value();
-        value.source_timestamp = now;
         batch.results()[i] = std::move(value);
     }
     batch.complete();
@@ -73,8 +149,13 @@ void NodeTable::write(server::WriteBatch batch)
     for (std::size_t i = 0; i < batch.size(); ++i) {
         const server::WriteItem& item = batch.items()[i];
         const Entry* const entry = find(item.handle);
-        batch.results()[i] =
-            entry != nullptr && entry->setter ? entry->setter(*item.data) : status::Bad_NotWritable;
+        StatusCode result{status::Bad_NotWritable};
+        if (entry != nullptr && entry->setter) {
+            const StatusCode done = busbar::detail::guarded(
+                *log_, "the setter of a node", [&] { result = entry->setter(*item.data); });
+            result = done.is_bad() ? done : result;
+        }
+        batch.results()[i] = result;
     }
     batch.complete();
 }
@@ -99,21 +180,28 @@ void NodeTable::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
 void NodeTable::attach(server::Waker* waker)
 {
     turns_.attach(waker);
-    const std::lock_guard lock{mutex_};
-    waker_ = waker;
+    waker_.set(waker);
 }
 
 void NodeTable::handle_completions()
 {
-    std::vector<std::function<void()>> tasks;
-    {
-        const std::lock_guard lock{mutex_};
-        tasks.swap(tasks_);
+    // What these ask for comes in the next round, when what was answered is on its way.
+    Task* first = posted_.take();
+    for (Signal& signal : signals_) {
+        if (signal.is_raised.exchange(false)) {
+            busbar::detail::guarded(*log_, "a task of administration", signal.function);
+        }
+    }
+    while (first != nullptr) {
+        std::unique_ptr<Task> task{std::exchange(first, first->next)};
+        task->next = nullptr;
+        if (--task->rounds != 0) {
+            post(std::move(task));
+            continue;
+        }
+        busbar::detail::guarded(*log_, "a task of administration", task->function);
     }
     turns_.serve_next();
-    for (const auto& task : tasks) {
-        task();
-    }
 }
 
 model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex parent,

@@ -1,16 +1,21 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
-#include <mutex>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <busbar/core/detail/hand_over.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/method_table.hpp>
+#include <busbar/server/worker.hpp>
 
 #include "call_turns.hpp"
 
@@ -27,7 +32,8 @@ namespace busbar::administration::detail {
 /// Functions behind nodes: values that are made when they are asked for, values that are checked
 /// when they are written, and Methods.
 ///
-/// On the server's thread, but for post(). Functions that throw end what they were called for.
+/// On the server's thread, but for post() and raise(). A function that throws ends what it was
+/// called for, and the log is told.
 class NodeTable final : public server::DataSource {
 public:
     using Value = std::function<DataValue()>;
@@ -35,8 +41,24 @@ public:
     using Setter = std::function<StatusCode(const DataValue& value)>;
     using Method = server::MethodTable::Function;
 
-    /// `now` is the source timestamp of values.
-    explicit NodeTable(const WallClock& clock);
+    /// Something to do on the server's thread.
+    struct Task {
+        std::function<void()> function;
+        /// It is done after so many rounds of completions.
+        unsigned rounds{1};
+        Task* next{nullptr};
+    };
+    /// Something to do on the server's thread, once for all who have asked for it.
+    struct Signal {
+        std::function<void()> function;
+        std::atomic<bool> is_raised{false};
+    };
+
+    /// The clock gives values their source timestamps.
+    NodeTable(const WallClock& clock, LogSink& log);
+    NodeTable(const NodeTable&) = delete;
+    NodeTable& operator=(const NodeTable&) = delete;
+    ~NodeTable() override;
     /// Names the server that the nodes belong to; to be called before it calls this source.
     void set_server(server::Server& server) { turns_.set_server(server); }
 
@@ -44,16 +66,25 @@ public:
     bool bind_value(model::AddressSpace& space, model::NodeIndex node, Value value,
                     Setter setter = {});
     bool bind_method(model::AddressSpace& space, model::NodeIndex node, Method method);
-    /// Runs the task on the server's thread, soon; at once without a Waker. Any thread.
-    void post(std::function<void()> task);
-    /// What is posted when users or roles have changed; may be empty.
-    void after_change(std::function<void()> task) { after_change_ = std::move(task); }
-    void post_change()
+    /// Whether there is a Waker, without which nothing that is posted is ever done.
+    [[nodiscard]] bool has_way_back() const { return !waker_.is_empty(); }
+    /// Does the task in the next round of completions. A task that must not fail to come, because
+    /// of what was done before, is made before that. Any thread.
+    void post(std::unique_ptr<Task> task) noexcept;
+    void post(std::function<void()> function)
     {
-        if (after_change_) {
-            post(after_change_);
-        }
+        post(std::make_unique<Task>(Task{std::move(function)}));
     }
+    /// As long as the table; before others raise it.
+    [[nodiscard]] Signal& add_signal(std::function<void()> function);
+    /// Any thread.
+    void raise(Signal& signal) noexcept;
+    /// Has the worker do `work`, and calls `end` on the server's thread afterwards; without a
+    /// worker it does both at once. `end` gets Good, Bad_TooManyOperations if the worker has no
+    /// room, Bad_InternalError if it drops the work, or the status of what `work` threw. If this
+    /// throws there was no memory, and neither is called.
+    void run(server::Worker* worker, std::function<void()> work,
+             std::function<void(StatusCode done)> end);
 
     [[nodiscard]] server::DataSourceOptions options() const override
     {
@@ -72,6 +103,8 @@ private:
         Method method;
     };
 
+    struct Job;
+
     std::uint64_t add(Entry entry);
     void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
     [[nodiscard]] const Entry* find(std::uint64_t handle) const
@@ -80,13 +113,13 @@ private:
     }
 
     const WallClock* clock_;
-    std::function<void()> after_change_;
+    LogSink* log_;
     /// The handle is the index.
     std::vector<Entry> entries_;
     CallTurns turns_;
-    std::mutex mutex_; // of what follows
-    server::Waker* waker_{nullptr};
-    std::vector<std::function<void()>> tasks_;
+    std::deque<Signal> signals_;
+    busbar::detail::HandOver<Task> posted_;
+    busbar::detail::WakerSlot waker_;
 };
 
 /// The child with this name in namespace 0; no_node if there is none.

@@ -120,7 +120,7 @@ void OwnCertificateMethods::update(MethodCall call)
         *needs_.transaction.owner() != holder_of(needs_.server, call)) {
         return call.fail(status::Bad_TransactionPending);
     }
-    if (is_making_key_) {
+    if (is_making_key()) {
         return call.fail(status::Bad_InvalidState);
     }
     auto own = own_of(call);
@@ -130,31 +130,26 @@ void OwnCertificateMethods::update(MethodCall call)
     if (const auto checked = check_own(*own); !checked) {
         return refuse_call(call, checked.error());
     }
-    static_cast<void>(needs_.transaction.enter(holder_of(needs_.server, call)));
+    auto outputs = one_output(Variant{true});
+    TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
     needs_.transaction.set_own_certificate(*std::move(own));
-    call.succeed(one_output(Variant{true}));
+    entry.keep();
+    call.succeed(std::move(outputs));
 }
 
 void OwnCertificateMethods::run_slowly(const std::shared_ptr<MethodCall>& call,
                                        std::function<void()> work, std::function<void()> finish)
 {
-    if (needs_.worker == nullptr) {
-        work();
-        finish();
-        return;
-    }
-    is_making_key_ = true;
-    const auto end = [this, finish = std::move(finish)] {
-        is_making_key_ = false;
-        finish();
-    };
-    if (!needs_.worker->run([this, work = std::move(work), end] {
-            work();
-            needs_.table.post(end);
-        })) {
-        is_making_key_ = false;
-        call->fail(status::Bad_TooManyOperations);
-    }
+    const auto making_key = std::make_shared<char>();
+    making_key_ = making_key;
+    needs_.table.run(needs_.worker, std::move(work),
+                     [this, call, making_key, finish = std::move(finish)](StatusCode done) {
+                         making_key_.reset();
+                         if (done.is_bad()) {
+                             return call->fail(done);
+                         }
+                         finish();
+                     });
 }
 
 /// Part 12, 7.10.10. The new key waits in the files for its certificate.
@@ -163,7 +158,7 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot);
     }
-    if (is_making_key_) {
+    if (is_making_key()) {
         return call.fail(status::Bad_InvalidState);
     }
     const bool needs_key = call.input<bool>(3);
@@ -210,7 +205,7 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
         return call.fail(status::Bad_TransactionPending);
     }
     const auto& identity = needs_.server.config().identity;
-    if (is_making_key_ || !identity || !needs_.transaction.is_own_deleted()) {
+    if (is_making_key() || !identity || !needs_.transaction.is_own_deleted()) {
         return call.fail(status::Bad_InvalidState);
     }
     crypto::CertificateSubject base;
@@ -253,8 +248,9 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
                 *needs_.transaction.owner() != holder) { // it is over meanwhile
                 return shared->fail(status::Bad_InvalidState);
             }
+            auto outputs = one_output(Variant{ByteString{(*made)->certificates.front().der()}});
             needs_.transaction.set_own_certificate(**made);
-            shared->succeed(one_output(Variant{ByteString{(*made)->certificates.front().der()}}));
+            shared->succeed(std::move(outputs));
         });
 }
 
@@ -265,11 +261,12 @@ void OwnCertificateMethods::remove(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot);
     }
-    if (const StatusCode entered = needs_.transaction.enter(holder_of(needs_.server, call));
-        entered.is_bad()) {
-        return call.fail(entered);
+    TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
+    if (entry.status().is_bad()) {
+        return call.fail(entry.status());
     }
     needs_.transaction.delete_own_certificate();
+    entry.keep();
     call.succeed();
 }
 

@@ -30,7 +30,7 @@ public:
     explicit OwnCertificateMethods(const OwnCertificateNeeds& needs) : needs_{needs} {}
 
     /// Nothing else may use the own certificate's files meanwhile.
-    [[nodiscard]] bool is_making_key() const { return is_making_key_; }
+    [[nodiscard]] bool is_making_key() const { return !making_key_.expired(); }
 
     void update(server::MethodCall call);
     void create_signing_request(server::MethodCall call);
@@ -44,13 +44,15 @@ private:
     /// What the inputs make: the certificate with those above it and its key.
     [[nodiscard]] Checked<crypto::OwnCertificate> own_of(const server::MethodCall& call) const;
     [[nodiscard]] Checked<void> check_own(const crypto::OwnCertificate& own) const;
-    /// Runs `work` where keys are made, then `finish` on the server's thread.
+    /// Runs `work` where keys are made, then `finish` on the server's thread; if there is no room
+    /// for the work, or it throws, the call fails instead.
     void run_slowly(const std::shared_ptr<server::MethodCall>& call, std::function<void()> work,
                     std::function<void()> finish);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
 
     OwnCertificateNeeds needs_;
-    bool is_making_key_{false};
+    /// Exists while a key is made, however that ends.
+    std::weak_ptr<const void> making_key_;
 };
 
 } // namespace busbar::administration::detail

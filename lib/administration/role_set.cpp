@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/administration/role_set_nodes/nodes.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/model/instance.hpp>
 #include <busbar/server/running_server.hpp>
@@ -47,6 +48,15 @@ NodeIndex well_known_node(const model::AddressSpace& space, std::string_view nam
 }
 
 } // namespace
+
+RoleSet::RoleSet(server::Server& server, RoleList& roles, NodeTable& table,
+                 NodeTable::Signal& changed, LogSink& log)
+    : server_{server}, space_{server.address_space()}, roles_{roles}, table_{table},
+      changed_{changed}, renew_roles_{table.add_signal(
+                             [this] { server::RunningServer{server_}.roles_changed(); })},
+      log_{log}
+{
+}
 
 Configured<void> RoleSet::attach()
 {
@@ -103,7 +113,7 @@ void RoleSet::bind_values(const std::string& name, NodeIndex node)
             if (!done) {
                 return done.error().status;
             }
-            table_.post([this] { server::RunningServer{server_}.roles_changed(); });
+            table_.raise(renew_roles_);
             return status::Good;
         };
     };
@@ -163,8 +173,8 @@ void RoleSet::bind_change(NodeIndex node, std::string_view method, Change change
 void RoleSet::changed(const MethodCall& call)
 {
     tell_method(log_, RecordKind::RolesChanged, call, status::Good, nullptr);
-    table_.post([this] { server::RunningServer{server_}.roles_changed(); });
-    table_.post_change();
+    table_.raise(renew_roles_);
+    table_.raise(changed_);
 }
 
 void RoleSet::tell_refused(const MethodCall& call, const Refusal& refusal)
@@ -218,12 +228,20 @@ void RoleSet::add_role(MethodCall call)
         return call.fail(added.error().status);
     }
     const RoleRules& role = *roles_.find(name);
-    if (const auto node = add_node(role); !node) {
+    busbar::detail::Undo undo{[&] {
+        const NodeIndex node = space_.find(node_id(role));
         static_cast<void>(roles_.remove(name));
+        if (node != model::no_node) {
+            static_cast<void>(space_.remove(node));
+        }
+    }};
+    if (const auto node = add_node(role); !node) {
         return call.fail(node.error());
     }
+    auto outputs = one_output(Variant{node_id(role)});
+    undo.keep();
     changed(call);
-    call.succeed(one_output(Variant{node_id(role)}));
+    call.succeed(std::move(outputs));
 }
 
 /// Part 18, 4.2.3.
@@ -241,16 +259,18 @@ void RoleSet::remove_role(MethodCall call)
     if (node == model::no_node || name.empty()) {
         return call.fail(status::Bad_NotFound);
     }
+    // Not while a Method of it may be running.
+    auto removal = std::make_unique<NodeTable::Task>();
+    removal->function = [this, id] {
+        if (const NodeIndex gone = space_.find(id); gone != model::no_node) {
+            static_cast<void>(space_.remove(gone));
+        }
+    };
     if (const auto removed = roles_.remove(name); !removed) {
         tell_refused(call, removed.error());
         return call.fail(removed.error().status);
     }
-    // Not while a Method of it may be running.
-    table_.post([this, id] {
-        if (const NodeIndex gone = space_.find(id); gone != model::no_node) {
-            static_cast<void>(space_.remove(gone));
-        }
-    });
+    table_.post(std::move(removal));
     changed(call);
     call.succeed();
 }

@@ -14,10 +14,9 @@ namespace busbar::administration::detail {
 /// The RoleSet object (Part 18, 4.2 and 4.3) over a RoleList.
 class RoleSet {
 public:
-    RoleSet(server::Server& server, RoleList& roles, NodeTable& table, LogSink& log)
-        : server_{server}, space_{server.address_space()}, roles_{roles}, table_{table}, log_{log}
-    {
-    }
+    /// `changed` is raised when roles are others.
+    RoleSet(server::Server& server, RoleList& roles, NodeTable& table, NodeTable::Signal& changed,
+            LogSink& log);
 
     /// The problem says what is missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
@@ -43,6 +42,9 @@ private:
     model::AddressSpace& space_;
     RoleList& roles_;
     NodeTable& table_;
+    NodeTable::Signal& changed_;
+    /// Sessions get their roles anew.
+    NodeTable::Signal& renew_roles_;
     LogSink& log_;
     std::uint16_t own_namespace_{0};
 };

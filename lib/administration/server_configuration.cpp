@@ -212,9 +212,8 @@ void ServerConfiguration::add_group(std::uint32_t group, crypto::CertificateStor
         return has_own ? node_ids({NodeId{0, certificate_type}}) : node_ids({});
     });
     trust_lists_.emplace_back(
-        TrustListNeeds{
-            server_, table_, transaction_, files_, clock_, log_,
-            [this](std::size_t which) { table_.post([this, which] { trust_changed(which); }); }},
+        TrustListNeeds{server_, table_, transaction_, files_, clock_, log_,
+                       table_.add_signal([this, index] { trust_changed(index); })},
         index);
     trust_lists_.back().attach(list);
 }
@@ -260,20 +259,22 @@ void ServerConfiguration::apply_changes(MethodCall call)
     if (is_open || own_.is_making_key()) {
         return call.fail(status::Bad_InvalidState);
     }
+    const auto own = std::make_shared<std::optional<crypto::OwnCertificate>>();
+    auto put_in_force = std::make_unique<NodeTable::Task>();
+    put_in_force->function = [this, own] { renew(**own); };
     auto changed = transaction_.apply(server_.config().application_uri);
     if (!changed) {
         return refuse_call(call, RecordKind::SettingsChanged, changed.error());
     }
     tell_applied(call, *changed);
     call.succeed();
-    table_.post([this, changed = *std::move(changed)] {
-        for (const std::size_t group : changed.groups) {
-            trust_changed(group);
-        }
-        if (changed.own) {
-            renew(*changed.own);
-        }
-    });
+    for (const std::size_t group : changed->groups) {
+        trust_lists_[group].tell_changed();
+    }
+    if (changed->own) {
+        *own = std::move(changed->own);
+        table_.post(std::move(put_in_force));
+    }
 }
 
 /// Part 12, 7.10.11.

@@ -1,6 +1,7 @@
 #include "server_control.hpp"
 
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include <busbar/administration/state_change_nodes/nodes.hpp>
@@ -98,12 +99,12 @@ void ServerControl::request(MethodCall call)
     if (wish.reason.empty()) {
         wish.reason = usual_reason(wish.state, wish.restarts);
     }
+    auto task = std::make_unique<NodeTable::Task>();
+    task->function = [this, asked = std::move(wish)] { carry_out(asked); };
+    task->rounds = 2; // when a second Method of the same Call has been answered, too
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
-    // A round later, when a second Method of the same Call has been answered, too.
-    needs_.table.post([this, asked = std::move(wish)] {
-        needs_.table.post([this, asked] { carry_out(asked); });
-    });
+    needs_.table.post(std::move(task));
 }
 
 void ServerControl::carry_out(const Wish& wish) const

@@ -36,6 +36,15 @@ Configured<void> ServerReset::attach()
 
 void ServerReset::reset(server::MethodCall& call)
 {
+    auto end = std::make_unique<NodeTable::Task>();
+    end->function = [needs = needs_] {
+        const bool has_begun = server::RunningServer{needs.server}.begin_shutdown(
+            "the server was reset: certificates and users may not be accepted any more", till_end,
+            {});
+        if (has_begun) {
+            needs.stop();
+        }
+    };
     if (const auto done = needs_.reset(); !done) {
         const Refusal refusal{done.error().status, "reset", text(done.error()), {}, {}};
         tell_method(needs_.log, RecordKind::SettingsChanged, call, refusal.status, &refusal);
@@ -43,15 +52,7 @@ void ServerReset::reset(server::MethodCall& call)
     }
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
-    // The answer first.
-    needs_.table.post([needs = needs_] {
-        const bool has_begun = server::RunningServer{needs.server}.begin_shutdown(
-            "the server was reset: certificates and users may not be accepted any more", till_end,
-            {});
-        if (has_begun) {
-            needs.stop();
-        }
-    });
+    needs_.table.post(std::move(end)); // the answer first
 }
 
 } // namespace busbar::administration::detail

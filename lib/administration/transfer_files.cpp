@@ -87,8 +87,9 @@ Result<std::vector<std::byte>> TransferFiles::read(TransferFile& file, std::int3
     const std::size_t count = std::min(
         {file.bytes.size() - file.position, max_read_size, static_cast<std::size_t>(length)});
     const auto begin = file.bytes.begin() + static_cast<std::ptrdiff_t>(file.position);
+    std::vector<std::byte> bytes(begin, begin + static_cast<std::ptrdiff_t>(count));
     file.position += count;
-    return std::vector<std::byte>(begin, begin + static_cast<std::ptrdiff_t>(count));
+    return bytes;
 }
 
 StatusCode TransferFiles::write(TransferFile& file, std::span<const std::byte> bytes) const
@@ -120,18 +121,13 @@ void TransferFiles::remove(const TransferFile& file)
     std::erase_if(files_, [&](const TransferFile& each) { return &each == &file; });
 }
 
-std::vector<std::string> TransferFiles::expire(TimePoint now,
-                                               FunctionRef<bool(const Holder&)> is_there)
+const TransferFile* TransferFiles::find_gone(TimePoint now,
+                                             FunctionRef<bool(const Holder&)> is_there) const
 {
-    std::vector<std::string> gone;
-    std::erase_if(files_, [&](const TransferFile& file) {
-        const bool is_gone = file.deadline <= now || !is_there(file.holder);
-        if (is_gone) {
-            gone.push_back(file.name);
-        }
-        return is_gone;
+    const auto found = std::find_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
+        return file.deadline <= now || !is_there(file.holder);
     });
-    return gone;
+    return found != files_.end() ? &*found : nullptr;
 }
 
 } // namespace busbar::administration::detail

@@ -67,8 +67,9 @@ public:
 
     /// By the name of its Object; null for none, or one whose time is over.
     [[nodiscard]] const TransferFile* find(std::string_view name, TimePoint now) const;
-    /// Removes files of holders that are gone, and those whose time is over; their names.
-    std::vector<std::string> expire(TimePoint now, FunctionRef<bool(const Holder&)> is_there);
+    /// One of a holder that is gone, or whose time is over; null if there is none.
+    [[nodiscard]] const TransferFile* find_gone(TimePoint now,
+                                                FunctionRef<bool(const Holder&)> is_there) const;
 
 private:
     [[nodiscard]] std::size_t held() const;

@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -70,15 +71,11 @@ void TransferNodes::generate_for_read(MethodCall& call)
     if (bytes->size() > *room) {
         return call.fail(status::Bad_EncodingLimitsExceeded);
     }
-    const auto kept = keep({.holder = holder_of(server_, call), .bytes = *std::move(bytes)});
+    auto kept = keep({.holder = holder_of(server_, call), .bytes = *std::move(bytes)});
     if (!kept) {
         return call.fail(kept.error());
     }
-    Array<Variant> outputs;
-    outputs.push_back(Variant{node_id((*kept)->name)});
-    outputs.push_back(Variant{(*kept)->handle});
-    outputs.push_back(Variant{NodeId{}}); // it is complete
-    call.succeed(std::move(outputs));
+    call.succeed(*std::move(kept));
 }
 
 void TransferNodes::generate_for_write(MethodCall& call)
@@ -91,20 +88,16 @@ void TransferNodes::generate_for_write(MethodCall& call)
     if (const StatusCode may = transfer_.owner->may_take(request); may.is_bad()) {
         return call.fail(may);
     }
-    const auto kept =
-        keep({.holder = holder_of(server_, call), .is_written = true, .options = options});
+    auto kept = keep({.holder = holder_of(server_, call), .is_written = true, .options = options});
     if (!kept) {
         return call.fail(kept.error());
     }
-    Array<Variant> outputs;
-    outputs.push_back(Variant{node_id((*kept)->name)});
-    outputs.push_back(Variant{(*kept)->handle});
-    call.succeed(std::move(outputs));
+    call.succeed(*std::move(kept));
 }
 
 void TransferNodes::close_and_commit(MethodCall& call)
 {
-    const TransferFile* const file =
+    TransferFile* const file =
         files_.find(call.input<std::uint32_t>(0), holder_of(server_, call), now());
     if (file == nullptr) {
         return call.fail(status::Bad_InvalidArgument);
@@ -112,13 +105,15 @@ void TransferNodes::close_and_commit(MethodCall& call)
     if (!file->is_written) {
         return call.fail(status::Bad_InvalidState);
     }
+    auto outputs = one_output(Variant{NodeId{}});
     const StatusCode taken =
         transfer_.owner->take({file->options, call.user(), call.session_id()}, file->bytes);
     if (taken.is_bad()) {
         return call.fail(taken); // the client has it still
     }
-    drop(*file);
-    call.succeed(one_output(Variant{NodeId{}}));
+    file->deadline = TimePoint::min(); // it is taken: what stays of it now goes with the next call
+    busbar::detail::attempt([&] { drop(*file); });
+    call.succeed(std::move(outputs));
 }
 
 /// It is open already, for who asked for it (Part 20, 4.4.3).
@@ -144,11 +139,15 @@ void TransferNodes::read_file(MethodCall& call)
     if (file == nullptr) {
         return call.fail(status::Bad_InvalidArgument);
     }
+    // Read again if the client does not get it.
+    busbar::detail::Undo undo{[file, before = file->position] { file->position = before; }};
     const auto bytes = TransferFiles::read(*file, call.input<std::int32_t>(1));
     if (!bytes) {
         return call.fail(bytes.error());
     }
-    call.succeed(one_output(Variant{ByteString{*bytes}}));
+    auto outputs = one_output(Variant{ByteString{*bytes}});
+    undo.keep();
+    call.succeed(std::move(outputs));
 }
 
 void TransferNodes::write_file(MethodCall& call)

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/ids.hpp>
@@ -34,8 +35,9 @@ TransferNodes::TransferNodes(const Needs& needs)
     : server_{needs.server}, space_{needs.server.address_space()}, transfer_{needs.transfer},
       random_{needs.random}, clock_{needs.clock}, files_{needs.transfer},
       turns_{[this](const std::shared_ptr<server::CallBatch>& batch, std::size_t index) {
-          serve(batch, index);
-      }}
+                 serve(batch, index);
+             },
+             needs.log}
 {
     turns_.set_server(server_);
 }
@@ -139,19 +141,29 @@ Result<std::string> TransferNodes::new_name()
     return in_hexadecimal(bytes);
 }
 
-Result<const TransferFile*> TransferNodes::keep(TransferFile file)
+Result<Array<Variant>> TransferNodes::keep(TransferFile file)
 {
     auto name = new_name();
     if (!name) {
         return fail(name.error());
     }
-    file.name = *std::move(name);
+    file.name = *name;
     file.modified = clock_.now();
-    if (const auto added = add_file(file.name); !added) {
-        remove_nodes(file.name);
+    busbar::detail::Undo undo{[&] { remove_nodes(*name); }};
+    if (const auto added = add_file(*name); !added) {
         return fail(added.error());
     }
-    return &files_.add(std::move(file), now());
+    std::uint32_t handle = 0;
+    Array<Variant> outputs;
+    outputs.push_back(Variant{node_id(*name)});
+    outputs.push_back(Variant{handle});
+    if (!file.is_written) {
+        outputs.push_back(Variant{NodeId{}}); // it is complete
+    }
+    handle = files_.add(std::move(file), now()).handle;
+    outputs[1] = Variant{handle};
+    undo.keep();
+    return outputs;
 }
 
 Result<void> TransferNodes::add_file(const std::string& name)
@@ -182,17 +194,16 @@ Result<void> TransferNodes::add_file(const std::string& name)
 
 void TransferNodes::remove_nodes(const std::string& name)
 {
-    std::replace(numbers_.begin(), numbers_.end(), name, std::string{});
     if (const model::NodeIndex node = space_.find(node_id(name)); node != model::no_node) {
         static_cast<void>(space_.remove(node));
     }
+    std::replace(numbers_.begin(), numbers_.end(), name, std::string{});
 }
 
 void TransferNodes::drop(const TransferFile& file)
 {
-    const std::string name = file.name;
+    remove_nodes(file.name);
     files_.remove(file);
-    remove_nodes(name);
 }
 
 TimePoint TransferNodes::now() const
@@ -202,10 +213,9 @@ TimePoint TransferNodes::now() const
 
 void TransferNodes::expire()
 {
-    const auto gone =
-        files_.expire(now(), [&](const Holder& holder) { return is_there(server_, holder); });
-    for (const std::string& name : gone) {
-        remove_nodes(name);
+    const auto is_here = [&](const Holder& holder) { return is_there(server_, holder); };
+    while (const TransferFile* const file = files_.find_gone(now(), is_here)) {
+        drop(*file);
     }
 }
 

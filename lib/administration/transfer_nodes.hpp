@@ -8,6 +8,7 @@
 
 #include <busbar/administration/file_transfer.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/data_source.hpp>
@@ -30,6 +31,7 @@ public:
         const TemporaryFileTransfer& transfer;
         crypto::Random& random;
         const WallClock& clock;
+        LogSink& log;
     };
 
     explicit TransferNodes(const Needs& needs);
@@ -68,8 +70,8 @@ private:
     void expire();
     void drop(const TransferFile& file);
     void remove_nodes(const std::string& name);
-    /// Keeps the file and adds its Object.
-    [[nodiscard]] Result<const TransferFile*> keep(TransferFile file);
+    /// Keeps the file and adds its Object, or neither. What its Method answers.
+    [[nodiscard]] Result<Array<Variant>> keep(TransferFile file);
     [[nodiscard]] Result<void> add_file(const std::string& name);
     [[nodiscard]] DataValue value_of(const TransferFile& file, FileAspect aspect) const;
 

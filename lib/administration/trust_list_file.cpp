@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/server/running_server.hpp>
 
@@ -119,19 +120,23 @@ void TrustListFile::forget(const Open& open)
                   [handle = open.handle](const Open& each) { return each.handle == handle; });
 }
 
-void TrustListFile::keep(MethodCall call, Open open)
+bool TrustListFile::keep(MethodCall& call, Open open)
 {
     const std::size_t held =
         std::accumulate(open_.begin(), open_.end(), open.bytes.size(),
                         [](std::size_t sum, const Open& each) { return sum + each.bytes.size(); });
     if (open_.size() >= max_open || held > max_open_lists * needs_.files.max_trust_list_size) {
-        return call.fail(status::Bad_TooManyOperations);
+        call.fail(status::Bad_TooManyOperations);
+        return false;
     }
-    open.handle = ++last_handle_;
+    open.handle = last_handle_ + 1;
     open.holder = holder_of(needs_.server, call);
     open.version = group().version;
+    auto outputs = one_output(Variant{open.handle});
     open_.push_back(std::move(open));
-    call.succeed(one_output(Variant{last_handle_}));
+    ++last_handle_;
+    call.succeed(std::move(outputs));
+    return true;
 }
 
 /// Part 12, 7.8.2.2.
@@ -151,11 +156,13 @@ void TrustListFile::open(MethodCall call)
     if (is_open_for_writing()) {
         return call.fail(status::Bad_NotWritable);
     }
-    if (const StatusCode entered = needs_.transaction.enter(holder_of(needs_.server, call));
-        entered.is_bad()) {
-        return call.fail(entered);
+    TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
+    if (entry.status().is_bad()) {
+        return call.fail(entry.status());
     }
-    keep(std::move(call), {0, {}, true, {}, 0, 0});
+    if (keep(call, {0, {}, true, {}, 0, 0})) {
+        entry.keep();
+    }
 }
 
 /// Part 12, 7.8.2.3.
@@ -168,7 +175,7 @@ void TrustListFile::open_with_masks(MethodCall call)
 void TrustListFile::open_reading(MethodCall call, std::uint32_t masks)
 {
     auto bytes = bytes_of(group().store->trust_list(needs_.clock.now()), masks);
-    keep(std::move(call), {0, {}, false, std::move(bytes), 0, 0});
+    static_cast<void>(keep(call, {0, {}, false, std::move(bytes), 0, 0}));
 }
 
 void TrustListFile::close(MethodCall call)
@@ -195,8 +202,9 @@ void TrustListFile::read(MethodCall call)
     const std::size_t count =
         std::min({open->bytes.size() - open->position, static_cast<std::size_t>(length), max_read});
     const std::span<const std::byte> piece = std::span{open->bytes}.subspan(open->position, count);
+    auto outputs = one_output(Variant{ByteString{piece}});
     open->position += count;
-    call.succeed(one_output(Variant{ByteString{piece}}));
+    call.succeed(std::move(outputs));
 }
 
 void TrustListFile::write(MethodCall call)
@@ -250,18 +258,20 @@ void TrustListFile::close_and_update(MethodCall call)
     if (!open->is_writing) {
         return call.fail(status::Bad_InvalidState);
     }
-    const std::vector<std::byte> bytes = open->bytes;
-    forget(*open);
     crypto::TrustListParts parts;
-    auto list = merge(bytes, needs_.transaction.trust_list(group_), parts);
+    auto list = merge(open->bytes, needs_.transaction.trust_list(group_), parts);
     if (!list) {
+        forget(*open);
         return refuse_call(call, list.error());
     }
     if (const auto refused = crypto::check_trust_list(*list, needs_.clock.now(), group().purpose)) {
+        forget(*open);
         return refuse_call(call, *refused);
     }
+    auto outputs = one_output(Variant{true});
     needs_.transaction.set_trust_list(group_, *std::move(list), parts);
-    call.succeed(one_output(Variant{true}));
+    forget(*open);
+    call.succeed(std::move(outputs));
 }
 
 StatusCode TrustListFile::check_single_change() const
@@ -311,10 +321,13 @@ void TrustListFile::add_certificate(MethodCall call)
     if (const auto added = store.add(crypto::StoreList::Trusted, der); !added) {
         return refuse_call(call, added.error());
     }
-    static_cast<void>(store.remove(crypto::StoreList::Rejected, certificate->thumbprint_text()));
+    busbar::detail::attempt([&] { // what is trusted is so wherever else it is
+        static_cast<void>(
+            store.remove(crypto::StoreList::Rejected, certificate->thumbprint_text()));
+    });
     ++group().version;
     tell(call, nullptr);
-    needs_.changed(group_);
+    tell_changed();
     call.succeed();
 }
 
@@ -366,7 +379,7 @@ void TrustListFile::remove_certificate(MethodCall call)
     }
     ++group().version;
     tell(call, nullptr);
-    needs_.changed(group_);
+    tell_changed();
     call.succeed();
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include <busbar/server/server.hpp>
@@ -19,8 +18,8 @@ struct TrustListNeeds {
     const ManagedCertificates& files;
     const WallClock& clock;
     LogSink& log;
-    /// The group's list is another one now.
-    std::function<void(std::size_t group)> changed;
+    /// Raised when the group's list is another one.
+    NodeTable::Signal& changed;
 };
 
 /// A TrustList object (Part 12, 7.8.2): the list of a CertificateGroup as a file, which is read as
@@ -34,6 +33,8 @@ public:
     [[nodiscard]] bool is_open_for_writing() const;
     /// Closes what sessions that are gone have open.
     void expire();
+    /// The list is another one.
+    void tell_changed() { needs_.table.raise(needs_.changed); }
 
 private:
     struct Open {
@@ -64,7 +65,8 @@ private:
     /// The session's open file that the call's first input names; null if there is none.
     [[nodiscard]] Open* find(const server::MethodCall& call);
     void forget(const Open& open);
-    void keep(server::MethodCall call, Open open);
+    /// Answers the call; false if it was refused.
+    [[nodiscard]] bool keep(server::MethodCall& call, Open open);
     /// Good if the list may be changed at once, without a transaction.
     [[nodiscard]] StatusCode check_single_change() const;
     /// Removes it from the list, with the revocation lists of a CA.

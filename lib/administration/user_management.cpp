@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/administration/user_management_nodes/nodes.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/data_types.hpp>
@@ -117,7 +118,7 @@ void UserManagement::add(MethodCall call)
 /// Part 18, 5.2.6.
 void UserManagement::modify(MethodCall call)
 {
-    std::string name = text_input(call, 0);
+    const std::string name = text_input(call, 0);
     const bool has_configuration = call.input<bool>(3);
     const std::uint32_t configuration = call.input<std::uint32_t>(4);
     const bool is_disabled = has_configuration && (configuration & user_bit::disabled) != 0;
@@ -140,19 +141,19 @@ void UserManagement::modify(MethodCall call)
             }
             return users_.modify(text_view(c, 0), change, random_);
         },
-        is_disabled ? std::move(name) : std::string{});
+        is_disabled ? name : std::string{});
 }
 
 /// Part 18, 5.2.7.
 void UserManagement::remove(MethodCall call)
 {
-    std::string name = text_input(call, 0);
+    const std::string name = text_input(call, 0);
     if (call.user().token_type == UserTokenType::UserName && call.user().name == name) {
         return call.fail(status::Bad_InvalidSelfReference);
     }
     run(
         std::move(call), [this](const MethodCall& c) { return users_.remove(text_view(c, 0)); },
-        std::move(name));
+        name);
 }
 
 /// Part 18, 5.2.8: whoever has a password may, over an encrypted channel.
@@ -169,65 +170,81 @@ void UserManagement::change_password(MethodCall call)
         {}, true);
 }
 
-void UserManagement::run(MethodCall call, Change change, std::string sessions_end_of,
+void UserManagement::run(MethodCall call, Change change, const std::string& sessions_end_of,
                          bool tries_password)
 {
     const std::string& user = call.user().name;
-    const auto waiting = std::count_if(
-        jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.call->user().name == user; });
+    const auto waiting = std::count_if(jobs_.begin(), jobs_.end(),
+                                       [&](const auto& job) { return job->user == user; });
     if (waiting >= max_waiting_of_user || jobs_.size() >= max_waiting) {
         return call.fail(status::Bad_TooManyOperations);
     }
     const Holder holder = holder_of(server_, call);
-    jobs_.push_back({std::make_shared<MethodCall>(std::move(call)), holder, std::move(change),
-                     std::move(sessions_end_of), tries_password});
+    const auto job = std::make_shared<Job>(
+        Job{std::move(call), holder, std::move(change), user, tries_password});
+    if (!sessions_end_of.empty()) {
+        job->end_sessions = std::make_unique<NodeTable::Task>();
+        job->end_sessions->function = [this, whose = sessions_end_of] {
+            server::RunningServer{server_}.end_sessions([&](const server::UserIdentity& each) {
+                return each.token_type == UserTokenType::UserName && each.name == whose;
+            });
+        };
+    }
+    jobs_.push_back(job);
     start_next();
 }
 
 /// The oldest of another user than the last one, if there is any.
-UserManagement::Job UserManagement::take_next()
+std::shared_ptr<UserManagement::Job> UserManagement::take_next()
 {
     auto next = std::find_if(jobs_.begin(), jobs_.end(),
-                             [&](const Job& job) { return job.call->user().name != last_user_; });
+                             [&](const auto& job) { return job->user != last_user_; });
     next = next == jobs_.end() ? jobs_.begin() : next;
-    Job job = std::move(*next);
+    const std::shared_ptr<Job> job = std::move(*next);
     jobs_.erase(next);
-    last_user_ = job.call->user().name;
+    std::swap(last_user_, job->user);
     return job;
 }
 
 void UserManagement::start_next()
 {
     while (busy_.expired() && !jobs_.empty()) {
-        const auto job = std::make_shared<Job>(take_next());
-        if (!may_start(*job)) {
-            continue;
-        }
-        if (worker_ == nullptr) {
-            finish(*job, job->change(*job->call));
-            continue;
-        }
-        job->busy = std::make_shared<char>();
-        busy_ = job->busy;
-        const bool is_taken = worker_->run([this, job] {
-            auto done = std::make_shared<Checked<void>>(job->change(*job->call));
-            table_.post([this, job, done] {
-                job->busy.reset();
-                finish(*job, *done);
-                start_next();
-            });
-        });
-        if (!is_taken) {
-            job->busy.reset();
-            job->call->fail(status::Bad_TooManyOperations);
+        const std::shared_ptr<Job> job = take_next();
+        const StatusCode thrown =
+            busbar::detail::guarded(log_, "a change of users", [&] { start(job); });
+        if (thrown.is_bad()) {
+            job->call.fail(thrown);
         }
     }
+}
+
+void UserManagement::start(const std::shared_ptr<Job>& job)
+{
+    if (!may_start(*job)) {
+        return;
+    }
+    const auto busy = std::make_shared<char>();
+    const auto done = std::make_shared<Checked<void>>();
+    busy_ = busy;
+    table_.run(
+        worker_, [job, done] { *done = job->change(job->call); },
+        [this, job, done, busy](StatusCode worked) {
+            const StatusCode status =
+                worked.is_bad() ? worked : busbar::detail::guarded(log_, "a change of users", [&] {
+                    finish(*job, *done);
+                });
+            if (status.is_bad()) {
+                job->call.fail(status);
+            }
+            busy_.reset();
+            start_next();
+        });
 }
 
 bool UserManagement::may_start(Job& job)
 {
     if (!is_there(server_, job.holder)) { // whose right it was is gone
-        job.call->fail(status::Bad_SessionClosed);
+        job.call.fail(status::Bad_SessionClosed);
         return false;
     }
     if (job.tries_password &&
@@ -235,16 +252,16 @@ bool UserManagement::may_start(Job& job)
         const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",
                               "user \"" + printable(last_user_) + "\" after too many failures",
                               "Part 4, 5.7.3.1", "Wait, or restart the server"};
-        tell_method(log_, RecordKind::UsersChanged, *job.call, refusal.status, &refusal);
-        job.call->fail(refusal.status);
+        tell_method(log_, RecordKind::UsersChanged, job.call, refusal.status, &refusal);
+        job.call.fail(refusal.status);
         return false;
     }
     return true;
 }
 
-void UserManagement::finish(const Job& job, const Checked<void>& done)
+void UserManagement::finish(Job& job, const Checked<void>& done)
 {
-    MethodCall& call = *job.call;
+    MethodCall& call = job.call;
     if (job.tries_password && (done || done.error().status == status::Bad_IdentityTokenInvalid)) {
         server::RunningServer{server_}.password_tried(job.holder.session, done.has_value());
     }
@@ -254,13 +271,9 @@ void UserManagement::finish(const Job& job, const Checked<void>& done)
     }
     tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
     call.succeed();
-    table_.post_change();
-    if (const std::string& whose = job.sessions_end_of; !whose.empty()) {
-        table_.post([this, whose] {
-            server::RunningServer{server_}.end_sessions([&](const server::UserIdentity& user) {
-                return user.token_type == UserTokenType::UserName && user.name == whose;
-            });
-        });
+    table_.raise(changed_);
+    if (job.end_sessions != nullptr) {
+        table_.post(std::move(job.end_sessions));
     }
 }
 

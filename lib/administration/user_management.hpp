@@ -1,7 +1,7 @@
 #pragma once
 
-#include <deque>
 #include <functional>
+#include <list>
 #include <memory>
 #include <string>
 
@@ -18,11 +18,22 @@ namespace busbar::administration::detail {
 /// The UserManagement object (Part 18, 5) over a UserList.
 class UserManagement {
 public:
-    /// Where passwords are hashed, which takes tens of milliseconds; null: the server's thread.
-    UserManagement(server::Server& server, UserList& users, NodeTable& table, LogSink& log,
-                   crypto::Random& random, server::Worker* worker)
-        : server_{server}, space_{server.address_space()}, users_{users}, table_{table}, log_{log},
-          random_{random}, worker_{worker}
+    struct Needs {
+        server::Server& server;
+        UserList& users;
+        NodeTable& table;
+        /// Raised when users are others.
+        NodeTable::Signal& changed;
+        LogSink& log;
+        crypto::Random& random;
+        /// Where passwords are hashed, which takes tens of milliseconds; null: the server's thread.
+        server::Worker* worker;
+    };
+
+    explicit UserManagement(const Needs& needs)
+        : server_{needs.server}, space_{needs.server.address_space()}, users_{needs.users},
+          table_{needs.table}, changed_{needs.changed}, log_{needs.log}, random_{needs.random},
+          worker_{needs.worker}
     {
     }
 
@@ -33,15 +44,15 @@ private:
     /// What a Method does to the list.
     using Change = std::function<Checked<void>(const server::MethodCall&)>;
     struct Job {
-        std::shared_ptr<server::MethodCall> call;
+        server::MethodCall call;
         Holder holder;
         Change change;
-        /// Sessions of this user, if not empty, end (Part 18, 5.2.6 and 5.2.7).
-        std::string sessions_end_of;
+        /// Who calls.
+        std::string user;
         /// It tries a password, as a login does.
         bool tries_password;
-        /// While it exists the worker is at this job, however that ends.
-        std::shared_ptr<const void> busy{};
+        /// Ends the sessions of one whose right is gone (Part 18, 5.2.6 and 5.2.7); may be null.
+        std::unique_ptr<NodeTable::Task> end_sessions{};
     };
 
     void bind_values();
@@ -51,22 +62,25 @@ private:
     void change_password(server::MethodCall call);
     /// Does the change where passwords are hashed, then answers. One at a time, so that logins,
     /// which use the same worker, wait for one of them at most; users take turns.
-    void run(server::MethodCall call, Change change, std::string sessions_end_of = {},
+    void run(server::MethodCall call, Change change, const std::string& sessions_end_of = {},
              bool tries_password = false);
-    [[nodiscard]] Job take_next();
+    [[nodiscard]] std::shared_ptr<Job> take_next();
     void start_next();
+    void start(const std::shared_ptr<Job>& job);
     /// False if the call was refused instead.
     [[nodiscard]] bool may_start(Job& job);
-    void finish(const Job& job, const Checked<void>& done);
+    void finish(Job& job, const Checked<void>& done);
 
     server::Server& server_;
     model::AddressSpace& space_;
     UserList& users_;
     NodeTable& table_;
+    NodeTable::Signal& changed_;
     LogSink& log_;
     crypto::Random& random_;
     server::Worker* worker_;
-    std::deque<Job> jobs_; // that wait
+    std::list<std::shared_ptr<Job>> jobs_; // that wait
+    /// While that exists the worker is at a job, however it ends.
     std::weak_ptr<const void> busy_;
     std::string last_user_;
 };

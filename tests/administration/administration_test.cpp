@@ -33,7 +33,7 @@ struct ShortRandom final : crypto::Random {
 };
 
 struct Parts : ManagedFixture {
-    [[nodiscard]] server::Server fresh()
+    [[nodiscard]] server::Server fresh(server::Waker* woken)
     {
         auto made =
             server::Server::create(ServerFixture::secure_config(), {.random = &random,
@@ -42,10 +42,11 @@ struct Parts : ManagedFixture {
                                                                     .validator = &validator,
                                                                     .users = &passwords,
                                                                     .roles = &roles,
-                                                                    .waker = &waker});
+                                                                    .waker = woken});
         REQUIRE(made);
         return *std::move(made);
     }
+    [[nodiscard]] server::Server fresh() { return fresh(&waker); }
     /// All of one kind, and what it needs.
     [[nodiscard]] AdministrationParts basic()
     {
@@ -106,6 +107,15 @@ struct Parts : ManagedFixture {
 };
 
 } // namespace
+
+TEST_CASE_METHOD(Parts, "administration: a server without a way back to its thread is refused")
+{
+    server::Server bare = fresh(nullptr);
+    administration::Administration one{with_certificates()};
+    const auto attached = one.attach(bare);
+    REQUIRE_FALSE(attached);
+    CHECK(attached.error().where == "waker");
+}
 
 TEST_CASE_METHOD(Parts, "administration: parts that do not go together are refused")
 {

@@ -1,4 +1,6 @@
 #include <chrono>
+#include <functional>
+#include <stdexcept>
 
 #include "configuration_fixture.hpp"
 
@@ -71,6 +73,12 @@ struct OwnCertificate : Configuration {
                     {Variant{NodeId{}}, Variant{rsa}, Variant{String{"CN=Press 4"}},
                      Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
                      Variant{std::uint16_t{0}}, Variant{std::uint16_t{0}}});
+    }
+    static CallRequest slow_request()
+    {
+        return slow(NodeId{0, id::ServerConfiguration_CreateSigningRequest},
+                    {Variant{NodeId{}}, Variant{rsa}, Variant{String{}}, Variant{true},
+                     Variant{ByteString{std::vector<std::byte>(32)}}});
     }
     std::string_view cancel(TestClient& client)
     {
@@ -283,15 +291,40 @@ TEST_CASE("own certificate: a worker that is busy is no state that lasts")
     CHECK(fixture.request(admin, true).status_code == status::Bad_TooManyOperations);
     worker.jobs.clear();
     worker.has_room = true;
-    const auto sent = admin.send(
-        OwnCertificate::slow(NodeId{0, id::ServerConfiguration_CreateSigningRequest},
-                             {Variant{NodeId{}}, Variant{rsa}, Variant{String{}}, Variant{true},
-                              Variant{ByteString{std::vector<std::byte>(32)}}}));
+    const auto sent = admin.send(OwnCertificate::slow_request());
     worker.work();
     fixture.complete();
     const auto response = admin.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
+}
+
+TEST_CASE("own certificate: a worker that loses a key, or throws, leaves no state that lasts")
+{
+    struct ThrowingWorker final : server::Worker {
+        [[nodiscard]] bool run(std::function<void()> /*job*/) override
+        {
+            throw std::runtime_error{"no thread"};
+        }
+    };
+    ManualWorker losing;
+    ThrowingWorker throwing;
+    const bool is_lost = GENERATE(true, false);
+    OwnCertificate fixture{is_lost ? static_cast<server::Worker*>(&losing) : &throwing};
+    auto admin = fixture.log_in();
+    const auto sent = admin.send(OwnCertificate::slow_request());
+    losing.jobs.clear(); // as an exception in it would end it
+    fixture.complete();
+    const auto response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) ==
+          (is_lost ? "Bad_InternalError" : "Bad_TooManyOperations"));
+    const auto again = admin.send(OwnCertificate::slow_request());
+    losing.work();
+    fixture.complete();
+    const auto second = admin.take<CallResponse>(again);
+    REQUIRE(second);
+    CHECK(name(second->results[0].status_code) == (is_lost ? "Good" : "Bad_TooManyOperations"));
 }
 
 TEST_CASE("own certificate: a key that takes long is waited for as long as the client waits")

@@ -9,7 +9,7 @@
 #include <busbar/types/method.hpp>
 #include <busbar/types/view.hpp>
 
-#include "support/server_fixture.hpp"
+#include "managed_fixture.hpp"
 
 namespace role_set_test {
 
@@ -50,19 +50,21 @@ struct Fixture {
         REQUIRE(client.activate(client.user(name, std::string{name} + "-secret")) == status::Good);
         return client;
     }
-    static CallMethodResult call(TestClient& client, const NodeId& object, const NodeId& method,
-                                 std::vector<Variant> inputs)
+    CallMethodResult call(TestClient& client, const NodeId& object, const NodeId& method,
+                          std::vector<Variant> inputs)
     {
         CallRequest request;
         request.methods_to_call.resize(1);
         request.methods_to_call[0].object_id = object;
         request.methods_to_call[0].method_id = method;
         request.methods_to_call[0].input_arguments = Array<Variant>{inputs};
-        const auto response = client.call<CallResponse>(request);
+        const auto sent = client.send(request);
+        complete();
+        const auto response = client.take<CallResponse>(sent);
         REQUIRE(response);
         return response->results[0];
     }
-    static std::string_view call_operator(TestClient& client, std::uint32_t method, Variant input)
+    std::string_view call_operator(TestClient& client, std::uint32_t method, Variant input)
     {
         return name(call(client, NodeId{0, id::WellKnownRole_Operator}, NodeId{0, method},
                          {std::move(input)})
@@ -78,7 +80,7 @@ struct Fixture {
         REQUIRE(response);
         return response->results[0];
     }
-    static StatusCode write(TestClient& client, const NodeId& node, Variant value)
+    StatusCode write(TestClient& client, const NodeId& node, Variant value)
     {
         WriteRequest request;
         request.nodes_to_write.resize(1);
@@ -87,7 +89,15 @@ struct Fixture {
         request.nodes_to_write[0].value.value = std::move(value);
         const auto response = client.call<WriteResponse>(request);
         REQUIRE(response);
+        complete();
         return response->results[0];
+    }
+    /// What Methods left for the server's thread.
+    void complete()
+    {
+        while (std::exchange(waker.is_awake, false)) {
+            server.handle_completions(now);
+        }
     }
     static Variant structure(const IdentityMappingRuleType& rule)
     {
@@ -103,6 +113,7 @@ struct Fixture {
     administration::RoleList roles{storage, "roles.json"};
     administration::Administration administration{
         {.wall_clock = &wall_clock, .log = &log, .roles = &roles}};
+    NoteWaker waker;
     TimePoint now{};
     server::Server server{
         server::Server::create(ServerFixture::insecure_config(), {.random = &random,
@@ -110,7 +121,8 @@ struct Fixture {
                                                                   .log = &log,
                                                                   .validator = &validator,
                                                                   .users = &users,
-                                                                  .roles = &roles})
+                                                                  .roles = &roles,
+                                                                  .waker = &waker})
             .value()};
 };
 
@@ -269,7 +281,8 @@ TEST_CASE("role set: own roles of the file have nodes, and a server without the 
                                                                       .wall_clock = &wall_clock,
                                                                       .log = &log,
                                                                       .validator = &validator,
-                                                                      .users = &first.users});
+                                                                      .users = &first.users,
+                                                                      .waker = &first.waker});
         REQUIRE(server);
         REQUIRE(administration.attach(*server));
         return *std::move(server);
@@ -366,7 +379,9 @@ TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes 
         one.method_id = remove;
         one.input_arguments = {Variant{NodeId{1, "RoleSet//Fitter"}}};
     }
-    const auto response = admin.call<CallResponse>(request);
+    const auto sent = admin.send(request);
+    complete();
+    const auto response = admin.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
     CHECK(name(response->results[1].status_code) == "Bad_NotFound");

@@ -54,7 +54,13 @@ struct Transfers {
     }
     std::vector<std::string> expire(bool has_two = true)
     {
-        return files.expire(now, [&](const Holder& holder) { return holder == one || has_two; });
+        std::vector<std::string> gone;
+        const auto is_there = [&](const Holder& holder) { return holder == one || has_two; };
+        while (const auto* const file = files.find_gone(now, is_there)) {
+            gone.push_back(file->name);
+            files.remove(*file);
+        }
+        return gone;
     }
 
     TimePoint now{};

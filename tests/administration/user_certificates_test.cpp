@@ -65,9 +65,13 @@ struct CertifiedUsers : ManagedFixture {
     }
     std::string_view remove(TestClient& admin, const Issued& user)
     {
-        return name(call(admin, NodeId{0, user_trust_list}, NodeId{0, remove_certificate},
-                         {Variant{String{user.certificate.thumbprint_text()}}, Variant{true}})
-                        .status_code);
+        const CallMethodResult result =
+            call(admin, NodeId{0, user_trust_list}, NodeId{0, remove_certificate},
+                 {Variant{String{user.certificate.thumbprint_text()}}, Variant{true}});
+        while (std::exchange(open_waker.is_awake, false)) {
+            open_server.handle_completions(now);
+        }
+        return name(result.status_code);
     }
 
     crypto::StoreValidator user_validator{user_certificates, log};
@@ -79,12 +83,14 @@ struct CertifiedUsers : ManagedFixture {
                                             .users = &of_directory,
                                             .certificates = &certificates,
                                             .random = &random}};
+    NoteWaker open_waker;
     server::Server open_server{server::Server::create(config(), {.random = &random,
                                                                  .wall_clock = &wall_clock,
                                                                  .log = &log,
                                                                  .validator = &validator,
                                                                  .users = &directory,
-                                                                 .roles = &roles})
+                                                                 .roles = &roles,
+                                                                 .waker = &open_waker})
                                    .value()};
 };
 

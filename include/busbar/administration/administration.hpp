@@ -104,7 +104,8 @@ public:
 
     /// Adds the nodes to the server and binds them; once, before clients connect. What namespace 0
     /// of this build is too small for is left out, and the log says so. The problem is one of nodes
-    /// that are there already.
+    /// that are there already, of parts that do not go together, or of a server without a Waker:
+    /// many Methods end later than their call.
     [[nodiscard]] Configured<void> attach(server::Server& server);
     /// Somebody else than a client made or removed files of `file_systems`: clients see them as
     /// they are, soon. Any thread, from attach() on.

@@ -28,6 +28,11 @@ struct FixedClock final : WallClock {
     DateTime time;
 };
 
+/// Of a server that nobody drives.
+struct SilentWaker final : Waker {
+    void wake() override {}
+};
+
 channel::ApplicationIdentity passing_identity(const ControllerConfig& config, DateTime now)
 {
     auto key = expect(crypto::PrivateKey::generate(2'048), "a key");
@@ -148,12 +153,14 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
          .certificates = is_managed ? &certificates : nullptr,
          .random = &random,
          .stop = [] {}}};
+    SilentWaker waker;
     auto server = expect(server::Server::create(config.server, {.random = &random,
                                                                 .wall_clock = &clock,
                                                                 .log = &log,
                                                                 .validator = &validator,
                                                                 .users = &users,
-                                                                .roles = &roles}));
+                                                                .roles = &roles,
+                                                                .waker = &waker}));
     expect(administration.attach(server));
     add_nodes(server, config, *plc, source, log);
     server.start(TimePoint{});
