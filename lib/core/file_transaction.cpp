@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "json.hpp"
 #include "json_writer.hpp"
 
@@ -213,7 +215,8 @@ void FileTransaction::cancel()
 {
     for (const Step& step : std::exchange(steps_, {})) {
         if (!step.staged.empty()) {
-            static_cast<void>(storage_->remove(step.staged)); // else recover() does it
+            // Else recover() does it; this is the end of a destructor.
+            detail::attempt([&] { static_cast<void>(storage_->remove(step.staged)); });
         }
     }
 }

@@ -200,14 +200,20 @@ Stored<void> MemoryStorage::replace(std::string_view name, std::span<const std::
     if (used() + bytes.size() > capacity_) {
         return not_stored(StorageError::Full);
     }
+    // What needs memory comes first: without it the file is as it was.
+    Items made;
+    Item& item = made[std::string{name}];
+    item.access = access;
+    item.bytes.assign(bytes.begin(), bytes.end());
     static_cast<void>(take_bytes(bytes.size()));
     if (auto named = take_step(); !named) {
         return named;
     }
-    Item& item = items_[std::string{name}];
-    item.access = access;
-    item.bytes.assign(bytes.begin(), bytes.end());
     touch(item);
+    if (found != items_.end()) {
+        items_.erase(found);
+    }
+    items_.insert(made.extract(made.begin()));
     touch_folder_of(name);
     return {};
 }
@@ -258,13 +264,15 @@ Stored<void> MemoryStorage::move(std::string_view from, std::string_view to, Whe
     if (found->second.is_folder || (target != items_.end() && target->second.is_folder)) {
         return not_stored(StorageError::Failed);
     }
+    std::string new_name{to};
     if (auto taken = take_step(); !taken || from == to) {
         return taken;
     }
-    Item item = std::move(found->second);
-    items_.erase(found);
-    item.version = ++versions_;
-    items_[std::string{to}] = std::move(item);
+    auto item = items_.extract(found);
+    item.key() = std::move(new_name);
+    item.mapped().version = ++versions_;
+    items_.erase(item.key());
+    items_.insert(std::move(item));
     touch_folder_of(from);
     touch_folder_of(to);
     return {};
