@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
@@ -216,14 +217,17 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
         return refuse(std::move(checked.error()));
     }
     const CertificateFolder& home = lists_->home(list, kind);
+    StoreEntry entry = detail::entry_of({&home, &*file});
     const auto saved =
         storage_->replace(home.path_of(file->name), der_of(*file), FileAccess::Everyone);
     if (!saved) {
         return refuse_disk(saved.error(), adding, list);
     }
-    StoreEntry entry = detail::entry_of({&home, &*file});
-    tell_change(*log_, RecordKind::CertificateAdded, "added to " + name_of(list), *file, entry,
-                list);
+    // What is done is done.
+    busbar::detail::attempt([&] {
+        tell_change(*log_, RecordKind::CertificateAdded, "added to " + name_of(list), *file, entry,
+                    list);
+    });
     return entry;
 }
 
@@ -242,8 +246,11 @@ Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbpri
     if (auto removed = remove_all(*lists_, found, removing, list); !removed) {
         return removed;
     }
-    tell_change(*log_, RecordKind::CertificateRemoved, "removed from " + name_of(list), file, entry,
-                list);
+    // What is done is done.
+    busbar::detail::attempt([&] {
+        tell_change(*log_, RecordKind::CertificateRemoved, "removed from " + name_of(list), file,
+                    entry, list);
+    });
     return {};
 }
 
@@ -272,8 +279,12 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
     if (auto removed = remove_all(*lists_, found, moving, from); !removed) {
         return removed;
     }
-    tell_change(*log_, RecordKind::CertificateMoved,
-                "moved from " + name_of(from) + " to " + name_of(to), file, entry, to, name(from));
+    // What is done is done.
+    busbar::detail::attempt([&] {
+        tell_change(*log_, RecordKind::CertificateMoved,
+                    "moved from " + name_of(from) + " to " + name_of(to), file, entry, to,
+                    name(from));
+    });
     return {};
 }
 

@@ -86,11 +86,10 @@ const std::vector<CertificateFolder>& StoreLists::folders(StoreList list) const
 
 void StoreLists::refresh(StoreList list, DateTime now)
 {
-    bool is_changed = false;
     for (CertificateFolder& folder : folders(list)) {
-        is_changed = folder.refresh(limits_, now, *log_) || is_changed;
+        // At once: the next folder may find no memory.
+        is_trust_list_old_ = folder.refresh(limits_, now, *log_) || is_trust_list_old_;
     }
-    is_trust_list_old_ = is_trust_list_old_ || is_changed;
 }
 
 std::vector<FileInList> StoreLists::files(StoreList list) const
