@@ -32,9 +32,9 @@ struct NodeTable::Job {
     ~Job() { post_end(); }
 
     void do_work() { outcome->status = busbar::detail::caught(outcome->thrown, work); }
-    void refuse()
+    void refuse(StatusCode why)
     {
-        outcome->status = status::Bad_TooManyOperations;
+        outcome->status = why;
         post_end();
     }
     void post_end()
@@ -97,6 +97,18 @@ void NodeTable::post(std::unique_ptr<Task> task) noexcept
     }
 }
 
+void NodeTable::post(server::MethodCall call, std::function<void(server::MethodCall& call)> method)
+{
+    const auto kept = std::make_shared<server::MethodCall>(std::move(call));
+    post([log = log_, kept, method = std::move(method)] {
+        const StatusCode thrown =
+            busbar::detail::guarded(*log, "a Method of administration", [&] { method(*kept); });
+        if (thrown.is_bad()) {
+            kept->fail(thrown);
+        }
+    });
+}
+
 NodeTable::Signal& NodeTable::add_signal(std::function<void()> function)
 {
     Signal& added = signals_.emplace_back();
@@ -118,10 +130,10 @@ void NodeTable::run(server::Worker* worker, std::function<void()> work,
     }
     const auto job = std::make_shared<Job>(*this, std::move(work), std::move(end));
     bool is_taken = false;
-    busbar::detail::guarded(*log_, "Worker::run",
-                            [&] { is_taken = worker->run([job] { job->do_work(); }); });
+    const StatusCode thrown = busbar::detail::guarded(
+        *log_, "Worker::run", [&] { is_taken = worker->run([job] { job->do_work(); }); });
     if (!is_taken) {
-        job->refuse();
+        job->refuse(thrown.is_bad() ? thrown : status::Bad_TooManyOperations);
     }
 }
 
@@ -189,7 +201,7 @@ void NodeTable::handle_completions()
     Task* first = posted_.take();
     for (Signal& signal : signals_) {
         if (signal.is_raised.exchange(false)) {
-            busbar::detail::guarded(*log_, "a task of administration", signal.function);
+            do_signal(signal);
         }
     }
     while (first != nullptr) {
@@ -197,11 +209,35 @@ void NodeTable::handle_completions()
         task->next = nullptr;
         if (--task->rounds != 0) {
             post(std::move(task));
-            continue;
+        } else {
+            do_task(std::move(task));
         }
-        busbar::detail::guarded(*log_, "a task of administration", task->function);
     }
     turns_.serve_next();
+}
+
+void NodeTable::do_task(std::unique_ptr<Task> task)
+{
+    const StatusCode thrown =
+        busbar::detail::guarded(*log_, "a task of administration", task->function);
+    if (thrown == status::Bad_OutOfMemory && ++task->tries != most_tries) {
+        task->rounds = 1;
+        post(std::move(task));
+    }
+}
+
+void NodeTable::do_signal(Signal& signal)
+{
+    const StatusCode thrown =
+        busbar::detail::guarded(*log_, "a task of administration", signal.function);
+    if (thrown != status::Bad_OutOfMemory) {
+        signal.tries = 0;
+    } else if (++signal.tries != most_tries) {
+        raise(signal);
+    } else { // with whatever comes next
+        signal.tries = 0;
+        signal.is_raised = true;
+    }
 }
 
 model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex parent,

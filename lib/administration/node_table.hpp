@@ -41,17 +41,21 @@ public:
     using Setter = std::function<StatusCode(const DataValue& value)>;
     using Method = server::MethodTable::Function;
 
+    /// How often something is tried again at once for which there was no memory.
+    static constexpr unsigned most_tries = 3;
     /// Something to do on the server's thread.
     struct Task {
         std::function<void()> function;
         /// It is done after so many rounds of completions.
         unsigned rounds{1};
+        unsigned tries{0};
         Task* next{nullptr};
     };
     /// Something to do on the server's thread, once for all who have asked for it.
     struct Signal {
         std::function<void()> function;
         std::atomic<bool> is_raised{false};
+        unsigned tries{0};
     };
 
     /// The clock gives values their source timestamps.
@@ -75,14 +79,17 @@ public:
     {
         post(std::make_unique<Task>(Task{std::move(function)}));
     }
+    /// Does the Method in the next round, when the server is in none of its callbacks. One that
+    /// throws answers as those do that are served at once.
+    void post(server::MethodCall call, std::function<void(server::MethodCall& call)> method);
     /// As long as the table; before others raise it.
     [[nodiscard]] Signal& add_signal(std::function<void()> function);
     /// Any thread.
     void raise(Signal& signal) noexcept;
     /// Has the worker do `work`, and calls `end` on the server's thread afterwards; without a
     /// worker it does both at once. `end` gets Good, Bad_TooManyOperations if the worker has no
-    /// room, Bad_InternalError if it drops the work, or the status of what `work` threw. If this
-    /// throws there was no memory, and neither is called.
+    /// room, Bad_InternalError if it drops the work, or the status of what one of them threw. If
+    /// this throws there was no memory, and neither is called.
     void run(server::Worker* worker, std::function<void()> work,
              std::function<void(StatusCode done)> end);
 
@@ -106,6 +113,8 @@ private:
     struct Job;
 
     std::uint64_t add(Entry entry);
+    void do_task(std::unique_ptr<Task> task);
+    void do_signal(Signal& signal);
     void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
     [[nodiscard]] const Entry* find(std::uint64_t handle) const
     {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/self_signed.hpp>
 #include <busbar/crypto/signing_request.hpp>
@@ -145,10 +146,13 @@ void OwnCertificateMethods::run_slowly(const std::shared_ptr<MethodCall>& call,
     needs_.table.run(needs_.worker, std::move(work),
                      [this, call, making_key, finish = std::move(finish)](StatusCode done) {
                          making_key_.reset();
-                         if (done.is_bad()) {
-                             return call->fail(done);
+                         const StatusCode status =
+                             done.is_bad() ? done
+                                           : busbar::detail::guarded(
+                                                 needs_.log, "a Method of administration", finish);
+                         if (status.is_bad()) {
+                             call->fail(status);
                          }
-                         finish();
                      });
 }
 

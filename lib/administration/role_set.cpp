@@ -54,7 +54,7 @@ RoleSet::RoleSet(server::Server& server, RoleList& roles, NodeTable& table,
     : server_{server}, space_{server.address_space()}, roles_{roles}, table_{table},
       changed_{changed}, renew_roles_{table.add_signal(
                              [this] { server::RunningServer{server_}.roles_changed(); })},
-      log_{log}
+      remove_nodes_{table.add_signal([this] { remove_nodes(); })}, log_{log}
 {
 }
 
@@ -244,6 +244,15 @@ void RoleSet::add_role(MethodCall call)
     call.succeed(std::move(outputs));
 }
 
+void RoleSet::remove_nodes()
+{
+    for (; !gone_.empty(); gone_.pop_back()) {
+        if (const NodeIndex node = space_.find(gone_.back()); node != model::no_node) {
+            static_cast<void>(space_.remove(node));
+        }
+    }
+}
+
 /// Part 18, 4.2.3.
 void RoleSet::remove_role(MethodCall call)
 {
@@ -259,18 +268,14 @@ void RoleSet::remove_role(MethodCall call)
     if (node == model::no_node || name.empty()) {
         return call.fail(status::Bad_NotFound);
     }
-    // Not while a Method of it may be running.
-    auto removal = std::make_unique<NodeTable::Task>();
-    removal->function = [this, id] {
-        if (const NodeIndex gone = space_.find(id); gone != model::no_node) {
-            static_cast<void>(space_.remove(gone));
-        }
-    };
+    gone_.push_back(id);
+    busbar::detail::Undo undo{[this] { gone_.pop_back(); }};
     if (const auto removed = roles_.remove(name); !removed) {
         tell_refused(call, removed.error());
         return call.fail(removed.error().status);
     }
-    table_.post(std::move(removal));
+    undo.keep();
+    table_.raise(remove_nodes_); // not while a Method of it may be running
     changed(call);
     call.succeed();
 }

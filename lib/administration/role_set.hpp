@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/administration/role_list.hpp>
 #include <busbar/core/record.hpp>
@@ -31,6 +32,7 @@ private:
     void bind_change(model::NodeIndex node, std::string_view method, Change change);
     void add_role(server::MethodCall call);
     void remove_role(server::MethodCall call);
+    void remove_nodes();
     /// The node of a role that is not well-known.
     [[nodiscard]] Result<model::NodeIndex> add_node(const RoleRules& role);
     [[nodiscard]] NodeId node_id(const RoleRules& role) const;
@@ -45,8 +47,11 @@ private:
     NodeTable::Signal& changed_;
     /// Sessions get their roles anew.
     NodeTable::Signal& renew_roles_;
+    NodeTable::Signal& remove_nodes_;
     LogSink& log_;
     std::uint16_t own_namespace_{0};
+    /// Nodes of roles that were removed.
+    std::vector<NodeId> gone_;
 };
 
 } // namespace busbar::administration::detail

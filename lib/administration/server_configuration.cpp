@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/administration/server_configuration_nodes/nodes.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/common.hpp>
@@ -266,7 +267,7 @@ void ServerConfiguration::apply_changes(MethodCall call)
     if (!changed) {
         return refuse_call(call, RecordKind::SettingsChanged, changed.error());
     }
-    tell_applied(call, *changed);
+    busbar::detail::attempt([&] { tell_applied(call, *changed); });
     call.succeed();
     for (const std::size_t group : changed->groups) {
         trust_lists_[group].tell_changed();

@@ -25,12 +25,11 @@ Configured<void> ServerReset::attach()
     if (const auto added = space.add(reset_to_defaults_nodes::nodes()); !added) {
         return misconfigured("reset", "ResetToServerDefaults cannot be added", added.error());
     }
-    needs_.table.bind_method(space, space.find(id::ServerConfiguration_ResetToServerDefaults),
-                             [this](server::MethodCall call) {
-                                 const auto kept =
-                                     std::make_shared<server::MethodCall>(std::move(call));
-                                 needs_.table.post([this, kept] { reset(*kept); });
-                             });
+    needs_.table.bind_method(
+        space, space.find(id::ServerConfiguration_ResetToServerDefaults),
+        [this](server::MethodCall call) {
+            needs_.table.post(std::move(call), [this](server::MethodCall& each) { reset(each); });
+        });
     return {};
 }
 

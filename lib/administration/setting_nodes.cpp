@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "method_arguments.hpp"
@@ -234,8 +235,7 @@ Result<void> SettingNodes::add_method()
     }
     space.set_node_access(*added, access_of_settings(false));
     needs_.table.bind_method(space, *added, [this](MethodCall call) {
-        const auto kept = std::make_shared<MethodCall>(std::move(call));
-        needs_.table.post([this, kept] { set(*kept); });
+        needs_.table.post(std::move(call), [this](MethodCall& each) { set(each); });
     });
     return {};
 }
@@ -294,7 +294,13 @@ void SettingNodes::read(server::ReadBatch batch)
 void SettingNodes::write(server::WriteBatch batch)
 {
     const auto kept = std::make_shared<server::WriteBatch>(std::move(batch));
-    needs_.table.post([this, kept] { write_set(*kept); });
+    needs_.table.post([this, kept] {
+        const StatusCode thrown =
+            busbar::detail::guarded(needs_.log, "a Write of settings", [&] { write_set(*kept); });
+        if (thrown.is_bad()) {
+            kept->finish(thrown);
+        }
+    });
 }
 
 void SettingNodes::write_set(server::WriteBatch& batch)

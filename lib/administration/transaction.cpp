@@ -40,12 +40,15 @@ Checked<void> prepare_files(FileTransaction& change)
 
 Checked<void> commit_files(FileTransaction& change)
 {
-    const auto done = change.commit();
+    Stored<void> done = not_stored(StorageError::Failed);
+    const StatusCode thrown = busbar::detail::caught([&] { done = change.commit(); });
     // What is decided is finished as soon as the files can be written again.
     if (done || (change.is_decided() && change.recover())) {
         return {};
     }
-    return refuse_files(done.error());
+    return thrown.is_bad()
+               ? refuse({thrown, "transaction", "the files were not written", "", "Try again"})
+               : refuse_files(done.error());
 }
 
 StatusCode Transaction::enter(const Holder& holder)
@@ -151,7 +154,9 @@ Checked<Transaction::Changed> Transaction::apply(std::string_view application_ur
     }
     FileTransaction change{*files_.files, transaction_folder};
     if (auto written = write(change, application_uri); !written) {
-        end(written.error().status);
+        if (written.error().status != status::Bad_OutOfMemory) {
+            end(written.error().status);
+        }
         return refuse(std::move(written).error());
     }
     for (const std::size_t group : changed.groups) {

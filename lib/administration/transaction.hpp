@@ -67,7 +67,8 @@ public:
         std::vector<std::size_t> groups;
         std::optional<crypto::OwnCertificate> own;
     };
-    /// Writes all of it. Refused: nothing has changed, and the transaction is over as well.
+    /// Writes all of it. Refused: nothing has changed, and the transaction is over as well, unless
+    /// there was no memory.
     [[nodiscard]] Checked<Changed> apply(std::string_view application_uri);
     void cancel(StatusCode why);
 

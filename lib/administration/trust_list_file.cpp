@@ -284,9 +284,12 @@ StatusCode TrustListFile::check_single_change() const
 
 void TrustListFile::tell(const MethodCall& call, const Refusal* refusal)
 {
-    const std::array fields{RecordField{"TrustListId", Variant{group().trust_list_id}}};
-    tell_method(needs_.log, RecordKind::TrustListUpdated, call,
-                refusal != nullptr ? refusal->status : StatusCode{status::Good}, refusal, fields);
+    busbar::detail::attempt([&] {
+        const std::array fields{RecordField{"TrustListId", Variant{group().trust_list_id}}};
+        tell_method(needs_.log, RecordKind::TrustListUpdated, call,
+                    refusal != nullptr ? refusal->status : StatusCode{status::Good}, refusal,
+                    fields);
+    });
 }
 
 void TrustListFile::refuse_call(MethodCall& call, const Refusal& refusal)

@@ -267,7 +267,8 @@ struct ManagedFixture {
     crypto::StoreValidator validator{applications, log};
     server::PasswordUsers passwords;
     administration::RoleList roles{storage, "roles.json"};
-    administration::UserList user_list{storage, "users.json", {}, passwords};
+    /// Hashes that cost nothing.
+    administration::UserList user_list{storage, "users.json", {.cost = {.log_n = 1}}, passwords};
     administration::ManagedCertificates certificates{.files = &storage,
                                                      .applications = &applications,
                                                      .users = &user_certificates,
