@@ -75,9 +75,9 @@ private:
     };
 
     [[nodiscard]] static Configured<std::unique_ptr<const Edition>> checked(Program program);
-    /// The variables at `indices` have handles from `first` on, and so those that are published.
-    void give_handles(const Program& program, std::span<const std::size_t> indices,
-                      std::uint32_t first);
+    struct NewHandles;
+    /// Variables that are new in the image have handles from `first` on.
+    void take(NewHandles handles, std::uint32_t first) noexcept;
 
     /// The first one is what it was made with.
     std::vector<std::unique_ptr<const Edition>> editions_;

@@ -105,6 +105,7 @@ Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
     if (!layout) {
         return Unexpected<Problem>{std::move(layout.error())};
     }
+    ProgramImageAddition result{0, {variables.begin(), variables.end()}, nullptr};
     Configured<void> filled;
     const auto added =
         image_->add_variables(std::move(*layout), [&](server::ImageMemory& memory) -> StatusCode {
@@ -117,8 +118,9 @@ Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
     if (!added) {
         return misconfigured("", text_of_refused_addition(added.error()), added.error());
     }
-    return ProgramImageAddition{
-        added->first_handle, {variables.begin(), variables.end()}, added->memory};
+    result.first_handle = added->first_handle;
+    result.memory = added->memory;
+    return result;
 }
 
 } // namespace busbar::controller

@@ -47,6 +47,39 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
 
 } // namespace
 
+/// Handles that variables are going to have. All that needs memory is done before it is known which
+/// these are, so that they can be given when nothing may fail any more.
+struct PublishedProgram::NewHandles {
+    NewHandles(const Handles& before, const Program& program, std::span<const std::size_t> indices,
+               const Publication& publication)
+        : in_image{before}
+    {
+        for (const std::size_t index : indices) {
+            const auto place = in_image.emplace(fold_name(program.variables[index].name), 0).first;
+            added.push_back(&place->second);
+        }
+        for (const PublishedVariable& each : publication.published()) {
+            published.push_back(&in_image.at(fold_name(each.variable->name)));
+        }
+        handles.reserve(published.size());
+    }
+    /// Of those at the indices, from `first` on.
+    void give(std::uint32_t first) noexcept
+    {
+        for (std::uint32_t* const handle : added) {
+            *handle = first++;
+        }
+        for (const std::uint32_t* const handle : published) {
+            handles.push_back(*handle);
+        }
+    }
+
+    Handles in_image;
+    std::vector<std::uint32_t*> added;
+    std::vector<const std::uint32_t*> published;
+    std::vector<std::uint32_t> handles;
+};
+
 Configured<std::unique_ptr<const PublishedProgram::Edition>>
 PublishedProgram::checked(Program program)
 {
@@ -73,20 +106,15 @@ PublishedProgram::create(Program program, const PublishingLimits& limits)
     result->editions_.push_back(std::move(*edition));
     result->publication_.emplace(result->types(), limits);
     const auto indices = variables_of_image(result->types(), result->publication_->published(), {});
-    result->give_handles(result->program(), indices, 0);
+    result->take(NewHandles{{}, result->program(), indices, *result->publication_}, 0);
     return result;
 }
 
-void PublishedProgram::give_handles(const Program& program, std::span<const std::size_t> indices,
-                                    std::uint32_t first)
+void PublishedProgram::take(NewHandles handles, std::uint32_t first) noexcept
 {
-    for (const std::size_t index : indices) {
-        in_image_.emplace(fold_name(program.variables[index].name), first++);
-    }
-    const auto& published = publication_->published();
-    for (std::size_t i = handles_.size(); i < published.size(); ++i) {
-        handles_.push_back(in_image_.at(fold_name(published[i].variable->name)));
-    }
+    handles.give(first);
+    in_image_ = std::move(handles.in_image);
+    handles_ = std::move(handles.handles);
 }
 
 Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_index,
@@ -115,15 +143,18 @@ Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t 
     Publication publication{*publication_};
     const PublicationGroup group = publication.add(types);
     const std::span<const PublishedVariable> added{publication.published()};
-    auto in_image = image.add(
-        types, variables_of_image(types, added.subspan(group.first_published), in_image_),
-        [&](const DerivedType& type) { return MachineTypes::encoding_of(namespace_index, type); });
+    const auto indices = variables_of_image(types, added.subspan(group.first_published), in_image_);
+    NewHandles handles{in_image_, types.program(), indices, publication};
+    editions_.reserve(editions_.size() + 1);
+    auto in_image = image.add(types, indices, [&](const DerivedType& type) {
+        return MachineTypes::encoding_of(namespace_index, type);
+    });
     if (!in_image) {
         return Unexpected{std::move(in_image).error()};
     }
     editions_.push_back(std::move(*edition));
     *publication_ = std::move(publication);
-    give_handles(types.program(), in_image->variables, in_image->first_handle);
+    take(std::move(handles), in_image->first_handle);
     return ProgramAddition{group, std::move(*in_image), &types};
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::controller {
 
 namespace {
@@ -111,10 +113,11 @@ Configured<void> ProjectStore::write(std::uint32_t transfer, std::span<const std
                                  std::to_string(limits_.max_file_size) + " bytes",
                              status::Bad_EncodingLimitsExceeded);
     }
+    busbar::detail::Undo undo{[this] { forget_staged(); }};
     if (auto added = storage_->append(staged(), bytes, FileAccess::Owner); !added) {
-        forget_staged();
         return storage_problem(*storage_, staged(), added.error());
     }
+    undo.keep();
     transfer_->size += bytes.size();
     return {};
 }
@@ -138,11 +141,11 @@ Configured<void> ProjectStore::commit(std::uint32_t transfer)
     if (!is_of(transfer)) {
         return no_transfer();
     }
+    busbar::detail::Undo undo{[this] { forget_staged(); }};
     auto done = make_current();
     if (done) {
+        undo.keep();
         transfer_.reset();
-    } else {
-        forget_staged();
     }
     return done;
 }
