@@ -54,6 +54,15 @@ constexpr auto responses =
                PublishResponse, RepublishResponse, TransferSubscriptionsResponse,
                DeleteSubscriptionsResponse>();
 
+/// Where the service is, or has to come.
+template <typename Services>
+auto place_of(Services& services, std::uint32_t encoding_id)
+{
+    return std::lower_bound(
+        services.begin(), services.end(), encoding_id,
+        [](const Service& service, std::uint32_t id) { return service.encoding_id < id; });
+}
+
 bool is_number(const NodeId& id)
 {
     return id.namespace_index() == 0 && id.is_numeric();
@@ -72,8 +81,12 @@ ServiceTable::ServiceTable()
 void ServiceTable::add(std::span<const Service> services)
 {
     for (const Service& service : services) {
-        const auto known = std::lower_bound(requests.begin(), requests.end(), service.encoding_id);
-        services_[static_cast<std::size_t>(known - requests.begin())] = service;
+        const auto place = place_of(services_, service.encoding_id);
+        if (place != services_.end() && place->encoding_id == service.encoding_id) {
+            *place = service;
+        } else {
+            services_.insert(place, service);
+        }
     }
 }
 
@@ -82,10 +95,9 @@ const Service* ServiceTable::find(const NodeId& encoding_id) const
     if (!is_number(encoding_id)) {
         return nullptr;
     }
-    const auto known = std::lower_bound(requests.begin(), requests.end(), encoding_id.numeric());
-    return known != requests.end() && *known == encoding_id.numeric()
-               ? &services_[static_cast<std::size_t>(known - requests.begin())]
-               : nullptr;
+    const auto place = place_of(services_, encoding_id.numeric());
+    return place != services_.end() && place->encoding_id == encoding_id.numeric() ? &*place
+                                                                                   : nullptr;
 }
 
 bool is_response(const NodeId& encoding_id)

@@ -53,13 +53,13 @@ class ServiceTable {
 public:
     ServiceTable();
 
-    /// All of them requests of Part 4.
+    /// Also those of requests that are not of Part 4.
     void add(std::span<const Service> services);
-    /// Null for what is no request of Part 4.
+    /// Null for what is no request of Part 4 and was not added.
     [[nodiscard]] const Service* find(const NodeId& encoding_id) const;
 
 private:
-    /// One for each request of Part 4, in the order of their ids.
+    /// At least one for each request of Part 4, in the order of their ids.
     std::vector<Service> services_;
 };
 
