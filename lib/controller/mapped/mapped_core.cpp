@@ -82,10 +82,10 @@ void MappedCore::tell(LabelUpdate event)
     }
 }
 
-void MappedCore::send(std::unique_ptr<LabelRequest> request)
+std::uint64_t MappedCore::give_id(LabelRequest& request)
 {
-    request->id = ++last_id_;
-    backend_->start(std::move(request));
+    request.id = ++last_id_;
+    return request.id;
 }
 
 void MappedCore::update()
@@ -99,8 +99,8 @@ void MappedCore::update()
     auto request = std::make_unique<LabelRequest>();
     request->kind = LabelRequest::Kind::Resolve;
     request->names = table_.names();
-    resolve_id_ = last_id_ + 1;
-    send(std::move(request));
+    resolve_id_ = give_id(*request);
+    backend_->start(std::move(request));
 }
 
 void MappedCore::resolved(LabelRequest& request)
@@ -180,8 +180,8 @@ void MappedCore::advance(std::unique_ptr<MappedOperation> operation)
         return;
     }
     operation->note(*request, generation_);
-    in_flight_.emplace(last_id_ + 1, std::move(operation));
-    send(std::move(request));
+    in_flight_.emplace(give_id(*request), std::move(operation));
+    backend_->start(std::move(request));
 }
 
 void MappedCore::take(std::unique_ptr<LabelRequest> request)
@@ -343,8 +343,8 @@ void MappedCore::change_sampling()
     }
     has_monitoring_changed_ = false;
     if (auto request = sampling_.change(context_)) {
-        sample_id_ = last_id_ + 1;
-        send(std::move(request));
+        sample_id_ = give_id(*request);
+        backend_->start(std::move(request));
     }
 }
 

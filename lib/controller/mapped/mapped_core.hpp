@@ -51,7 +51,8 @@ private:
     void repeat(std::unique_ptr<MappedOperation> operation);
     void use_room();
     void advance(std::unique_ptr<MappedOperation> operation);
-    void send(std::unique_ptr<backend::LabelRequest> request);
+    /// By which the answer will be known.
+    std::uint64_t give_id(backend::LabelRequest& request);
     void change_sampling();
     void sampling_answered(const backend::LabelRequest& request);
     [[nodiscard]] bool keep_last(server::ReadBatch& batch);
