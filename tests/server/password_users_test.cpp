@@ -228,4 +228,30 @@ TEST_CASE("a directory gives rights to certificates and tokens")
     CHECK(users.token_user(claims)->roles == std::vector<std::string>{"Operator"});
 }
 
+TEST_CASE("users that are set and removed together")
+{
+    SeededRandom random;
+    PasswordUsers users{{.cost = cheap_scrypt}};
+    REQUIRE(users.add("maria", "patience is all", random));
+    REQUIRE(users.add("tom", "patience is all", random));
+    REQUIRE(users.add("pat", "patience is all", random));
+    const auto hash = crypto::hash_password("another of them", random, cheap_scrypt).value();
+    PasswordUsers::Change change;
+    CHECK(change.set("maria", hash, {.must_change_password = true}));
+    CHECK(change.set("eve", hash));
+    CHECK_FALSE(change.set("", hash));
+    CHECK_FALSE(change.set("mallory", "no hash"));
+    change.remove("tom");
+    change.remove("nobody");
+    CHECK_FALSE(users.log_in("eve", "another of them"));
+    users.apply(std::move(change));
+    const auto maria = users.log_in("maria", "another of them");
+    REQUIRE(maria);
+    CHECK(maria->must_change_password);
+    CHECK(users.log_in("eve", "another of them"));
+    CHECK(users.log_in("pat", "patience is all"));
+    CHECK_FALSE(users.log_in("tom", "patience is all"));
+    CHECK(users.password_hash("mallory").empty());
+}
+
 } // namespace password_users_test
