@@ -61,8 +61,15 @@ public:
     }
 };
 
+struct NoteWaker final : Waker {
+    void wake() override { is_awake = true; }
+
+    bool is_awake{false};
+};
+
 struct Backend {
     Users users;
+    NoteWaker waker;
     NoWorker worker;
     NullLog silence;
     test::FixedWallClock clock;
@@ -118,7 +125,7 @@ struct Target {
 };
 
 struct Fixture : Backend, fuzz::ServerSession {
-    Fixture() : fuzz::ServerSession{&users}
+    Fixture() : fuzz::ServerSession{&users, false, &waker}
     {
         static_cast<void>(applications.create());
         static_cast<void>(user_certificates.create());
@@ -147,6 +154,15 @@ struct Fixture : Backend, fuzz::ServerSession {
         }
         lasting_targets = targets.size();
         log_in();
+    }
+    /// What the Method left for the server's thread is done before the next one.
+    void call(CallRequest request)
+    {
+        send(std::move(request));
+        while (std::exchange(waker.is_awake, false)) {
+            server.handle_completions(now);
+        }
+        run();
     }
     void add_file_methods(const std::string& path)
     {
@@ -370,7 +386,7 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
         for (const Argument& argument : target.inputs) {
             request.methods_to_call[0].input_arguments.push_back(value_of(argument, script));
         }
-        fixture.send(std::move(request));
+        fixture.call(std::move(request));
         fixture.follow_transfers();
     }
     return 0;

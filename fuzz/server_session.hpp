@@ -16,8 +16,9 @@ namespace busbar::fuzz {
 
 /// A server without security, and a client channel that speaks to it.
 struct ServerSession {
-    explicit ServerSession(server::UserStore* users = nullptr, bool has_node_management = false)
-        : server{make_server(users, has_node_management)}
+    explicit ServerSession(server::UserStore* users = nullptr, bool has_node_management = false,
+                           Waker* waker = nullptr)
+        : server{make_server(users, has_node_management, waker)}
     {
         connect();
     }
@@ -34,7 +35,7 @@ struct ServerSession {
         run();
     }
 
-    server::Server make_server(server::UserStore* users, bool has_node_management)
+    server::Server make_server(server::UserStore* users, bool has_node_management, Waker* waker)
     {
         server::ServerConfig config;
         config.has_node_management = has_node_management;
@@ -42,8 +43,11 @@ struct ServerSession {
         config.endpoints[0].allows_anonymous = true;
         config.endpoints[0].allows_user_name = false;
         config.limits.events.max_raised_events = 16; // whose places are written for each server
-        const server::ServerEnvironment environment{
-            .random = &random, .wall_clock = &wall_clock, .log = &log, .users = users};
+        const server::ServerEnvironment environment{.random = &random,
+                                                    .wall_clock = &wall_clock,
+                                                    .log = &log,
+                                                    .users = users,
+                                                    .waker = waker};
         return *server::Server::create(quick_modules(), config, environment);
     }
     /// Ends the session and the connection, and lets the time pass until all that they made has
