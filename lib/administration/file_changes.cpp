@@ -97,7 +97,7 @@ void FileNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
 void FileNodes::open(MethodCall& call, const std::string& path)
 {
     const auto mode = call.input<std::uint8_t>(0);
-    // Who only reads would keep writers out, and hold what is never written.
+    // Who only reads would keep writers and readers out, and hold what is never written.
     if ((mode & open_write) != 0 && !may_call(space_, writing_, call.user())) {
         return call.fail(status::Bad_UserAccessDenied);
     }
@@ -261,7 +261,7 @@ void FileNodes::delete_entry(MethodCall& call, const std::string& path)
     if (child == nullptr) {
         return call.fail(status::Bad_NotFound);
     }
-    if (open_.is_in_use(*child)) {
+    if (open_.is_in_use(*child, holder_of(server_, call))) {
         return call.fail(status::Bad_InvalidState);
     }
     const StatusCode removed = remove_all(std::string{*child}, entries_.find(*child)->second.kind);
@@ -340,7 +340,7 @@ void FileNodes::move_or_copy(MethodCall& call, const std::string& path)
     if (!to) {
         return call.fail(to.error());
     }
-    if (open_.is_in_use(from)) {
+    if (open_.is_in_use(from, holder_of(server_, call))) {
         return call.fail(status::Bad_InvalidState);
     }
     if (to->starts_with(from + "/")) {

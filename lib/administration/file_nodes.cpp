@@ -280,6 +280,7 @@ void FileNodes::remove_entry(const std::string& path)
         static_cast<void>(space_.remove(node));
     }
     const auto found = entries_.find(path);
+    open_.drop(path);
     if (found->second.kind == StorageEntry::Kind::File) {
         paths_[found->second.number].clear();
         free_numbers_.push_back(found->second.number);

@@ -6,6 +6,8 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "giving_way.hpp"
+
 namespace busbar::administration::detail {
 
 namespace {
@@ -28,28 +30,35 @@ OpenFiles::Open* OpenFiles::find(const Key& key)
     return found == open_.end() ? nullptr : &*found;
 }
 
-std::size_t OpenFiles::written() const
+std::uint64_t OpenFiles::held() const
 {
-    return std::accumulate(
-        open_.begin(), open_.end(), std::size_t{0},
-        [](std::size_t sum, const Open& open) { return sum + open.bytes.size(); });
+    const auto add = [](std::uint64_t sum, const auto& each) { return sum + each.bytes.size(); };
+    return std::accumulate(open_.begin(), open_.end(),
+                           std::accumulate(former_.begin(), former_.end(), std::uint64_t{0}, add),
+                           add);
 }
 
-StatusCode OpenFiles::check_room(std::string_view path, std::uint8_t mode,
-                                 const NodeId& session) const
+void OpenFiles::forget(FunctionRef<bool(const Open&)> which)
 {
-    const auto of_session = std::count_if(open_.begin(), open_.end(), [&](const Open& open) {
-        return open.holder.session == session;
+    std::erase_if(open_, [&](const Open& open) { return which(open); });
+    std::erase_if(former_, [&](const Former& former) {
+        return std::none_of(open_.begin(), open_.end(),
+                            [&](const Open& open) { return former.is_of(open); });
     });
-    if (open_.size() >= limits_.max_open ||
-        static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
-        return status::Bad_TooManyOperations;
+}
+
+StatusCode OpenFiles::check_mode(std::string_view path, std::uint8_t mode,
+                                 const Holder& holder) const
+{
+    if (!is_mode(mode)) {
+        return status::Bad_InvalidArgument;
     }
     for (const Open& open : open_) {
         if (open.path != path) {
             continue;
         }
-        if ((mode & open_write) != 0) {
+        if ((mode & open_write) != 0 &&
+            (open.is_written || open.holder.session == holder.session)) {
             return status::Bad_NotWritable;
         }
         if (open.is_written) {
@@ -59,13 +68,50 @@ StatusCode OpenFiles::check_room(std::string_view path, std::uint8_t mode,
     return status::Good;
 }
 
+bool OpenFiles::make_room(const Holder& holder)
+{
+    const auto of_session = std::count_if(open_.begin(), open_.end(), [&](const Open& open) {
+        return open.holder.session == holder.session;
+    });
+    if (static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
+        return false;
+    }
+    while (open_.size() >= limits_.max_open) {
+        const auto loser =
+            find_giving_way(open_, holder, [](const Open& open) { return open.is_changed; });
+        if (loser == open_.end()) {
+            return false;
+        }
+        forget([&](const Open& open) { return &open == &*loser; });
+    }
+    return true;
+}
+
+bool OpenFiles::make_room(const Holder& holder, std::uint64_t bytes)
+{
+    while (held() + bytes > limits_.max_written) {
+        if (!former_.empty()) {
+            former_.erase(former_.begin());
+            continue;
+        }
+        const auto loser = find_giving_way(
+            open_, holder, bytes, [](const Open& open) { return open.bytes.size(); },
+            [](const Open& open) { return ~open.bytes.size(); });
+        if (loser == open_.end()) {
+            return false;
+        }
+        forget([&](const Open& open) { return &open == &*loser; });
+    }
+    return true;
+}
+
 /// What the file has, for one that is written.
-StatusCode OpenFiles::load(Open& open) const
+StatusCode OpenFiles::load(Open& open)
 {
     if (open.size > limits_.max_file_size) {
         return status::Bad_EncodingLimitsExceeded;
     }
-    if (written() + open.size > limits_.max_written) {
+    if (!make_room(open.holder, open.size)) {
         return status::Bad_OutOfMemory;
     }
     open.bytes.resize(static_cast<std::size_t>(open.size));
@@ -86,15 +132,15 @@ bool OpenFiles::is_same(const Open& open) const
 Result<std::uint32_t> OpenFiles::open(std::string_view path, std::uint8_t mode,
                                       const Holder& holder)
 {
-    if (!is_mode(mode)) {
-        return fail(status::Bad_InvalidArgument);
-    }
-    if (const StatusCode room = check_room(path, mode, holder.session); room.is_bad()) {
-        return fail(room);
+    if (const StatusCode may = check_mode(path, mode, holder); may.is_bad()) {
+        return fail(may);
     }
     const auto entry = storage_.entry(path);
     if (!entry || entry->kind != StorageEntry::Kind::File) {
         return fail(entry ? StatusCode{status::Bad_NotFound} : status_of(entry.error()));
+    }
+    if (!make_room(holder)) {
+        return fail(status::Bad_TooManyOperations);
     }
     Open open{last_handle_ + 1,
               std::string{path},
@@ -118,6 +164,22 @@ Result<std::uint32_t> OpenFiles::open(std::string_view path, std::uint8_t mode,
     return ++last_handle_;
 }
 
+std::optional<OpenFiles::Former> OpenFiles::former_of(const Open& writer) const
+{
+    const auto entry = storage_.entry(writer.path);
+    if (!entry || held() + entry->size > limits_.max_written) {
+        return std::nullopt;
+    }
+    Former former{writer.path, entry->version, {}};
+    const auto is_of_it = [&](const Open& open) { return former.is_of(open); };
+    if (std::none_of(open_.begin(), open_.end(), is_of_it)) {
+        return std::nullopt;
+    }
+    former.bytes.resize(static_cast<std::size_t>(entry->size));
+    const auto count = storage_.read(writer.path, 0, former.bytes);
+    return count && *count == former.bytes.size() ? std::optional{std::move(former)} : std::nullopt;
+}
+
 StatusCode OpenFiles::close(const Key& key)
 {
     Open* const open = find(key);
@@ -127,28 +189,49 @@ StatusCode OpenFiles::close(const Key& key)
     StatusCode result{status::Good};
     if (open->is_changed) {
         if (is_same(*open)) {
+            auto former = former_of(*open);
             const auto kept = storage_.replace(open->path, open->bytes, FileAccess::Owner);
             if (!kept) {
                 return status_of(kept.error());
+            }
+            if (former) {
+                former_.push_back(*std::move(former));
             }
         } else {
             result = status::Bad_InvalidState;
         }
     }
-    std::erase_if(open_, [&](const Open& each) { return &each == open; });
+    forget([&](const Open& each) { return &each == open; });
     return result;
 }
 
 void OpenFiles::discard(const Key& key)
 {
     const Open* const open = find(key);
-    std::erase_if(open_, [&](const Open& each) { return &each == open; });
+    forget([&](const Open& each) { return &each == open; });
 }
 
 bool OpenFiles::is_changed(const Key& key)
 {
     const Open* const open = find(key);
     return open != nullptr && open->is_changed;
+}
+
+StatusCode OpenFiles::read_stored(const Open& open, std::span<std::byte> bytes) const
+{
+    const auto former = std::find_if(former_.begin(), former_.end(),
+                                     [&](const Former& each) { return each.is_of(open); });
+    if (former != former_.end()) {
+        std::copy_n(former->bytes.begin() + static_cast<std::ptrdiff_t>(open.position),
+                    bytes.size(), bytes.begin());
+        return status::Good;
+    }
+    const auto count = storage_.read(open.path, open.position, bytes);
+    if (!count) {
+        return status_of(count.error());
+    }
+    return *count == bytes.size() && is_same(open) ? StatusCode{status::Good}
+                                                   : StatusCode{status::Bad_InvalidState};
 }
 
 Result<std::vector<std::byte>> OpenFiles::read(const Key& key, std::int32_t length)
@@ -167,12 +250,8 @@ Result<std::vector<std::byte>> OpenFiles::read(const Key& key, std::int32_t leng
         std::copy_n(open->bytes.begin() + static_cast<std::ptrdiff_t>(open->position), bytes.size(),
                     bytes.begin());
     } else if (!bytes.empty()) {
-        const auto count = storage_.read(open->path, open->position, bytes);
-        if (!count) {
-            return fail(status_of(count.error()));
-        }
-        if (*count != bytes.size() || !is_same(*open)) {
-            return fail(status::Bad_InvalidState);
+        if (const StatusCode done = read_stored(*open, bytes); done.is_bad()) {
+            return fail(done);
         }
     }
     open->position += bytes.size();
@@ -192,7 +271,7 @@ StatusCode OpenFiles::write(const Key& key, std::span<const std::byte> bytes)
     if (end > limits_.max_file_size) {
         return status::Bad_EncodingLimitsExceeded;
     }
-    if (written() + (end - open->size) > limits_.max_written) {
+    if (!make_room(open->holder, end - open->size)) {
         return status::Bad_OutOfMemory;
     }
     open->bytes.resize(static_cast<std::size_t>(end));
@@ -227,17 +306,24 @@ std::size_t OpenFiles::count(std::string_view path) const
         open_.begin(), open_.end(), [&](const Open& open) { return open.path == path; }));
 }
 
-bool OpenFiles::is_in_use(std::string_view path) const
+bool OpenFiles::is_in_use(std::string_view path, const Holder& holder) const
 {
     return std::any_of(open_.begin(), open_.end(), [&](const Open& open) {
-        return open.path == path || (open.path.size() > path.size() &&
-                                     open.path.starts_with(path) && open.path[path.size()] == '/');
+        const bool is_below = open.path.size() > path.size() && open.path.starts_with(path) &&
+                              open.path[path.size()] == '/';
+        return (open.path == path || is_below) &&
+               (open.is_written || open.holder.session == holder.session);
     });
+}
+
+void OpenFiles::drop(std::string_view path)
+{
+    forget([&](const Open& open) { return open.path == path; });
 }
 
 void OpenFiles::expire(FunctionRef<bool(const Holder&)> is_there)
 {
-    std::erase_if(open_, [&](const Open& open) { return !is_there(open.holder); });
+    forget([&](const Open& open) { return !is_there(open.holder); });
 }
 
 } // namespace busbar::administration::detail

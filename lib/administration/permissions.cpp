@@ -21,7 +21,8 @@ bool may_call(const model::AddressSpace& space, model::NodeIndex method,
 
 Holder holder_of(server::Server& server, const NodeId& session)
 {
-    return {session, server::RunningServer{server}.user_number(session).value_or(0)};
+    const server::RunningServer running{server};
+    return {session, running.user_number(session).value_or(0), running.share_key(session)};
 }
 
 bool is_there(server::Server& server, const Holder& holder)

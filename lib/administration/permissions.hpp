@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,11 +34,16 @@ inline constexpr PermissionType may_act = together(PermissionType::Write, Permis
 /// The owner of what a Call leaves behind, such as a file handle or a transaction: one user in one
 /// session. The ownership ends with the session, and when the session gets another user.
 struct Holder {
-    Holder(NodeId of = {}, std::uint32_t number = 0) : session{std::move(of)}, user{number} {}
+    Holder(NodeId of = {}, std::uint32_t number = 0, std::string key = {})
+        : session{std::move(of)}, user{number}, share{std::move(key)}
+    {
+    }
 
     NodeId session;
     /// See RunningServer::user_number.
     std::uint32_t user;
+    /// See RunningServer::share_key.
+    std::string share;
 
     friend bool operator==(const Holder&, const Holder&) = default;
 };

@@ -6,6 +6,7 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "giving_way.hpp"
 #include "open_files.hpp"
 
 namespace busbar::administration::detail {
@@ -17,15 +18,49 @@ std::size_t TransferFiles::held() const
         [](std::size_t sum, const TransferFile& file) { return sum + file.bytes.size(); });
 }
 
-Result<std::size_t> TransferFiles::room(const NodeId& session) const
+void TransferFiles::give_way(std::list<TransferFile>::iterator file)
+{
+    file->bytes = {};
+    gave_way_.splice(gave_way_.end(), files_, file);
+}
+
+bool TransferFiles::make_room(const Holder& holder)
+{
+    while (files_.size() >= limits_.max_open) {
+        const auto loser = find_giving_way(
+            files_, holder, [](const TransferFile& file) { return file.is_written; });
+        if (loser == files_.end()) {
+            return false;
+        }
+        give_way(loser);
+    }
+    return true;
+}
+
+bool TransferFiles::make_room(const Holder& holder, std::size_t bytes)
+{
+    while (held() + bytes > limits_.max_held) {
+        const auto loser = find_giving_way(
+            files_, holder, bytes, [](const TransferFile& file) { return file.bytes.size(); },
+            [](const TransferFile& file) { return ~file.bytes.size(); });
+        if (loser == files_.end()) {
+            return false;
+        }
+        give_way(loser);
+    }
+    return true;
+}
+
+Result<std::size_t> TransferFiles::room(const Holder& holder)
 {
     const auto of_session =
-        std::count_if(files_.begin(), files_.end(),
-                      [&](const TransferFile& file) { return file.holder.session == session; });
-    if (files_.size() >= limits_.max_open ||
-        static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
+        std::count_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
+            return file.holder.session == holder.session;
+        });
+    if (static_cast<std::size_t>(of_session) >= limits_.max_open_of_session || !make_room(holder)) {
         return fail(status::Bad_TooManyOperations);
     }
+    make_room(holder, limits_.max_file_size);
     const std::size_t all = held();
     if (all >= limits_.max_held) {
         return fail(status::Bad_OutOfMemory);
@@ -33,12 +68,12 @@ Result<std::size_t> TransferFiles::room(const NodeId& session) const
     return std::min(limits_.max_file_size, limits_.max_held - all);
 }
 
-Result<std::size_t> TransferFiles::room_to_write(const NodeId& session) const
+Result<std::size_t> TransferFiles::room_to_write(const Holder& holder)
 {
     const auto written = std::count_if(files_.begin(), files_.end(),
                                        [](const TransferFile& file) { return file.is_written; });
     return static_cast<std::size_t>(written) < limits_.max_written
-               ? room(session)
+               ? room(holder)
                : Result<std::size_t>{fail(status::Bad_TooManyOperations)};
 }
 
@@ -92,7 +127,7 @@ Result<std::vector<std::byte>> TransferFiles::read(TransferFile& file, std::int3
     return bytes;
 }
 
-StatusCode TransferFiles::write(TransferFile& file, std::span<const std::byte> bytes) const
+StatusCode TransferFiles::write(TransferFile& file, std::span<const std::byte> bytes)
 {
     if (!file.is_written) {
         return status::Bad_InvalidState;
@@ -101,7 +136,7 @@ StatusCode TransferFiles::write(TransferFile& file, std::span<const std::byte> b
         return status::Bad_EncodingLimitsExceeded;
     }
     const std::size_t end = std::max(file.bytes.size(), file.position + bytes.size());
-    if (held() + (end - file.bytes.size()) > limits_.max_held) {
+    if (!make_room(file.holder, end - file.bytes.size())) {
         return status::Bad_OutOfMemory;
     }
     file.bytes.resize(end);
@@ -118,12 +153,17 @@ void TransferFiles::set_position(TransferFile& file, std::uint64_t position)
 
 void TransferFiles::remove(const TransferFile& file)
 {
-    std::erase_if(files_, [&](const TransferFile& each) { return &each == &file; });
+    const auto is_it = [&](const TransferFile& each) { return &each == &file; };
+    std::erase_if(files_, is_it);
+    std::erase_if(gave_way_, is_it);
 }
 
 const TransferFile* TransferFiles::find_gone(TimePoint now,
                                              FunctionRef<bool(const Holder&)> is_there) const
 {
+    if (!gave_way_.empty()) {
+        return &gave_way_.front();
+    }
     const auto found = std::find_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
         return file.deadline <= now || !is_there(file.holder);
     });

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,7 +35,8 @@ struct TransferFile {
 };
 
 /// The temporary files of one TemporaryFileTransfer, without nodes. A file that is found has its
-/// time begin anew.
+/// time begin anew. When there are too many, or too large ones, the user who has most gives way to
+/// one who has less.
 class TransferFiles {
 public:
     explicit TransferFiles(const TemporaryFileTransfer& transfer)
@@ -42,11 +44,11 @@ public:
     {
     }
 
-    /// Bytes that one more file of the session may have. Bad_TooManyOperations or Bad_OutOfMemory
+    /// Bytes that one more file of the holder may have. Bad_TooManyOperations or Bad_OutOfMemory
     /// where there can be none.
-    [[nodiscard]] Result<std::size_t> room(const NodeId& session) const;
+    [[nodiscard]] Result<std::size_t> room(const Holder& holder);
     /// The same for one that is written.
-    [[nodiscard]] Result<std::size_t> room_to_write(const NodeId& session) const;
+    [[nodiscard]] Result<std::size_t> room_to_write(const Holder& holder);
     /// Keeps it under a handle of its own. There must be room.
     const TransferFile& add(TransferFile file, TimePoint now);
     /// The holder's file with this handle; null if it has none. Also with this name, where one is
@@ -60,23 +62,29 @@ public:
                                                              std::int32_t length);
     /// Bad_InvalidState for a file that is read, Bad_EncodingLimitsExceeded and Bad_OutOfMemory
     /// where it would grow too large.
-    [[nodiscard]] StatusCode write(TransferFile& file, std::span<const std::byte> bytes) const;
+    [[nodiscard]] StatusCode write(TransferFile& file, std::span<const std::byte> bytes);
     /// At most the end of the file (Part 20, 4.2.7).
     static void set_position(TransferFile& file, std::uint64_t position);
     void remove(const TransferFile& file);
 
     /// By the name of its Object; null for none, or one whose time is over.
     [[nodiscard]] const TransferFile* find(std::string_view name, TimePoint now) const;
-    /// One of a holder that is gone, or whose time is over; null if there is none.
+    /// One that gave way, of a holder that is gone, or whose time is over; null if there is none.
     [[nodiscard]] const TransferFile* find_gone(TimePoint now,
                                                 FunctionRef<bool(const Holder&)> is_there) const;
 
 private:
     [[nodiscard]] std::size_t held() const;
+    /// One file more; another one may give way.
+    [[nodiscard]] bool make_room(const Holder& holder);
+    /// The same for bytes. False if there is less room then.
+    bool make_room(const Holder& holder, std::size_t bytes);
+    void give_way(std::list<TransferFile>::iterator file);
 
     TransferLimits limits_;
     Duration timeout_;
-    std::vector<TransferFile> files_;
+    std::list<TransferFile> files_; // the oldest in front
+    std::list<TransferFile> gave_way_; // without bytes, until they are removed
     std::uint32_t last_handle_{0};
 };
 

@@ -59,7 +59,7 @@ void TransferNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::
 
 void TransferNodes::generate_for_read(MethodCall& call)
 {
-    const auto room = files_.room(call.session_id());
+    const auto room = files_.room(holder_of(server_, call));
     if (!room) {
         return call.fail(room.error());
     }
@@ -80,7 +80,7 @@ void TransferNodes::generate_for_read(MethodCall& call)
 
 void TransferNodes::generate_for_write(MethodCall& call)
 {
-    if (const auto room = files_.room_to_write(call.session_id()); !room) {
+    if (const auto room = files_.room_to_write(holder_of(server_, call)); !room) {
         return call.fail(room.error());
     }
     const Variant& options = call.inputs()[0];

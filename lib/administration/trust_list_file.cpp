@@ -9,6 +9,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/server/running_server.hpp>
 
+#include "giving_way.hpp"
 #include "method_arguments.hpp"
 #include "method_record.hpp"
 #include "permissions.hpp"
@@ -20,7 +21,8 @@ namespace {
 
 using server::MethodCall;
 
-// Of one list, by all sessions together: files, and what they hold in largest lists.
+// Of one list, by all sessions together: files, and what they hold in largest lists. The user who
+// has most gives way to one who has less.
 
 constexpr std::size_t max_open = 16;
 constexpr std::size_t max_open_lists = 4;
@@ -120,17 +122,36 @@ void TrustListFile::forget(const Open& open)
                   [handle = open.handle](const Open& each) { return each.handle == handle; });
 }
 
+bool TrustListFile::make_room(const Holder& holder, std::size_t bytes)
+{
+    const auto places = [](const Open& each) { return std::size_t{each.is_writing ? 0U : 1U}; };
+    const auto sizes = [](const Open& each) { return each.is_writing ? 0 : each.bytes.size(); };
+    const auto oldest = [](const Open&) { return 0; };
+    for (;;) {
+        const std::size_t held = std::accumulate(
+            open_.begin(), open_.end(), bytes,
+            [](std::size_t sum, const Open& each) { return sum + each.bytes.size(); });
+        const bool is_too_much = held > max_open_lists * needs_.files.max_trust_list_size;
+        if (!is_too_much && open_.size() < max_open) {
+            return true;
+        }
+        const auto loser = is_too_much ? find_giving_way(open_, holder, bytes, sizes, oldest)
+                                       : find_giving_way(open_, holder, 1, places, oldest);
+        if (loser == open_.end()) {
+            return false;
+        }
+        open_.erase(loser);
+    }
+}
+
 bool TrustListFile::keep(MethodCall& call, Open open)
 {
-    const std::size_t held =
-        std::accumulate(open_.begin(), open_.end(), open.bytes.size(),
-                        [](std::size_t sum, const Open& each) { return sum + each.bytes.size(); });
-    if (open_.size() >= max_open || held > max_open_lists * needs_.files.max_trust_list_size) {
+    open.holder = holder_of(needs_.server, call);
+    if (!make_room(open.holder, open.bytes.size())) {
         call.fail(status::Bad_TooManyOperations);
         return false;
     }
     open.handle = last_handle_ + 1;
-    open.holder = holder_of(needs_.server, call);
     open.version = group().version;
     auto outputs = one_output(Variant{open.handle});
     open_.push_back(std::move(open));

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <list>
 #include <vector>
 
 #include <busbar/server/server.hpp>
@@ -67,6 +69,8 @@ private:
     void forget(const Open& open);
     /// Answers the call; false if it was refused.
     [[nodiscard]] bool keep(server::MethodCall& call, Open open);
+    /// One more, with these bytes; of other users' those that are only read may give way.
+    [[nodiscard]] bool make_room(const Holder& holder, std::size_t bytes);
     /// Good if the list may be changed at once, without a transaction.
     [[nodiscard]] StatusCode check_single_change() const;
     /// Removes it from the list, with the revocation lists of a CA.
@@ -78,7 +82,7 @@ private:
     TrustListNeeds needs_;
     model::NodeIndex close_and_update_{model::no_node};
     std::size_t group_;
-    std::vector<Open> open_;
+    std::list<Open> open_; // the oldest in front
     std::uint32_t last_handle_{0};
 };
 

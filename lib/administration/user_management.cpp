@@ -12,6 +12,7 @@
 #include <busbar/types/enumerations.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "giving_way.hpp"
 #include "method_arguments.hpp"
 #include "method_record.hpp"
 
@@ -170,16 +171,35 @@ void UserManagement::change_password(MethodCall call)
         {}, true);
 }
 
+bool UserManagement::make_room(const Holder& holder)
+{
+    const auto waiting = std::count_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
+        return job->holder.share == holder.share;
+    });
+    if (waiting >= max_waiting_of_user) {
+        return false;
+    }
+    if (jobs_.size() < max_waiting) {
+        return true;
+    }
+    const auto loser = find_giving_way(jobs_, holder, [](const auto&) { return 0; });
+    if (loser == jobs_.end()) {
+        return false;
+    }
+    const std::shared_ptr<Job> job = std::move(*loser);
+    jobs_.erase(loser);
+    job->call.fail(status::Bad_TooManyOperations);
+    return true;
+}
+
 void UserManagement::run(MethodCall call, Change change, const std::string& sessions_end_of,
                          bool tries_password)
 {
-    const std::string& user = call.user().name;
-    const auto waiting = std::count_if(jobs_.begin(), jobs_.end(),
-                                       [&](const auto& job) { return job->user == user; });
-    if (waiting >= max_waiting_of_user || jobs_.size() >= max_waiting) {
+    const Holder holder = holder_of(server_, call);
+    if (!make_room(holder)) {
         return call.fail(status::Bad_TooManyOperations);
     }
-    const Holder holder = holder_of(server_, call);
+    const std::string& user = call.user().name;
     const auto job = std::make_shared<Job>(
         Job{std::move(call), holder, std::move(change), user, tries_password});
     if (!sessions_end_of.empty()) {

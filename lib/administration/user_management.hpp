@@ -64,6 +64,9 @@ private:
     /// which use the same worker, wait for one of them at most; users take turns.
     void run(server::MethodCall call, Change change, const std::string& sessions_end_of = {},
              bool tries_password = false);
+    /// One job more in the queue. If it is full, one of the user who has most in it is refused, as
+    /// long as that is another one, who has more.
+    [[nodiscard]] bool make_room(const Holder& holder);
     [[nodiscard]] std::shared_ptr<Job> take_next();
     void start_next();
     void start(const std::shared_ptr<Job>& job);

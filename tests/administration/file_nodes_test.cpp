@@ -50,8 +50,58 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: files and folders are made, written 
     CHECK(why(reader, "press/4.csv", "SetPosition", {handle, Variant{std::uint64_t{3}}}) == "Good");
     CHECK(on(reader, "press/4.csv", "GetPosition", {handle}).output_arguments[0] ==
           Variant{std::uint64_t{3}});
-    CHECK(why(client, "press/4.csv", "Open", {Variant{writing}}) == "Bad_NotWritable");
     CHECK(why(client, "press/4.csv", "Close", {handle}) == "Bad_InvalidArgument"); // another's
+    const Variant own = open(client, "press/4.csv", reading);
+    CHECK(why(client, "press/4.csv", "Open", {Variant{writing}}) == "Bad_NotWritable");
+    CHECK(why(client, "press/4.csv", "Close", {own}) == "Good");
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: who reads a file keeps nobody from changing it")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    REQUIRE(make_folder(client, "", "press") == "Good");
+    for (const char* name : {"a", "b"}) {
+        REQUIRE(make(client, "press", name) == "Good");
+        write(client, std::string{"press/"} + name, "first");
+    }
+    auto reader = log_in_as("op");
+    const Variant handle = open(reader, "press/a", reading);
+    write(client, "press/a", "second");
+    CHECK(text(client, "press/a") == "second");
+    const auto read = on(reader, "press/a", "Read", {handle, Variant{std::int32_t{10}}});
+    CHECK(read.output_arguments[0] == Variant{ByteString{std::as_bytes(std::span{"first", 5})}});
+    CHECK(why(reader, "press/a", "Close", {handle}) == "Good");
+
+    const Variant of_moved = open(reader, "press/a", reading);
+    const Variant of_deleted = open(reader, "press/b", reading);
+    CHECK(move(client, "press", "press/a", "", "c") == "Good");
+    CHECK(why(client, "press", "Delete", {Variant{node("press/b")}}) == "Good");
+    // They are gone with the files, also for those that come after them.
+    REQUIRE(make(client, "press", "a") == "Good");
+    CHECK(why(reader, "press/a", "Close", {of_moved}) == "Bad_InvalidArgument");
+    REQUIRE(make(client, "press", "b") == "Good");
+    CHECK(why(reader, "press/b", "Close", {of_deleted}) == "Bad_InvalidArgument");
+    CHECK(value(client, "press/b", "OpenCount").value == Variant{std::uint16_t{0}});
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: a user with many sessions leaves others their handles")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    REQUIRE(make(client, "", "a") == "Good");
+    std::vector<TestClient> readers;
+    for (int i = 0; i < 4; ++i) {
+        readers.push_back(log_in_as("op"));
+        for (int k = 0; k < 8; ++k) {
+            static_cast<void>(open(readers.back(), "a", reading));
+        }
+    }
+    auto more = log_in_as("op");
+    CHECK(why(more, "a", "Open", {Variant{reading}}) == "Bad_TooManyOperations");
+    write(client, "a", "still possible");
+    CHECK(on(client, "", "CreateFile", {Variant{String{"b"}}, Variant{true}}).status_code ==
+          status::Good);
 }
 
 TEST_CASE_METHOD(FilesFixture, "file nodes: say how much of a file a call may have")

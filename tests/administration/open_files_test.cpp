@@ -23,6 +23,7 @@ namespace {
 
 const Holder one{NodeId{1, "one"}};
 const Holder two{NodeId{1, "two"}};
+const Holder three{NodeId{1, "three"}};
 
 constexpr std::uint8_t read = 1;
 constexpr std::uint8_t write = 2;
@@ -146,6 +147,95 @@ TEST_CASE_METHOD(Files, "files: have one writer or many readers")
     CHECK(why_not("a", write, two) == "Good");
 }
 
+TEST_CASE_METHOD(Files, "files: who reads one in another session keeps no writer out")
+{
+    const auto reader = open("a", read);
+    CHECK(text(reader, 2) == "fi");
+    const auto writer = open("a", write | erase, two);
+    CHECK(files.write({"a", writer, two}, bytes_of("second, longer")) == status::Good);
+    CHECK(close(writer, two) == "Good");
+    CHECK(stored("a") == "second, longer");
+    // What it was at Open, for each reader, however often it is replaced.
+    const auto later = open("a", read, two);
+    const auto again = open("a", write | erase, three);
+    CHECK(close(again, three) == "Good");
+    CHECK(stored("a").empty());
+    CHECK(text(reader) == "rst");
+    CHECK(files.set_position({"a", reader, one}, 0) == status::Good);
+    CHECK(text(reader) == "first");
+    CHECK(text(later, 1'000, two) == "second, longer");
+    CHECK(text(open("a", read)).empty());
+}
+
+TEST_CASE_METHOD(Files,
+                 "files: what readers keep of former contents makes room for what is written")
+{
+    put("a", std::string(90, 'a'));
+    const auto reader = open("a", read);
+    const auto writer = open("a", write | erase, two);
+    CHECK(close(writer, two) == "Good");
+    CHECK(text(reader, 10) == std::string(10, 'a'));
+    put("b", std::string(80, 'b'));
+    const auto other = open("b", write, two); // 90 + 80 > 150
+    CHECK(text(reader, 10) == "Bad_InvalidState");
+    CHECK(files.close({"b", other, two}) == status::Good);
+}
+
+TEST_CASE_METHOD(Files, "files: what is gone is open for nobody")
+{
+    put("c", "c");
+    const auto handle = open("c", read);
+    CHECK(files.is_in_use("c", one));
+    CHECK_FALSE(files.is_in_use("c", two));
+    files.drop("c");
+    CHECK(files.close({"c", handle, one}) == status::Bad_InvalidArgument);
+    const auto writer = open("c", write);
+    CHECK(files.is_in_use("c", two));
+    files.drop("b");
+    CHECK(files.close({"c", writer, one}) == status::Good);
+}
+
+TEST_CASE_METHOD(Files, "files: no user has all handles, with however many sessions")
+{
+    const std::string_view other = "somebody else";
+    const Holder newcomer{NodeId{1, "new"}, 0, std::string{other}};
+    const auto changed = open("a", write);
+    CHECK(add(changed, "x") == "Good");
+    put("b", "b");
+    const auto first = open("b", read);
+    for (int i = 0; i < 4; ++i) { // all six of one user
+        static_cast<void>(open("b", read, i < 2 ? two : three));
+    }
+    CHECK(why_not("b", read) == "Bad_TooManyOperations");
+    // The first of those that lose nothing gives way, until both have as many.
+    for (int i = 0; i < 3; ++i) {
+        CHECK(why_not("b", read, newcomer) == "Good");
+    }
+    CHECK(why_not("b", read, newcomer) == "Bad_TooManyOperations");
+    CHECK(files.read({"b", first, one}, 1).error() == status::Bad_InvalidArgument);
+    CHECK(close(changed) == "Good");
+    CHECK(stored("a") == "xirst");
+}
+
+TEST_CASE_METHOD(Files, "files: no user has all memory for what is written")
+{
+    const Holder newcomer{NodeId{1, "new"}, 0, "somebody else"};
+    for (const char* name : {"b", "c"}) {
+        put(name, "");
+    }
+    const auto small = open("a", write | erase);
+    CHECK(add(small, std::string(60, 'x')) == "Good");
+    const auto large = open("b", write | erase, two);
+    CHECK(files.write({"b", large, two}, bytes_of(std::string(90, 'x'))) == status::Good);
+    const auto his = open("c", write, newcomer);
+    CHECK(files.write({"c", his, newcomer}, bytes_of(std::string(80, 'y'))) == status::Good);
+    CHECK(files.close({"b", large, two}) == status::Bad_InvalidArgument); // the larger one
+    CHECK(add(small, std::string(20, 'x')) == "Bad_OutOfMemory");         // no more than he has
+    CHECK(files.write({"c", his, newcomer}, bytes_of(std::string(15, 'y'))) ==
+          status::Bad_OutOfMemory); // nor more than the other one
+    CHECK(close(small) == "Good");
+}
+
 TEST_CASE_METHOD(Files, "files: what is no mode and no file is refused")
 {
     for (const int mode : {0, 4, 8, 5, 16, 0xFF, 0x81}) {
@@ -177,8 +267,8 @@ TEST_CASE_METHOD(Files, "files: what clients hold is limited")
     CHECK(close(handle) == "Good");
     handle = open("b", write, two);
     CHECK(files.write({"b", handle, two}, bytes_of(large.substr(0, 41))) == status::Good);
-    CHECK(files.is_in_use("b"));
-    CHECK_FALSE(files.is_in_use("a"));
+    CHECK(files.is_in_use("b", two));
+    CHECK_FALSE(files.is_in_use("a", two));
 }
 
 TEST_CASE_METHOD(Files, "files: somebody else's change is not overwritten")

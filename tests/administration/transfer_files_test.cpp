@@ -31,12 +31,12 @@ std::vector<std::byte> bytes_of(std::string_view text)
 }
 
 struct Transfers {
-    std::uint32_t add(const NodeId& session, std::string name, std::string_view text,
+    std::uint32_t add(const Holder& holder, std::string name, std::string_view text,
                       bool is_written = false)
     {
         TransferFile file;
         file.name = std::move(name);
-        file.holder = session;
+        file.holder = holder;
         file.bytes = bytes_of(text);
         file.is_written = is_written;
         return files.add(std::move(file), now).handle;
@@ -47,9 +47,9 @@ struct Transfers {
         return read ? std::string{reinterpret_cast<const char*>(read->data()), read->size()}
                     : std::string{name(read.error())};
     }
-    std::string why_no_room(const NodeId& session)
+    std::string why_no_room(const Holder& holder)
     {
-        const auto room = files.room(session);
+        const auto room = files.room(holder);
         return room ? std::to_string(*room) : std::string{name(room.error())};
     }
     std::vector<std::string> expire(bool has_two = true)
@@ -134,6 +134,38 @@ TEST_CASE("transfer files: how many there may be is limited")
     transfers.files.remove(*transfers.files.find(handle, two, transfers.now));
     CHECK(transfers.files.find(handle, two, transfers.now) == nullptr);
     CHECK(transfers.why_no_room(two) == "6");
+}
+
+TEST_CASE("transfer files: no user has all of them, with however many sessions")
+{
+    Transfers transfers;
+    const Holder newcomer{NodeId{1, "new"}, 0, "somebody else"};
+    transfers.add(one, "a", "", true);
+    transfers.add(one, "b", "");
+    transfers.add(two, "c", "");
+    CHECK(transfers.why_no_room(two) == "Bad_TooManyOperations");
+    CHECK(transfers.why_no_room(newcomer) == "10");
+    CHECK(transfers.files.find("b", transfers.now) == nullptr); // the first that is only read
+    CHECK(transfers.expire() == Names{"b"});
+
+    // Nor all of the bytes; of those the largest goes.
+    transfers.add(newcomer, "d", "", true);
+    auto& written = *transfers.files.find(1, one, transfers.now);
+    CHECK(transfers.files.write(written, bytes_of("0123456789")) == status::Good);
+    auto& his = *transfers.files.find(4, newcomer, transfers.now);
+    CHECK(transfers.files.write(his, bytes_of("0123456")) == status::Good);
+    CHECK(transfers.expire() == Names{"a"});
+}
+
+TEST_CASE("transfer files: who holds most of the bytes gives way")
+{
+    Transfers transfers;
+    const Holder newcomer{NodeId{1, "new"}, 0, "somebody else"};
+    transfers.add(one, "a", "012345");
+    transfers.add(two, "b", "0123456789");
+    CHECK(transfers.why_no_room(newcomer) == "10");
+    CHECK(transfers.expire() == Names{"b"});
+    CHECK(transfers.files.find("a", transfers.now) != nullptr);
 }
 
 TEST_CASE("transfer files: a handle holds for its session and its file")

@@ -92,6 +92,23 @@ TEST_CASE_METHOD(Lists, "trust list: a reader is told of a change, and of the en
           "Bad_InvalidState");
 }
 
+TEST_CASE_METHOD(Lists, "trust list: no user has all its handles, with however many sessions")
+{
+    REQUIRE(user_list.add({"second", {}, 0, {}, {"SecurityAdmin"}}, "patience is all", random));
+    auto admin = log_in();
+    auto session = log_in();
+    const auto writer = open(admin, writing);
+    const auto first = open(admin, reading);
+    for (int i = 0; i < 14; ++i) {
+        static_cast<void>(open(i % 2 == 0 ? admin : session, reading));
+    }
+    CHECK(status_of(session, open_method, {Variant{reading}}) == "Bad_TooManyOperations");
+    auto second = log_in("second", "patience is all");
+    CHECK(read_all(second, open(second, reading)).trusted_certificates.size() == 1);
+    CHECK(status_of(admin, close_method, {Variant{first}}) == "Bad_InvalidArgument");
+    CHECK(status_of(admin, close_method, {Variant{writer}}) == "Good");
+}
+
 TEST_CASE_METHOD(Lists, "trust list: certificates come and go one by one")
 {
     auto admin = log_in();

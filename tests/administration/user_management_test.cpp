@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <vector>
+
 #include <busbar/types/data_types.hpp>
 
 #include "managed_fixture.hpp"
@@ -226,6 +229,37 @@ TEST_CASE("user management: changes are made one by one, and users take turns")
     CHECK((there("b") && there("c")));
     CHECK(admin.take<CallResponse>(many));
     CHECK(worker.jobs.empty());
+}
+
+TEST_CASE("user management: the jobs of some users leave places for those of others")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    CallMethodRequest change;
+    change.object_id = NodeId{0, id::UserManagement};
+    change.method_id = NodeId{0, id::UserManagement_ChangePassword};
+    change.input_arguments = {Variant{String{"a"}}, Variant{String{"b"}}};
+    CallRequest many;
+    many.methods_to_call.resize(64);
+    std::fill(many.methods_to_call.begin(), many.methods_to_call.end(), change);
+    std::vector<TestClient> greedy;
+    for (const char* name : {"a", "b", "c", "d", "e"}) { // the places of four
+        REQUIRE(users.user_list.add({name, {}, 0, {}, {"Observer"}}, patience, users.random));
+        greedy.push_back(users.log_in(name, patience));
+        greedy.back().send(many);
+        users.complete();
+    }
+    auto admin = users.log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+    request.methods_to_call[0].method_id = NodeId{0, id::UserManagement_RemoveUser};
+    request.methods_to_call[0].input_arguments = {Variant{String{"e"}}};
+    const auto sent = admin.send(request);
+    CHECK_FALSE(admin.take<CallResponse>(sent)); // it waits
+    worker.work();
+    users.complete();
+    CHECK(worker.jobs.size() == 1);
 }
 
 TEST_CASE("user management: a job that is lost does not stop the others")

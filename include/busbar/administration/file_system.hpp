@@ -11,12 +11,15 @@
 
 namespace busbar::administration {
 
-/// What clients may hold and make, of one FileSystem by all sessions together.
+/// What clients may hold and make, of one FileSystem by all sessions together. When there is no
+/// room for a handle, or for what is written, the user who has most of it loses some to one who has
+/// less, so that none has all by many sessions.
 struct FileLimits {
     /// Bytes of one file that is written; it is in memory until it is closed.
     std::size_t max_file_size{16U << 20U};
-    /// Bytes of all files that are being written.
+    /// Bytes of all files that are being written, and of former contents that somebody still reads.
     std::size_t max_written{32U << 20U};
+    /// Handles.
     std::size_t max_open{32};
     std::size_t max_open_of_session{8};
     /// Files and folders; what there is beyond them is not shown.
@@ -28,8 +31,9 @@ struct FileLimits {
 /// 4.2 and 4.3), below the Object FileSystem (4.3.2), or Objects where namespace 0 has none.
 ///
 /// A file that is written is replaced when it is closed, as a whole: a client that vanishes, a
-/// power cut and a full medium leave the old one. Nothing outside of the folder can be named, links
-/// in it are not shown, nor are names that begin with a point.
+/// power cut and a full medium leave the old one. Who opened it to read in another session before
+/// goes on with what it was, and keeps nobody from writing, moving or deleting it. Nothing outside
+/// of the folder can be named, links in it are not shown, nor are names that begin with a point.
 struct FileSystem {
     [[no_unique_address]] NamedFields named_fields{};
 

@@ -16,7 +16,8 @@
 
 namespace busbar::administration {
 
-/// What clients may hold and make by one TemporaryFileTransfer, all sessions together.
+/// What clients may hold and make by one TemporaryFileTransfer, all sessions together. When there
+/// is no room for a file, the user who has most loses one to a user who has less.
 struct TransferLimits {
     /// Bytes of one file, which is in memory until it is closed.
     std::size_t max_file_size{16U << 20U};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <busbar/core/api.hpp>
@@ -71,6 +72,10 @@ public:
     /// Counts the users of a session: another number is another user's, or the same user's after
     /// another. Nothing once the session is over.
     [[nodiscard]] std::optional<std::uint32_t> user_number(const NodeId& session_id) const;
+
+    /// Whose share of common places the session counts to: equal for all sessions of one user, and
+    /// for anonymous users of one network. Empty once the session is over.
+    [[nodiscard]] std::string share_key(const NodeId& session_id) const;
 
 private:
     Server::Impl* impl_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 
 #include <busbar/core/record.hpp>
 #include <busbar/server/config_check.hpp>
@@ -225,6 +226,12 @@ std::optional<std::uint32_t> RunningServer::user_number(const NodeId& session_id
 {
     const detail::Session* const session = find_session(*impl_, session_id);
     return session == nullptr ? std::nullopt : std::optional{session->user_changes};
+}
+
+std::string RunningServer::share_key(const NodeId& session_id) const
+{
+    const detail::Session* const session = find_session(*impl_, session_id);
+    return session == nullptr ? std::string{} : detail::share_key(session->user, session->address);
 }
 
 } // namespace busbar::server

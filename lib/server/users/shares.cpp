@@ -6,10 +6,8 @@
 
 namespace busbar::server::detail {
 
-namespace {
-
 /// The same for the same user (see is_same_user), and for nobody else.
-std::string key_of(const UserIdentity& user, std::string_view address)
+std::string share_key(const UserIdentity& user, std::string_view address)
 {
     std::string key = std::to_string(static_cast<int>(user.token_type)) + ' ';
     if (user.token_type == UserTokenType::Anonymous) {
@@ -17,8 +15,6 @@ std::string key_of(const UserIdentity& user, std::string_view address)
     }
     return key + std::to_string(user.issuer.size()) + ' ' + user.issuer + user.name;
 }
-
-} // namespace
 
 std::string describe(const UserIdentity& user)
 {
@@ -37,7 +33,7 @@ std::string describe(const UserIdentity& user)
 
 Share& Shares::enter(const UserIdentity& user, std::string_view address, std::size_t items)
 {
-    std::string key = key_of(user, address);
+    std::string key = share_key(user, address);
     auto found = shares_.find(key);
     if (found == shares_.end()) {
         Entry made;
@@ -64,7 +60,7 @@ void Shares::leave(Share& share, std::size_t items)
 
 const Share* Shares::find(const UserIdentity& user, std::string_view address) const
 {
-    const auto found = shares_.find(key_of(user, address));
+    const auto found = shares_.find(share_key(user, address));
     return found == shares_.end() ? nullptr : &found->second;
 }
 

@@ -40,6 +40,9 @@ private:
     std::unordered_map<std::string, Entry> shares_;
 };
 
+/// Equal for those who have one Share.
+[[nodiscard]] std::string share_key(const UserIdentity& user, std::string_view address);
+
 /// Who that is in a log line: nothing in it can be mistaken for the line's own text.
 [[nodiscard]] std::string describe(const UserIdentity& user);
 
