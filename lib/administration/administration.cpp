@@ -136,9 +136,8 @@ Configured<void> Administration::Impl::attach(server::Server& server)
 Configured<void> Administration::Impl::attach_files(server::Server& server)
 {
     for (const FileSystem& files : parts.file_systems) {
-        if (auto attached = 
-                file_nodes.emplace_back(server, files, *parts.wall_clock, *parts.log).add_nodes();
-            !attached) {
+        auto& nodes = file_nodes.emplace_back(server, files, *parts.wall_clock, *parts.log);
+        if (auto attached = nodes.add_nodes(); !attached) {
             return attached;
         }
     }

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "core/utf8.hpp"
 #include "node_table.hpp"
 #include "permissions.hpp"
 
@@ -56,10 +58,8 @@ std::string_view last_name(std::string_view path)
 
 bool is_file_name(std::string_view name)
 {
-    return !name.empty() && name.front() != '.' &&
-           std::all_of(name.begin(), name.end(), [](char each) {
-               return static_cast<unsigned char>(each) >= 0x20 && each != '/' && each != '\\';
-           });
+    return busbar::detail::is_name(name) && name.front() != '.' &&
+           name.find_first_of("/\\") == std::string_view::npos;
 }
 
 std::string_view folder_of(std::string_view path)
@@ -70,7 +70,7 @@ std::string_view folder_of(std::string_view path)
 
 FileNodes::FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock,
                      LogSink& log)
-    : server_{server}, space_{server.address_space()}, files_{files}, clock_{clock},
+    : server_{server}, space_{server.address_space()}, files_{files}, clock_{clock}, log_{log},
       open_{*files.storage, files.limits}, turns_{
                                                [this](
                                                    const std::shared_ptr<server::CallBatch>& batch,
@@ -288,6 +288,23 @@ void FileNodes::remove_entry(const std::string& path)
     entries_.erase(found);
 }
 
+bool FileNodes::is_shown(const StorageEntry& entry)
+{
+    if (entry.kind == StorageEntry::Kind::Other || entry.name.starts_with('.')) {
+        return false;
+    }
+    const bool is_name = is_file_name(entry.name);
+    if (!is_name && !is_told_) {
+        is_told_ = true;
+        log_.write(LogLevel::Warning, "files",
+                   "clients do not see \"" + printable(entry.name) + "\" in " +
+                       files_.storage->place("") +
+                       ": names are UTF-8 without control characters, backslashes, and spaces at "
+                       "their ends. Rename it; there may be others, which are not told of");
+    }
+    return is_name;
+}
+
 bool FileNodes::collect(const std::string& folder, std::size_t depth, Entries& found)
 {
     const auto listing = files_.storage->list(folder, files_.limits.max_entries);
@@ -296,8 +313,7 @@ bool FileNodes::collect(const std::string& folder, std::size_t depth, Entries& f
     }
     for (const StorageEntry& each : listing->entries) {
         const std::string path = folder.empty() ? each.name : folder + "/" + each.name;
-        if (each.kind == StorageEntry::Kind::Other || !is_file_name(each.name) ||
-            !is_storage_name(path) || found.size() > files_.limits.max_entries) {
+        if (!is_shown(each) || !is_storage_name(path) || found.size() > files_.limits.max_entries) {
             continue;
         }
         found.emplace(path, Entry{each.kind, 0});

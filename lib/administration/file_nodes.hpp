@@ -8,6 +8,7 @@
 
 #include <busbar/administration/file_system.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/method_table.hpp>
@@ -61,6 +62,8 @@ private:
     [[nodiscard]] Configured<void> add_methods();
     /// False if the medium cannot be read.
     [[nodiscard]] bool collect(const std::string& folder, std::size_t depth, Entries& found);
+    /// Whether clients see the file of this name. Says once that they do not see one.
+    [[nodiscard]] bool is_shown(const StorageEntry& entry);
     void add_entry(const std::string& path, Entry entry);
     [[nodiscard]] bool add_entry_nodes(const std::string& path, Entry& entry);
     void remove_entry(const std::string& path);
@@ -100,6 +103,9 @@ private:
     model::AddressSpace& space_;
     const FileSystem& files_;
     const WallClock& clock_;
+    LogSink& log_;
+    /// It was logged that a name in the folder is none.
+    bool is_told_{false};
     OpenFiles open_;
     CallTurns turns_;
     std::uint16_t namespace_{0};
@@ -118,8 +124,7 @@ private:
     bool is_stale_{false};
 };
 
-/// What files of clients may be called: no path, and nothing that tools of the medium or control
-/// characters are in.
+/// What files of clients may be called: a name (see is_name) that is no path and is not hidden.
 [[nodiscard]] bool is_file_name(std::string_view name);
 /// The path of the folder that it is in; "" for the root.
 [[nodiscard]] std::string_view folder_of(std::string_view path);

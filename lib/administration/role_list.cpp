@@ -7,7 +7,8 @@
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 
-#include "json_file.hpp"
+#include "core/utf8.hpp"
+
 #include "role_access.hpp"
 #include "role_file.hpp"
 #include "role_rules.hpp"
@@ -212,8 +213,11 @@ Checked<void> RoleList::add(std::string name, std::string namespace_uri)
     if (name.empty() || name.size() > limits_.max_text || namespace_uri.size() > limits_.max_text) {
         return refuse_role(status::Bad_InvalidArgument, name, "has an empty or overlong name");
     }
-    if (!detail::is_kept_whole(name) || !detail::is_kept_whole(namespace_uri)) {
-        return refuse_role(status::Bad_InvalidArgument, name, "has a name that is no text");
+    if (!busbar::detail::is_name(name) ||
+        (!namespace_uri.empty() && !busbar::detail::is_name(namespace_uri))) {
+        return refuse_role(status::Bad_InvalidArgument, name,
+                           "has a name that is no UTF-8, or has control characters or spaces at "
+                           "its ends");
     }
     if (find(name) != nullptr) {
         return refuse_role(status::Bad_AlreadyExists, name, "is there already");
@@ -248,6 +252,11 @@ Checked<void> RoleList::remove(std::string_view name)
 Checked<void> RoleList::add_identity(std::string_view role, const IdentityMappingRuleType& rule)
 {
     return change(role, [&](RoleRules& changed) -> Checked<void> {
+        const std::string_view criteria = rule.criteria.view();
+        if (!criteria.empty() && !busbar::detail::is_name(criteria)) {
+            return refuse_role(status::Bad_InvalidArgument, role,
+                               "was to get a rule with control characters or spaces at its ends");
+        }
         if (const StatusCode bad = detail::check_rule(rule, limits_.max_text); bad.is_bad()) {
             return refuse_role(bad, role, "was to get a rule that cannot be used");
         }
@@ -267,7 +276,7 @@ Checked<void> RoleList::remove_identity(std::string_view role, const IdentityMap
 Checked<void> RoleList::add_application(std::string_view role, std::string_view uri)
 {
     return change(role, [&](RoleRules& changed) -> Checked<void> {
-        if (uri.empty() || uri.size() > limits_.max_text || !detail::is_kept_whole(uri)) {
+        if (uri.size() > limits_.max_text || !busbar::detail::is_name(uri)) {
             return refuse_role(status::Bad_InvalidArgument, role, "was to get no ApplicationUri");
         }
         return check_fixed(changed).and_then([&] {
@@ -290,9 +299,12 @@ Checked<void> RoleList::add_endpoint(std::string_view role, const EndpointType& 
                                  endpoint.security_policy_uri.size() +
                                  endpoint.transport_profile_uri.size();
         const auto mode = static_cast<std::int32_t>(endpoint.security_mode);
-        const bool is_text = detail::is_kept_whole(endpoint.endpoint_url.view()) &&
-                             detail::is_kept_whole(endpoint.security_policy_uri.view()) &&
-                             detail::is_kept_whole(endpoint.transport_profile_uri.view());
+        const auto is_name_or_empty = [](const String& text) {
+            return text.empty() || busbar::detail::is_name(text.view());
+        };
+        const bool is_text = is_name_or_empty(endpoint.endpoint_url) &&
+                             is_name_or_empty(endpoint.security_policy_uri) &&
+                             is_name_or_empty(endpoint.transport_profile_uri);
         if (size > limits_.max_text || !is_text || mode < 0 || mode > 3) {
             return refuse_role(status::Bad_InvalidArgument, role,
                                "was to get an endpoint that makes no sense");

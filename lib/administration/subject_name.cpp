@@ -8,6 +8,8 @@
 
 #include <busbar/core/text.hpp>
 
+#include "core/utf8.hpp"
+
 namespace busbar::administration::detail {
 
 namespace {
@@ -86,7 +88,7 @@ Checked<CertificateSubject> with_names(CertificateSubject subject, std::string_v
             fields.begin(), fields.end(), [&](const Field& each) { return each.name == name; });
         rest.remove_prefix(std::min(equals + 1, rest.size()));
         const auto value = take_value(rest);
-        if (field == fields.end() || !value || value->empty()) {
+        if (field == fields.end() || !value || !busbar::detail::is_name(*value)) {
             return refuse({status::Bad_InvalidArgument, "subject name", "found " + printable(text),
                            "Part 12, 7.9.4", "Write it as CN=Press 4/O=Works"});
         }

@@ -1,5 +1,6 @@
 #include <busbar/core/text.hpp>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,59 @@ std::size_t utf8_sequence(std::string_view text)
     return too_short || surrogate || too_large || c1_control ? 0 : size;
 }
 
+bool is_bidi_control(std::string_view sequence)
+{
+    if (sequence == "\xD8\x9C") { // U+061C
+        return true;
+    }
+    if (sequence.size() != 3 || sequence[0] != '\xE2') {
+        return false;
+    }
+    const auto last = static_cast<unsigned char>(sequence[2]);
+    const bool is_mark = last == 0x8E || last == 0x8F;      // U+200E, U+200F
+    const bool is_embedding = last >= 0xAA && last <= 0xAE; // U+202A to U+202E
+    const bool is_isolate = last >= 0xA6 && last <= 0xA9;   // U+2066 to U+2069
+    return (sequence[1] == '\x80' && (is_mark || is_embedding)) ||
+           (sequence[1] == '\x81' && is_isolate);
+}
+
+namespace {
+
+/// The length of the sequence at the front; 0 if it is none, or nothing that is to be read.
+std::size_t readable_sequence(std::string_view text)
+{
+    const auto first = static_cast<unsigned char>(text.front());
+    const std::size_t size = utf8_sequence(text);
+    return first < 0x20 || first == 0x7F || is_bidi_control(text.substr(0, size)) ? 0 : size;
+}
+
+} // namespace
+
+bool is_name(std::string_view text)
+{
+    if (text.empty() || text.front() == ' ' || text.back() == ' ') {
+        return false;
+    }
+    while (!text.empty()) {
+        const std::size_t size = readable_sequence(text);
+        if (size == 0) {
+            return false;
+        }
+        text.remove_prefix(size);
+    }
+    return true;
+}
+
+std::string_view cut_short(std::string_view text, std::size_t max_bytes)
+{
+    std::size_t end = std::min(text.size(), max_bytes);
+    while (end != text.size() && end != 0 &&
+           (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+        --end;
+    }
+    return text.substr(0, end);
+}
+
 } // namespace detail
 
 namespace {
@@ -61,10 +115,9 @@ std::string printable(std::string_view text, std::size_t max_bytes)
 {
     std::string result;
     while (!text.empty() && result.size() < max_bytes) {
-        const auto first = static_cast<unsigned char>(text[0]);
-        const std::size_t size = detail::utf8_sequence(text);
-        if (size == 0 || first < 0x20 || first == 0x7F) {
-            append_escaped(result, first);
+        const std::size_t size = detail::readable_sequence(text);
+        if (size == 0) {
+            append_escaped(result, static_cast<unsigned char>(text[0]));
             text.remove_prefix(1);
         } else {
             result += text.substr(0, size);

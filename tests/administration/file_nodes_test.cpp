@@ -121,7 +121,8 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: names that are none, or taken, are r
 {
     REQUIRE(file_storage.make_folder("", FileAccess::Owner));
     auto client = log_in_as("eng");
-    for (const char* bad : {"", ".", "..", "../x", "a/b", "a\\b", ".hidden", "a\nb", "/etc"}) {
+    for (const char* bad : {"", ".", "..", "../x", "a/b", "a\\b", ".hidden", "a\nb", "/etc", " ",
+                            "a ", "\xff\xfe", "\xc0\xae\xc0\xae", "\xe2\x80\xaetxt.exe"}) {
         INFO(bad);
         CHECK(make(client, "", bad) == "Bad_BrowseNameInvalid");
         CHECK(make_folder(client, "", bad) == "Bad_BrowseNameInvalid");
@@ -134,6 +135,25 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: names that are none, or taken, are r
     REQUIRE(file_storage.replace("b", {}, FileAccess::Owner));
     CHECK(make(client, "", "b") == "Bad_BrowseNameDuplicated");
     CHECK(make(client, "a", "c") == "Bad_MethodInvalid"); // no folder
+}
+
+TEST_CASE_METHOD(FilesFixture,
+                 "file nodes: what others call as no client may is not shown, and told")
+{
+    REQUIRE(file_storage.make_folder("\xff", FileAccess::Owner));
+    for (const char* name : {"a", "b\xff", "\xe2\x80\xaetxt.exe", ".hidden", "\xff/c"}) {
+        REQUIRE(file_storage.replace(name, {}, FileAccess::Owner));
+    }
+    auto client = log_in_as("eng");
+    log.text.clear();
+    CHECK(make(client, "", "d") == "Good");
+    CHECK(names(client) == Names{"a", "d"});
+    CHECK(make(client, "", "e") == "Good");
+    const auto told = log.text.find("clients do not see \"");
+    CHECK(told != std::string::npos);
+    CHECK(log.text.find("clients do not see \"", told + 1) == std::string::npos); // once
+    CHECK(log.text.find('\xff') == std::string::npos);
+    CHECK(log.text.find(".hidden") == std::string::npos);
 }
 
 TEST_CASE_METHOD(FilesFixture, "file nodes: are moved, copied and removed")

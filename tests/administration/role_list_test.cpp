@@ -207,7 +207,13 @@ TEST_CASE_METHOD(Fixture, "roles: own ones come and go (Part 18, 4.2)")
     CHECK(list.find("Fitter")->endpoints_exclude);
     CHECK(status_of(list.add("Fitter", "")) == "Bad_AlreadyExists");
     CHECK(status_of(list.add("SecurityAdmin", "urn:works")) == "Bad_AlreadyExists");
-    CHECK(status_of(list.add("", "")) == "Bad_InvalidArgument");
+    for (const char* no_name : {"", " ", "Fitter ", "a\nb", "\xff\xfe", "\xe2\x80\xaerettiF"}) {
+        CHECK(status_of(list.add(no_name, "")) == "Bad_InvalidArgument");
+        CHECK(status_of(list.add_application("Operator", no_name)) == "Bad_InvalidArgument");
+        CHECK(status_of(list.add_identity("Operator", rule(Criteria::UserName, no_name))) ==
+              "Bad_InvalidArgument");
+    }
+    CHECK(status_of(list.add("Other", "\xff")) == "Bad_InvalidArgument");
     REQUIRE(list.add_identity("Fitter", rule(Criteria::UserName, "pat")));
     CHECK(roles(pat()) == Names{"Fitter"});
     CHECK(list.roles_of({.user = pat()}).access_level_mask == 0xFF);

@@ -26,8 +26,8 @@ TEST_CASE("subject name: fields in both forms, with quotes")
 
 TEST_CASE("subject name: anything else is refused")
 {
-    for (const char* text :
-         {"Press 4", "XX=a", "CN=", "CN", "=", "CN=\"a", "CN=\"a\"b", "CN=a/=b"}) {
+    for (const char* text : {"Press 4", "XX=a", "CN=", "CN", "=", "CN=\"a", "CN=\"a\"b", "CN=a/=b",
+                             "CN=\xff", "CN=a\n", "CN=\xe2\x80\xaetxt.exe", "CN=\" a\""}) {
         INFO(text);
         const auto made = with_names({}, text);
         REQUIRE_FALSE(made);

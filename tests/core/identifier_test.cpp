@@ -2,10 +2,14 @@
 
 #include <array>
 #include <set>
+#include <string>
+#include <string_view>
 #include <unordered_set>
 #include <vector>
 
 #include <busbar/core/types.hpp>
+
+#include "core/utf8.hpp"
 
 namespace identifier_test {
 
@@ -174,7 +178,40 @@ TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][t
     CHECK(printable("a\x1b[2Jb\n") == "a\\x1B[2Jb\\x0A");
     CHECK(printable("\xc3(") == "\\xC3(");
     CHECK(printable("\xed\xa0\x80") == "\\xED\\xA0\\x80");
+    CHECK(printable("\xe2\x80\xaetxt.exe") == "\\xE2\\x80\\xAEtxt.exe"); // read from right to left
     CHECK(printable(std::string(300, 'x'), 10) == "xxxxxxxxxx...");
+}
+
+TEST_CASE("names are texts that people can read", "[core][text]")
+{
+    using busbar::detail::is_name;
+    for (const char* name :
+         {"a", "Press 4", "Motor \xe6\xb0\xb4", "a\xc2\xa0-", "\xf0\x9f\x94\xa7"}) {
+        INFO(name);
+        CHECK(is_name(name));
+    }
+    for (const char* no_name :
+         {"", " ", " a", "a ", "a\nb", "\x7f", "\x1b[2J", "\xff\xfe", "\xc0\xae", "\xc3",
+          "\xed\xa0\x80", "\xc2\x85", "\xd8\x9c", "a\xe2\x80\x8e", "\xe2\x80\x8f", "\xe2\x80\xaa",
+          "\xe2\x80\xaetxt.exe", "\xe2\x81\xa6", "\xe2\x81\xa9"}) {
+        INFO(printable(no_name));
+        CHECK_FALSE(is_name(no_name));
+    }
+    CHECK_FALSE(is_name(std::string_view{"a\0b", 3}));
+    for (const char* neighbour :
+         {"\xe2\x80\x90", "\xe2\x80\xaf", "\xe2\x81\xa5", "\xe2\x81\xaa", "\xd8\x9b"}) {
+        CHECK(is_name(neighbour));
+    }
+}
+
+TEST_CASE("text is cut between its characters", "[core][text]")
+{
+    using busbar::detail::cut_short;
+    CHECK(cut_short("abc", 5) == "abc");
+    CHECK(cut_short("abc", 2) == "ab");
+    CHECK(cut_short("a\xe6\xb0\xb4", 4) == "a\xe6\xb0\xb4");
+    CHECK(cut_short("a\xe6\xb0\xb4", 3) == "a");
+    CHECK(cut_short("\x80\x80", 1).empty());
 }
 
 } // namespace identifier_test

@@ -104,6 +104,30 @@ TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests",
     CHECK(subscriptions[0].next_sequence_number == 1);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "a session's name is a text, whatever its client says")
+{
+    struct Case {
+        std::string sent;
+        std::string shown; // empty: the session's id
+    };
+    for (const Case& each :
+         {Case{"panel", "panel"}, Case{"", ""}, Case{"  ", ""}, Case{"\xff\xfe", "\\xFF\\xFE"},
+          Case{"\xe2\x80\xaepanel", "\\xE2\\x80\\xAEpanel"},
+          Case{std::string(255, 'n') + "\xe6\xb0\xb4", std::string(255, 'n')}}) {
+        INFO(each.shown);
+        TestClient client = connect();
+        auto request = client.create_request();
+        request.session_name = String{each.sent};
+        REQUIRE(client.create_session(request));
+        REQUIRE(client.activate(TestClient::anonymous()) == status::Good);
+        const auto sessions = array<SessionDiagnosticsDataType>(client, sessions_array);
+        REQUIRE(sessions.size() == 1);
+        const std::string_view name = sessions[0].session_name.view();
+        CHECK((each.shown.empty() ? name.size() == 36 : name == each.shown));
+        client.close_session();
+    }
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "a session is described as its client described itself")
 {
     TestClient client = connect();

@@ -71,6 +71,16 @@ TEST_CASE("rd81opc96: three kinds of characters")
     }
 }
 
+TEST_CASE("a user's name is a text that people can read")
+{
+    const PasswordRules rules;
+    CHECK(name_fault(rules, "J\xC3\xB6rg M.").empty());
+    for (const char* wrong : {"", " ", "pat ", " pat", "pat\n", "\xff\xfe", "\xe2\x80\xaetap"}) {
+        CAPTURE(wrong);
+        CHECK_FALSE(name_fault(rules, wrong).empty());
+    }
+}
+
 TEST_CASE("by default a password has to be long, and anything that can be typed")
 {
     const PasswordRules rules;

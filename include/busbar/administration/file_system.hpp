@@ -33,7 +33,9 @@ struct FileLimits {
 /// A file that is written is replaced when it is closed, as a whole: a client that vanishes, a
 /// power cut and a full medium leave the old one. Who opened it to read in another session before
 /// goes on with what it was, and keeps nobody from writing, moving or deleting it. Nothing outside
-/// of the folder can be named, links in it are not shown, nor are names that begin with a point.
+/// of the folder can be named, links in it are not shown, nor are names that begin with a point,
+/// and those that are no UTF-8, or have control characters or spaces at an end; the log says once
+/// that there are such.
 struct FileSystem {
     [[no_unique_address]] NamedFields named_fields{};
 

@@ -7,6 +7,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
+#include "core/utf8.hpp"
 #include "endpoint_section.hpp"
 #include "files_section.hpp"
 #include "labels_section.hpp"
@@ -63,6 +64,9 @@ void read_server(const TomlTable& table, ControllerConfig& config)
     table.allow({"name", "application_uri", "address", "port", "host_names",
                  "min_channel_lifetime_ms", "key_log", "nodesets", "locales", "auditing"});
     config.server.application_name = table.text("name", config.server.application_name);
+    if (!busbar::detail::is_name(config.server.application_name)) {
+        table.fail("name", "a name without control characters and without spaces at its ends");
+    }
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
     if (!config.address.empty() && !is_any_address(config.address)) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/utf8.hpp"
 #include "product/machine/program_file.hpp"
 
 namespace busbar::product {
@@ -64,6 +65,9 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
+    if (!machine.name.empty() && !busbar::detail::is_name(machine.name)) {
+        table.fail("name", "a name without control characters and without spaces at its ends");
+    }
     machine.state_folder = table.text("state", machine.state_folder);
     machine.medium_folder = table.text("medium", machine.medium_folder);
     const std::string mode = table.text("mode", "RUN");

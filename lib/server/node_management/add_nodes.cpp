@@ -7,6 +7,8 @@
 #include <busbar/model/instance.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "core/utf8.hpp"
+
 #include "node_attributes.hpp"
 #include "reference_rules.hpp"
 
@@ -199,6 +201,9 @@ Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem&
     }
     if (!is_node_class(item.node_class)) {
         return fail(status::Bad_NodeClassInvalid);
+    }
+    if (!busbar::detail::is_name(item.browse_name.name.view())) {
+        return fail(status::Bad_BrowseNameInvalid);
     }
     node.reference_type = item.reference_type_id;
     node.browse_name = item.browse_name;

@@ -10,6 +10,8 @@
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/certificate_notices.hpp>
 
+#include "core/utf8.hpp"
+
 #include "discovery.hpp"
 #include "session_places.hpp"
 #include "session_proof.hpp"
@@ -170,7 +172,17 @@ Result<Guid> random_guid(crypto::Random& random)
 /// What is kept of a text that nobody has logged in for yet.
 String shortened(const String& text)
 {
-    return String{std::string{text.view().substr(0, max_text_size)}};
+    return String{std::string{busbar::detail::cut_short(text.view(), max_text_size)}};
+}
+
+/// The session's Object has it as BrowseName, which other clients are sent.
+std::string session_name(std::string_view wanted, const Guid& id)
+{
+    const std::string_view name = busbar::detail::cut_short(wanted, max_text_size);
+    if (name.find_first_not_of(' ') == std::string_view::npos) {
+        return to_string(id);
+    }
+    return busbar::detail::is_name(name) ? std::string{name} : printable(name, max_text_size);
 }
 
 /// Without the userinfo that a URL may have (RFC 3986, 3.2.1): what is shown is shown to many.
@@ -217,10 +229,7 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
     session->id = NodeId{needs.own_namespace, *id};
     session->authentication_token = NodeId{0, *token};
     session->server_nonce = *std::move(nonce);
-    session->name = request.session_name.view().substr(0, max_text_size);
-    if (session->name.empty()) {
-        session->name = to_string(*id);
-    }
+    session->name = session_name(request.session_name.view(), *id);
     session->client_application_uri =
         request.client_description.application_uri.view().substr(0, max_text_size);
     describe_client(*session, request);

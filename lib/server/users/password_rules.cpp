@@ -6,6 +6,7 @@
 #include <busbar/core/text.hpp>
 
 #include "core/ascii_case.hpp"
+#include "core/utf8.hpp"
 
 namespace busbar::server {
 
@@ -69,8 +70,8 @@ std::string find_name_fault(const PasswordRules& rules, std::string_view name)
     if (is_reserved) {
         return "\"" + std::string{name} + "\" is a reserved name";
     }
-    if (printable(name, 4 * name.size()) != name) {
-        return "it is no UTF-8";
+    if (!name.empty() && !busbar::detail::is_name(name)) {
+        return "it is no UTF-8, or has control characters or spaces at its ends";
     }
     return find_fault(name, rules.min_name_length, rules.max_name_length, rules.name_characters);
 }
