@@ -8,6 +8,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "core/unfinished.hpp"
 #include "core/utf8.hpp"
 #include "node_table.hpp"
 #include "permissions.hpp"
@@ -129,6 +130,7 @@ Configured<void> FileNodes::add_nodes()
     if (auto added = add_methods(); !added) {
         return added;
     }
+    busbar::detail::remove_unfinished_below(*files_.storage, "");
     refresh();
     return {};
 }

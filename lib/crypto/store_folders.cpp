@@ -6,6 +6,8 @@
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 
+#include "core/unfinished.hpp"
+
 namespace busbar::crypto::detail {
 
 namespace {
@@ -51,12 +53,11 @@ Result<void> make_store_folders(Storage& storage, LogSink& log)
         if (!storage.make_folder(name, FileAccess::Everyone)) {
             return fail(status::Bad_ConfigurationError);
         }
-        storage.remove_unfinished(name);
     }
     if (!storage.make_folder(private_folder, FileAccess::Owner)) {
         return fail(status::Bad_ConfigurationError);
     }
-    storage.remove_unfinished(private_folder);
+    busbar::detail::remove_unfinished_below(storage, "");
     close_private_keys(storage, log);
     return {};
 }

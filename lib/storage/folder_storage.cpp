@@ -292,7 +292,7 @@ void FolderStorage::remove_unfinished(std::string_view folder)
         }
     }
     for (const std::string& path : found) {
-        ::unlink(path.c_str());
+        detail::remove_dead(path);
     }
 }
 

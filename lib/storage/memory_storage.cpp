@@ -50,6 +50,15 @@ std::vector<std::string> MemoryStorage::names() const
     return result;
 }
 
+std::vector<std::string> MemoryStorage::unfinished() const
+{
+    std::vector<std::string> result;
+    for (const auto& [name, size] : unfinished_) {
+        result.push_back(name);
+    }
+    return result;
+}
+
 bool MemoryStorage::is_open_to_others(std::string_view name) const
 {
     const auto found = items_.find(name);
@@ -106,6 +115,9 @@ std::uint64_t MemoryStorage::used() const
     std::uint64_t bytes = 0;
     for (const auto& [name, item] : items_) {
         bytes += item.bytes.size();
+    }
+    for (const auto& [name, size] : unfinished_) {
+        bytes += size;
     }
     return bytes;
 }
@@ -205,8 +217,11 @@ Stored<void> MemoryStorage::replace(std::string_view name, std::span<const std::
     Item& item = made[std::string{name}];
     item.access = access;
     item.bytes.assign(bytes.begin(), bytes.end());
-    static_cast<void>(take_bytes(bytes.size()));
+    const std::size_t written = take_bytes(bytes.size());
     if (auto named = take_step(); !named) {
+        if (is_dark_) {
+            unfinished_[std::string{name}] += written;
+        }
         return named;
     }
     touch(item);
@@ -365,6 +380,14 @@ Stored<bool> MemoryStorage::close_to_others(std::string_view name)
     }
     found->second.access = FileAccess::Owner;
     return true;
+}
+
+void MemoryStorage::remove_unfinished(std::string_view folder)
+{
+    if (!is_away_ && !is_dark_ && !is_protected_) {
+        std::erase_if(unfinished_,
+                      [&](const auto& each) { return folder_of(each.first) == folder; });
+    }
 }
 
 Stored<std::uint64_t> MemoryStorage::free_space()

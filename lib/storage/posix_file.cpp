@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -38,6 +39,19 @@ bool write_all(int file, std::span<const std::byte> bytes)
     return true;
 }
 
+/// Whoever writes an unfinished file has it locked. Without locks on the medium none is.
+bool is_locked(int file)
+{
+    return ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+}
+
+/// Locks a file that was just made. False if it was taken for a dead writer's, and removed, before.
+bool lock_new(int file)
+{
+    struct stat facts = {};
+    return !is_locked(file) && ::fstat(file, &facts) == 0 && facts.st_nlink != 0;
+}
+
 /// A new file beside `path`, its name in `name`. No other writer has the same, in this process or
 /// another; which also may be one of the same number in another container.
 int open_temporary(const std::string& path, FileAccess access, std::string& name)
@@ -48,8 +62,11 @@ int open_temporary(const std::string& path, FileAccess access, std::string& name
         // O_EXCL: neither a link nor a file with other rights that lies there is written through.
         const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
                                 mode_of(access));
-        if (file >= 0 || errno != EEXIST) {
+        if (file < 0 ? errno != EEXIST : lock_new(file)) {
             return file;
+        }
+        if (file >= 0) {
+            ::close(file);
         }
     }
     return -1;
@@ -117,6 +134,14 @@ bool is_unfinished(std::string_view name)
 {
     return name.size() > unfinished.size() &&
            name.substr(name.size() - unfinished.size()) == unfinished;
+}
+
+void remove_dead(const std::string& path)
+{
+    const Descriptor file{::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+    if (!file.is_open() || !is_locked(file.get())) {
+        ::unlink(path.c_str());
+    }
 }
 
 void sync_folder_of(const std::string& path)

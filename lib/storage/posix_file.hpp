@@ -16,6 +16,9 @@ namespace busbar::storage::detail {
 /// Whether a file of this name, without its folder, is a temporary one.
 [[nodiscard]] bool is_unfinished(std::string_view name);
 
+/// Removes a temporary file unless somebody is about to write it.
+void remove_dead(const std::string& path);
+
 /// A new name is on the disk only when its folder is.
 void sync_folder_of(const std::string& path);
 

@@ -4,6 +4,8 @@
 
 #include <busbar/server/running_server.hpp>
 
+#include "administration/file_nodes.hpp"
+
 #include "files_fixture.hpp"
 
 namespace file_nodes_test {
@@ -154,6 +156,24 @@ TEST_CASE_METHOD(FilesFixture,
     CHECK(log.text.find("clients do not see \"", told + 1) == std::string::npos); // once
     CHECK(log.text.find('\xff') == std::string::npos);
     CHECK(log.text.find(".hidden") == std::string::npos);
+}
+
+TEST_CASE_METHOD(FilesFixture,
+                 "file nodes: what a power cut left half written is gone at the next start")
+{
+    REQUIRE(file_storage.make_folder("press", FileAccess::Owner));
+    for (const char* name : {"a", "press/4.csv"}) {
+        storage.cut_power_after(1);
+        CHECK_FALSE(
+            file_storage.replace(name, std::as_bytes(std::span{"half", 4}), FileAccess::Owner));
+        storage.restore_power();
+    }
+    REQUIRE(storage.unfinished().size() == 2);
+    auto others = files;
+    others.name = "again";
+    administration::detail::FileNodes nodes{server, others, wall_clock, log};
+    REQUIRE(nodes.add_nodes());
+    CHECK(storage.unfinished().empty());
 }
 
 TEST_CASE_METHOD(FilesFixture, "file nodes: are moved, copied and removed")

@@ -6,6 +6,7 @@
 #include <busbar/administration/role_list.hpp>
 #include <busbar/administration/user_list.hpp>
 #include <busbar/core/status_codes.hpp>
+#include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
@@ -80,6 +81,15 @@ struct World {
     UserList users{storage, "users.json", {}, passwords};
     RoleList roles{storage, "roles.json"};
 };
+
+/// A start afterwards removes what is left of the file that was being written.
+void check_leftovers(storage::MemoryStorage& storage)
+{
+    NullLog silence;
+    crypto::CertificateStore store{storage, {}, silence};
+    REQUIRE(store.create());
+    CHECK(storage.unfinished().empty());
+}
 
 using Change = std::function<bool(World&)>;
 
@@ -165,6 +175,8 @@ TEST_CASE("power cut: a change of users or roles is whole or not done", "[power]
             }
         }
         REQUIRE(is_done);
+        CHECK_FALSE(world.storage.unfinished().empty());
+        check_leftovers(world.storage);
         CHECK(world.in_force() != before);
         CHECK(world.stored() == world.in_force());
     }

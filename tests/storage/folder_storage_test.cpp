@@ -3,8 +3,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "core/unfinished.hpp"
 
 #include "media.hpp"
 
@@ -99,6 +103,42 @@ TEST_CASE("folder storage: what a writer that died left is not seen, and goes")
     CHECK_FALSE(put(files, "a.77-0.busbar-new", "x"));
     files.remove_unfinished("");
     CHECK(fs::is_empty(folder.path));
+}
+
+TEST_CASE("folder storage: what a writer is about to write stays")
+{
+    const TemporaryFolder folder;
+    FolderStorage files{folder.path.string()};
+    const fs::path name = folder.path / "a.77-0.busbar-new";
+    const int writer = ::open(name.c_str(), O_WRONLY | O_CREAT, 0600);
+    REQUIRE(::flock(writer, LOCK_EX) == 0);
+    files.remove_unfinished("");
+    CHECK(fs::exists(name));
+    ::close(writer);
+    files.remove_unfinished("");
+    CHECK_FALSE(fs::exists(name));
+    CHECK(put(files, "a", "x"));
+}
+
+TEST_CASE(
+    "folder storage: what writers left goes in all folders, and is not followed through links")
+{
+    const TemporaryFolder folder;
+    const TemporaryFolder other;
+    FolderStorage files{folder.path.string()};
+    REQUIRE(files.make_folder("a/b", FileAccess::Owner));
+    fs::create_directory_symlink(other.path, folder.path / "link");
+    const auto leave = [](const fs::path& in) {
+        std::ofstream{in / "a.77-0.busbar-new"} << "half";
+    };
+    for (const fs::path& in : {folder.path, folder.path / "a", folder.path / "a/b", other.path}) {
+        leave(in);
+    }
+    busbar::detail::remove_unfinished_below(files, "");
+    CHECK(fs::is_empty(folder.path / "a/b"));
+    CHECK_FALSE(fs::exists(folder.path / "a/a.77-0.busbar-new"));
+    CHECK_FALSE(fs::exists(folder.path / "a.77-0.busbar-new"));
+    CHECK(fs::exists(other.path / "a.77-0.busbar-new"));
 }
 
 TEST_CASE("folder storage: a root that is gone is away")

@@ -1,5 +1,7 @@
 #include <busbar/storage/memory_storage.hpp>
 
+#include "core/unfinished.hpp"
+
 #include "media.hpp"
 
 namespace memory_storage_test {
@@ -31,6 +33,26 @@ TEST_CASE("memory storage: is full, protected or away when it is told so")
     CHECK(put(files, "a", "").error() == StorageError::Away);
     files.set_away(false);
     CHECK(put(files, "a", ""));
+}
+
+TEST_CASE("memory storage: what a power cut leaves takes room until it is removed")
+{
+    MemoryStorage files;
+    REQUIRE(files.make_folder("a/b", FileAccess::Owner));
+    files.set_capacity(20);
+    for (const char* name : {"x", "a/x", "a/b/x"}) {
+        files.cut_power_after(3);
+        CHECK_FALSE(put(files, name, "12345"));
+        files.restore_power();
+    }
+    CHECK(files.names().empty());
+    CHECK(files.unfinished() == std::vector<std::string>{"a/b/x", "a/x", "x"});
+    CHECK(files.free_space() == 11U);
+    files.remove_unfinished("a");
+    CHECK(files.unfinished() == std::vector<std::string>{"a/b/x", "x"});
+    busbar::detail::remove_unfinished_below(files, "");
+    CHECK(files.unfinished().empty());
+    CHECK(files.free_space() == 20U);
 }
 
 TEST_CASE("memory storage: counts reads and tells who may read")

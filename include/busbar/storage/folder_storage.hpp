@@ -11,7 +11,7 @@ namespace busbar::storage {
 ///
 /// A file is written under a temporary name beside its own, which stays behind if the writer dies:
 /// "name.PID-N.busbar-new". Such files are never listed or read. Other processes may use the same
-/// folder.
+/// folder: remove_unfinished spares what somebody is about to write, where the medium has locks.
 ///
 /// Any thread. NotFound of a whole folder means Away if the root itself is gone.
 class BUSBAR_API FolderStorage final : public Storage {

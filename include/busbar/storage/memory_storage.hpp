@@ -40,6 +40,8 @@ public:
 
     /// The names of all files, for a test to compare.
     [[nodiscard]] std::vector<std::string> names() const;
+    /// Names of files that a power cut left half replaced, until remove_unfinished. They take room.
+    [[nodiscard]] std::vector<std::string> unfinished() const;
     /// Others than its owner may read it. False for a file that is not there.
     [[nodiscard]] bool is_open_to_others(std::string_view name) const;
     void open_to_others(std::string_view name);
@@ -56,7 +58,7 @@ public:
     Stored<StorageListing> list(std::string_view folder, std::size_t most) override;
     Stored<void> make_folder(std::string_view name, FileAccess access) override;
     Stored<bool> close_to_others(std::string_view name) override;
-    void remove_unfinished(std::string_view) override {}
+    void remove_unfinished(std::string_view folder) override;
     Stored<std::uint64_t> free_space() override;
     [[nodiscard]] std::string place(std::string_view name) const override;
 
@@ -84,6 +86,8 @@ private:
     void touch_folder_of(std::string_view name);
 
     Items items_;
+    /// What is there of each, in bytes.
+    std::map<std::string, std::size_t, std::less<>> unfinished_;
     DateTime now_;
     std::uint64_t capacity_{UINT64_MAX};
     bool is_protected_{false};

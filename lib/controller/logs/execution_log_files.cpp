@@ -119,6 +119,8 @@ Stored<void> ExecutionLogFiles::open()
         });
     }
     if (opened && !next_serial_) {
+        storage_->remove_unfinished(options_.folder);
+        storage_->remove_unfinished(options_.system_folder);
         opened = find_serial();
     }
     return opened;

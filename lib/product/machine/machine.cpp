@@ -6,6 +6,8 @@
 
 #include <busbar/types/ids.hpp>
 
+#include "core/unfinished.hpp"
+
 namespace busbar::product {
 
 namespace {
@@ -49,6 +51,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
 {
     make_root(state_);
     make_root(medium_);
+    busbar::detail::remove_unfinished_below(state_, "");
     // The event log comes behind the execution log, which tells it what cannot be saved.
     event_log_ = expect(controller::MachineEventLog::create(state_, clock, lines, &events_));
     if (config.machine.execution_log.is_recorded) {
