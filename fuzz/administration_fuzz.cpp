@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +9,7 @@
 #include <busbar/administration/administration.hpp>
 #include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/storage_folder.hpp>
+#include <busbar/server/running_server.hpp>
 #include <busbar/storage/memory_storage.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
@@ -122,6 +125,7 @@ struct Target {
     NodeId object;
     NodeId method;
     std::vector<Argument> inputs;
+    bool gives_handle{false};
 };
 
 struct Fixture : Backend, fuzz::ServerSession {
@@ -130,11 +134,7 @@ struct Fixture : Backend, fuzz::ServerSession {
         static_cast<void>(applications.create());
         static_cast<void>(user_certificates.create());
         static_cast<void>(roles.load());
-        static_cast<void>(recipe_files.make_folder("d", FileAccess::Owner));
-        for (const char* name : {"a", "d/a"}) {
-            static_cast<void>(recipe_files.replace(name, std::as_bytes(std::span{"0123456789"}),
-                                                   FileAccess::Owner));
-        }
+        make_recipes();
         static_cast<void>(administration.attach(server));
         auto& space = server.address_space();
         for (const std::uint32_t object :
@@ -153,7 +153,76 @@ struct Fixture : Backend, fuzz::ServerSession {
             add(space.find(NodeId{1, "Transfers/backup"}), method);
         }
         lasting_targets = targets.size();
-        log_in();
+        for (const std::string& name : files.names()) {
+            kept_files[name] = contents(name);
+        }
+    }
+    void make_recipes()
+    {
+        static_cast<void>(recipe_files.make_folder("d", FileAccess::Owner));
+        for (const char* name : {"a", "d/a"}) {
+            static_cast<void>(recipe_files.replace(name, std::as_bytes(std::span{"0123456789"}),
+                                                   FileAccess::Owner));
+        }
+    }
+    /// Ends the sessions and undoes what they did. False if the server is shutting down, or if
+    /// something of them stays.
+    [[nodiscard]] bool disconnect()
+    {
+        const bool is_over = fuzz::ServerSession::disconnect();
+        files.set_protected(false);
+        restore_files();
+        auto& space = server.address_space();
+        for (const administration::RoleRules& role : roles.roles()) {
+            if (!administration::RoleList::is_well_known(role.name)) {
+                static_cast<void>(space.remove(space.find(
+                    NodeId{1, String{"RoleSet/" + role.namespace_uri + "/" + role.name}})));
+            }
+        }
+        const bool is_loaded = roles.load().has_value();
+        administration.refresh_files();
+        for (const char* path : {"/d", "/a", "/d/a"}) {
+            open_to_all(path);
+        }
+        handles_before = handles;
+        targets.resize(lasting_targets);
+        return is_over && is_loaded &&
+               server::RunningServer{server}.change_state(ServerState::Running, "", {});
+    }
+    void restore_files()
+    {
+        for (const std::string& name : files.names()) {
+            const auto kept = kept_files.find(name);
+            if (kept == kept_files.end()) {
+                static_cast<void>(files.remove(name));
+            } else if (contents(name) != kept->second) {
+                static_cast<void>(files.replace(name, kept->second, FileAccess::Owner));
+            }
+        }
+        remove_folders("recipes");
+        for (const auto& [name, bytes] : kept_files) {
+            if (!files.entry(name)) {
+                static_cast<void>(files.make_folder("recipes/d", FileAccess::Owner));
+                static_cast<void>(files.replace(name, bytes, FileAccess::Owner));
+            }
+        }
+    }
+    /// But that of the recipes. What is not empty stays, and is not removed.
+    void remove_folders(const std::string& folder)
+    {
+        const auto listing = files.list(folder, 100);
+        for (const StorageEntry& each : listing ? listing->entries : std::vector<StorageEntry>{}) {
+            if (each.kind == StorageEntry::Kind::Folder) {
+                remove_folders(storage_path(folder, each.name));
+            }
+        }
+        if (folder != "recipes" && folder != "recipes/d") {
+            static_cast<void>(files.remove(folder));
+        }
+    }
+    [[nodiscard]] std::vector<std::byte> contents(const std::string& name)
+    {
+        return read_file(files, name, 1U << 20U).value_or(std::vector<std::byte>{});
     }
     /// What the Method left for the server's thread is done before the next one.
     void call(CallRequest request)
@@ -177,28 +246,53 @@ struct Fixture : Backend, fuzz::ServerSession {
         for (auto target = first; target < targets.size(); ++target) {
             targets[target].object = object;
         }
-        if (const model::NodeIndex node = space.find(object); node != model::no_node) {
+        open_to_all(path);
+    }
+    void open_to_all(const std::string& path)
+    {
+        auto& space = server.address_space();
+        const model::NodeIndex node = space.find(NodeId{1, String{"Files/recipes" + path}});
+        if (node != model::no_node) {
             space.set_node_access(node, {});
         }
+    }
+    /// A session, and no temporary files of earlier inputs: they go with the next of their Methods.
+    void begin()
+    {
+        log_in();
+        if (followed.empty()) {
+            return;
+        }
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = targets.back().object;
+        request.methods_to_call[0].method_id = targets.back().method; // CloseAndCommit
+        request.methods_to_call[0].input_arguments.push_back(Variant{std::uint32_t{0}});
+        send(std::move(request));
+        followed.clear();
     }
     /// Temporary files come and go.
     void follow_transfers()
     {
         auto& space = server.address_space();
-        std::vector<model::NodeIndex> transferred;
+        std::vector<NodeId> transferred;
         const model::NodeIndex type = space.find(id::FileType);
         space.for_each_below(space.find(NodeId{1, "Transfers/backup/files"}),
                              [&](model::NodeIndex node) {
                                  if (space.type_definition(node) == type) {
-                                     transferred.push_back(node);
+                                     transferred.push_back(space.node_id(node));
                                  }
                                  return true;
                              });
+        if (transferred == followed) {
+            return;
+        }
+        followed = transferred;
         targets.erase(targets.begin() + static_cast<std::ptrdiff_t>(lasting_targets),
                       targets.end());
-        for (const model::NodeIndex file : transferred) {
+        for (const NodeId& file : transferred) {
             for (const char* method : file_methods) {
-                add(file, method);
+                add(space.find(file), method);
             }
         }
     }
@@ -211,7 +305,12 @@ struct Fixture : Backend, fuzz::ServerSession {
         }
         space.set_node_access(object, {});
         space.set_node_access(method, {});
-        Target target{space.node_id(object), space.node_id(method), {}};
+        const std::string_view called{name};
+        Target target{space.node_id(object),
+                      space.node_id(method),
+                      {},
+                      called.starts_with("Open") || called == "CreateFile" ||
+                          called.starts_with("Generate")};
         const model::NodeIndex property =
             administration::detail::child_of(space, method, "InputArguments");
         const Variant value = property != model::no_node ? space.value(property) : Variant{};
@@ -223,6 +322,43 @@ struct Fixture : Backend, fuzz::ServerSession {
             }
         }
         targets.push_back(std::move(target));
+    }
+
+    /// What counts the handles of the Object's files.
+    [[nodiscard]] static std::string counter_of(const NodeId& object)
+    {
+        const std::string text = to_string(object);
+        return text.find("Files/") != std::string::npos       ? "files"
+               : text.find("Transfers/") != std::string::npos ? "transfers"
+                                                              : text;
+    }
+    /// Handles go on from input to input: the script's begin at the first one of the input.
+    [[nodiscard]] std::uint32_t handle(const NodeId& object, std::uint8_t small)
+    {
+        return handles_before[counter_of(object)] + small;
+    }
+    /// Looks for a handle in the last answer.
+    void note_handle(const Target& target)
+    {
+        if (!target.gives_handle || responses.empty()) {
+            return;
+        }
+        binary::Reader reader{responses.back()};
+        NodeId id;
+        CallResponse response;
+        decode(reader, id);
+        if (!id.is(CallResponse::binary_encoding_id)) {
+            return;
+        }
+        decode(reader, response);
+        for (const CallMethodResult& result : response.results) {
+            for (const Variant& output : result.output_arguments) {
+                if (const auto* const given = output.get_if<std::uint32_t>()) {
+                    handles[counter_of(target.object)] =
+                        std::max(*given, handles[counter_of(target.object)]);
+                }
+            }
+        }
     }
 
     static constexpr std::array file_methods{
@@ -259,8 +395,14 @@ struct Fixture : Backend, fuzz::ServerSession {
                                         "AddEndpoint",
                                         "RemoveEndpoint",
                                         "RequestServerStateChange"};
+    /// The latest of each counter, and those before the input.
+    std::map<std::string, std::uint32_t> handles;
+    std::map<std::string, std::uint32_t> handles_before;
+    /// What there is before an input.
+    std::map<std::string, std::vector<std::byte>> kept_files;
     std::vector<Target> targets;
-    /// Those of temporary files are behind them.
+    /// The temporary files, whose Methods are behind the lasting ones.
+    std::vector<NodeId> followed;
     std::size_t lasting_targets{0};
 };
 
@@ -362,8 +504,10 @@ Variant value_of(const Argument& argument, fuzz::Script& script)
 /// fail, with time and a second session between them.
 int test_one_input(const std::uint8_t* data, std::size_t size)
 {
+    static fuzz::KeptServer<Fixture> kept;
     fuzz::Script script{{data, size}};
-    Fixture fixture;
+    Fixture& fixture = kept.begin();
+    fixture.begin();
     for (int step = 0; step < 40 && !script.is_over() && !fixture.targets.empty(); ++step) {
         const std::uint8_t choice = script.byte();
         if (choice == 255) {
@@ -384,11 +528,16 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
         request.methods_to_call[0].object_id = target.object;
         request.methods_to_call[0].method_id = target.method;
         for (const Argument& argument : target.inputs) {
-            request.methods_to_call[0].input_arguments.push_back(value_of(argument, script));
+            const bool is_handle = argument.name.view().ends_with("Handle");
+            request.methods_to_call[0].input_arguments.push_back(
+                is_handle ? Variant{fixture.handle(target.object, script.byte())}
+                          : value_of(argument, script));
         }
         fixture.call(std::move(request));
+        fixture.note_handle(target);
         fixture.follow_transfers();
     }
+    kept.end();
     return 0;
 }
 
