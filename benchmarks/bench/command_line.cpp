@@ -101,6 +101,12 @@ CLI::App* add_hostile(CLI::App& app, HostileOptions& options)
                      "or: attackers that take what is shared, sessions, Subscriptions, memory, "
                      "sockets, logins; 1,5,20,60")
         ->delimiter(',');
+    hostile->add_flag("--administration", options.is_administration,
+                      "or: 1,000 of each Method that a role of administration may call, in one "
+                      "Call; with a URL, those that --user may call");
+    hostile->add_option("--calls", options.calls, "Methods of one Call of --administration")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
     hostile->add_flag("--own-addresses", options.has_own_addresses,
                       "each of them from an address of its own, 127.0.0.2 and so on");
     hostile->add_flag("--unrationed", options.is_unrationed,

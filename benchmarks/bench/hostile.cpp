@@ -8,12 +8,14 @@
 #include <utility>
 
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
+#include "administration_calls.hpp"
 #include "quotas.hpp"
 #include "replay.hpp"
 #include "tally.hpp"
@@ -28,6 +30,8 @@ using namespace std::chrono_literals;
 constexpr std::chrono::milliseconds patience{30'000};
 /// Between two Reads of the good client, and two attempts of one that is refused.
 constexpr std::chrono::milliseconds pause{1};
+/// How long a Call of many Methods is waited for.
+constexpr double call_seconds{30};
 /// Of a bomb's size, for all but what explodes.
 constexpr std::size_t room_for_headers = 64U << 10U;
 
@@ -174,8 +178,9 @@ public:
         loop_ = std::make_unique<net::ClientLoop>();
         return load_->open(*loop_, true, patience);
     }
-    /// Reads for so long, and at least once; fails when there is no connection any more.
-    [[nodiscard]] Result<void> read_for(double seconds, HostileRow& row)
+    /// Reads as long as it is to, and at least once; fails when there is no connection any more.
+    [[nodiscard]] Result<void> read_while(const std::function<bool(double)>& goes_on,
+                                          HostileRow& row)
     {
         std::vector<double> times;
         const TimePoint begin = clock_now();
@@ -190,7 +195,7 @@ public:
                 }
             }
             std::this_thread::sleep_for(pause);
-        } while (elapsed_us(begin) < seconds * 1e6);
+        } while (goes_on(elapsed_us(begin) / 1e6));
         std::sort(times.begin(), times.end());
         row.reads = times.size();
         row.median_us = times[times.size() / 2];
@@ -280,6 +285,9 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
         subscriber.emplace(load);
     }
     forget_peak(options.server_process);
+    if (options.take_longest_piece_ms) {
+        static_cast<void>(options.take_longest_piece_ms());
+    }
     row.before = memory_of(options.server_process);
     Tally tally;
     std::vector<std::thread> threads;
@@ -290,7 +298,11 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     if (!options.quotas.empty()) {
         newcomer.emplace(load, row);
     }
-    auto read = client.read_for(options.seconds, row);
+    const auto goes_on = [&](double seconds) {
+        return options.callers.empty() || attackers == 0 ? seconds < options.seconds
+                                                         : !tally.is_done && seconds < call_seconds;
+    };
+    auto read = client.read_while(goes_on, row);
     newcomer.reset();
     if (subscriber) {
         const auto subscribed = subscriber->finish(row);
@@ -301,6 +313,7 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
         thread.join();
     }
     row.after = memory_of(options.server_process);
+    row.longest_piece_ms = options.take_longest_piece_ms ? options.take_longest_piece_ms() : 0;
     row.answered = tally.answered;
     row.refused = tally.refused;
     if (!read) {
@@ -363,6 +376,106 @@ Result<std::vector<HostileRow>> take_all(Load& load, const HostileOptions& optio
     return play_all(load, options, attacks);
 }
 
+/// A user of administration in a session, which is made again when it is lost: the server may have
+/// another certificate by then.
+class Caller {
+public:
+    Caller(const Load& load, const HostileOptions& options, std::string user)
+        : user_{std::move(user)}, load_{options_of(load, options, user_)}
+    {
+    }
+
+    [[nodiscard]] Result<void> connect()
+    {
+        loop_ = std::make_unique<net::ClientLoop>();
+        const auto prepared = load_.prepare();
+        return prepared ? load_.open(*loop_, true, patience) : prepared;
+    }
+    [[nodiscard]] net::ClientLoop& loop() { return *loop_; }
+    [[nodiscard]] const std::string& user() const { return user_; }
+
+private:
+    static Options options_of(const Load& load, const HostileOptions& options,
+                              const std::string& user)
+    {
+        Options his;
+        his.url = load.url();
+        his.policy = "Basic256Sha256";
+        his.mode = "SignAndEncrypt";
+        his.user = user;
+        his.password = options.password;
+        return his;
+    }
+
+    std::string user_;
+    Load load_;
+    std::unique_ptr<net::ClientLoop> loop_;
+};
+
+/// One Call of many of the Method, while the good client reads.
+Result<HostileRow> call_many(Load& load, const HostileOptions& options, Caller& caller,
+                             AdministrationCalls& calls, const AdministrationMethod& method)
+{
+    std::string status;
+    const auto call = [&](Tally& tally, std::size_t) {
+        const auto outcome = calls.call(caller.loop(), method, options.calls);
+        if (outcome) {
+            tally.answered = outcome->good;
+            tally.refused = outcome->bad;
+        }
+        status = outcome ? outcome->status : std::string{name(outcome.error())};
+        tally.is_done = true;
+    };
+    auto row = play(load, options, caller.user() + " " + method.name, 1, call);
+    if (row) {
+        row->status = std::move(status);
+    }
+    return row;
+}
+
+/// All that one user may call, a row for each Method.
+Result<void> call_all_of(Load& load, const HostileOptions& options, Caller caller,
+                         std::vector<HostileRow>& rows)
+{
+    auto connected = caller.connect();
+    const auto methods = connected ? find_methods(caller.loop()) : fail(connected.error());
+    if (!methods) {
+        return fail(methods.error());
+    }
+    AdministrationCalls calls;
+    for (const AdministrationMethod& method : *methods) {
+        auto row = call_many(load, options, caller, calls, method);
+        if (row && row->answered + row->refused == 0) {
+            if (connected = caller.connect(); !connected) {
+                return connected;
+            }
+            // The connection may have ended since the last Method; what takes too long is no other
+            // the second time.
+            const bool was_late = row->status == name(StatusCode{status::Bad_Timeout});
+            row = was_late ? std::move(row) : call_many(load, options, caller, calls, method);
+        }
+        if (!row) {
+            return fail(row.error());
+        }
+        rows.push_back(*std::move(row));
+    }
+    caller.loop().close();
+    return {};
+}
+
+Result<std::vector<HostileRow>> call_all(Load& load, const HostileOptions& options)
+{
+    auto rows = play_all(load, options, {{"none", 0, {}}});
+    for (const std::string& caller : options.callers) {
+        const auto done = rows ? call_all_of(load, options, Caller{load, options, caller}, *rows)
+                               : fail(rows.error());
+        if (!done) {
+            return fail(done.error());
+        }
+    }
+    return rows;
+}
+
 } // namespace
 
 SubscribeOptions good_subscription(double seconds)
@@ -383,6 +496,9 @@ Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options
     }
     if (!options.quotas.empty()) {
         return take_all(load, options);
+    }
+    if (!options.callers.empty()) {
+        return call_all(load, options);
     }
     return play_all(
         load, options,

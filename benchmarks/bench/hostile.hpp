@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,15 @@ struct HostileOptions {
     /// Or, instead of it, how many attackers take what is shared. The good client has a user, and
     /// more connections come and go beside it.
     std::vector<std::size_t> quotas;
+    /// Or what users of administration may call, many of each Method in one Call.
+    bool is_administration{false};
+    /// Who calls, with the password that all of them have.
+    std::vector<std::string> callers;
+    std::string password;
+    std::size_t calls{1'000};
+    /// What the server's thread had of a processor at a time, since it was asked last; may be
+    /// empty.
+    std::function<double()> take_longest_piece_ms;
     /// Our own server lets them.
     bool is_unrationed{false};
     /// It has a worker for them.
@@ -59,6 +69,10 @@ struct HostileRow {
     std::size_t logins{0};
     std::size_t failed_logins{0};
     double worst_login_ms{0};
+    /// How the first Method that did not end well ended; empty where none was called.
+    std::string status;
+    /// The longest piece of the server's work; 0 where it is not known.
+    double longest_piece_ms{0};
     /// Of the server.
     Memory before;
     Memory after;

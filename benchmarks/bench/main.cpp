@@ -1,9 +1,11 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <utility>
 
 #include <malloc.h>
 
+#include "administered.hpp"
 #include "command_line.hpp"
 #include "compare.hpp"
 #include "own_server.hpp"
@@ -63,6 +65,19 @@ int run_loads(bench::Options options, bool has_url)
     return 0;
 }
 
+/// Those of our own server, or the user of the options, who does not read then.
+void choose_callers(bench::Options& options, bench::HostileOptions& hostile, bench::OwnServer* own)
+{
+    if (own == nullptr) {
+        hostile.callers = {std::exchange(options.user, {})};
+        hostile.password = std::exchange(options.password, {});
+        return;
+    }
+    hostile.callers.assign(bench::administration_roles.begin(), bench::administration_roles.end());
+    hostile.password = bench::good_password;
+    hostile.take_longest_piece_ms = [own] { return own->take_longest_piece_ms(); };
+}
+
 /// Against the server of the options, or one of our own.
 int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
 {
@@ -75,10 +90,11 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         options.subscribe = bench::good_subscription(options.seconds);
     }
     if (!has_url) {
-        auto started = bench::OwnServer::start({.is_secure = is_secure,
+        auto started = bench::OwnServer::start({.is_secure = is_secure || hostile.is_administration,
                                                 .is_unrationed = hostile.is_unrationed,
                                                 .has_user = takes,
-                                                .has_worker = hostile.has_worker});
+                                                .has_worker = hostile.has_worker,
+                                                .is_administered = hostile.is_administration});
         if (!started) {
             return complain(options, started.error());
         }
@@ -87,6 +103,9 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         options.user = takes ? bench::good_user : "";
         options.password = takes ? bench::good_password : "";
         hostile.server_process = own->process();
+    }
+    if (hostile.is_administration) {
+        choose_callers(options, hostile, own.get());
     }
     bench::Load load{options};
     const auto prepared = load.prepare();

@@ -137,7 +137,12 @@ void print_json(const Options& options, const std::vector<SubscribeRow>& rows)
 
 void print_table(const std::vector<HostileRow>& rows, bool has_memory)
 {
-    std::printf("%-28s %9s %9s %8s %7s %11s %11s %11s %11s", "attack", "answered", "refused",
+    std::size_t longest = 28;
+    for (const HostileRow& row : rows) {
+        longest = std::max(longest, row.attack.size());
+    }
+    const int width = static_cast<int>(longest);
+    std::printf("%-*s %9s %9s %8s %7s %11s %11s %11s %11s", width, "attack", "answered", "refused",
                 "reads", "failed", "median us", "p90 us", "p99 us", "worst us");
     const bool has_gaps = std::any_of(rows.begin(), rows.end(),
                                       [](const HostileRow& row) { return row.publishes != 0; });
@@ -149,11 +154,16 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
     if (has_logins) {
         std::printf(" %8s %7s %10s", "logins", "failed", "worst ms");
     }
-    std::printf(has_memory ? " %10s %10s\n" : "\n", "peak MB", "left MB");
+    if (has_memory) {
+        std::printf(" %10s %10s", "peak MB", "left MB");
+    }
+    const bool has_calls = std::any_of(rows.begin(), rows.end(),
+                                       [](const HostileRow& row) { return !row.status.empty(); });
+    std::printf(has_calls ? " %10s status\n" : "\n", "piece ms");
     for (const HostileRow& row : rows) {
-        std::printf("%-28s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f %11.1f", row.attack.c_str(),
-                    row.answered, row.refused, row.reads, row.failed, row.median_us, row.p90_us,
-                    row.p99_us, row.worst_us);
+        std::printf("%-*s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f %11.1f", width,
+                    row.attack.c_str(), row.answered, row.refused, row.reads, row.failed,
+                    row.median_us, row.p90_us, row.p99_us, row.worst_us);
         if (has_gaps) {
             std::printf(" %10zu %10.1f", row.publishes, row.longest_gap_ms);
         }
@@ -162,6 +172,10 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
         }
         if (has_memory) {
             std::printf(" %+10.1f %+10.1f", row.peak_growth_mb(), row.growth_mb());
+        }
+        if (has_calls) {
+            print_figure(10, 1, row.longest_piece_ms);
+            std::printf(" %s", row.status.c_str());
         }
         std::printf("\n");
     }
@@ -181,6 +195,10 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
         if (has_memory) {
             std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
                         row.growth_mb());
+        }
+        if (!row.status.empty()) {
+            std::printf(", \"longest_piece_ms\": %.2f, \"status\": %s", row.longest_piece_ms,
+                        json_text(row.status).c_str());
         }
         std::printf("}");
         separator = ",";

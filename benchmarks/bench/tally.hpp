@@ -8,6 +8,8 @@ namespace busbar::bench {
 /// What the attackers of one attack have in common. Any thread.
 struct Tally {
     std::atomic<bool> is_over{false};
+    /// The attackers have nothing more to do.
+    std::atomic<bool> is_done{false};
     std::atomic<std::size_t> answered{0};
     std::atomic<std::size_t> refused{0};
 };

@@ -64,6 +64,14 @@ has "found no URL" refused.txt
 has "^none " hostile.txt
 has "^decode bomb before login " hostile.txt
 has "^Browses of 3 connections " hostile.txt
+"$bench" hostile --seconds 0.05 --administration --calls 3 > administration.txt
+has "^SecurityAdmin UserManagementType.AddUser  *3  *0 .* Good$" administration.txt
+has "^ConfigureAdmin FileDirectoryType.CreateFile  *3  *0 .* Good$" administration.txt
+has "^ConfigureAdmin FileDirectoryType.Delete  *3  *0 .* Good$" administration.txt
+has "^Operator press.csv.Open  *3  *0 .* Good$" administration.txt
+"$bench" hostile --seconds 0.05 --administration --calls 3 --json > administration.json
+is_json administration.json
+has '"attack": "SecurityAdmin RoleSetType.AddRole".* "longest_piece_ms": [0-9.]*, "status": "Good"' administration.json
 "$bench" hostile --seconds 0.05 --connections 3 --bomb 1000000 --json > hostile.json
 is_json hostile.json
 has '"attack": "Browses of 3 connections"' hostile.json
