@@ -4,6 +4,8 @@
 
 #include <busbar/server/running_server.hpp>
 
+#include "node_table.hpp"
+
 namespace busbar::administration::detail {
 
 bool may_call(const model::AddressSpace& space, model::NodeIndex method,
@@ -47,6 +49,22 @@ model::NodeAccess access_of_roles(const std::vector<NodeId>& readers,
         }
     }
     return access;
+}
+
+void require_encryption(model::AddressSpace& space, model::NodeIndex method)
+{
+    for (const model::NodeIndex node : {method, child_of(space, method, "InputArguments"),
+                                        child_of(space, method, "OutputArguments")}) {
+        const model::NodeAccess* const before =
+            node != model::no_node ? space.node_access(node) : nullptr;
+        if (before != nullptr) {
+            model::NodeAccess access{*before};
+            access.restrictions = static_cast<std::uint16_t>(
+                before->restrictions.value_or(0) |
+                static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired));
+            space.set_node_access(node, std::move(access));
+        }
+    }
 }
 
 } // namespace busbar::administration::detail

@@ -63,4 +63,7 @@ struct Holder {
                                                 const std::vector<NodeId>& writers,
                                                 PermissionType permissions, bool changes);
 
+/// Has the Method and its arguments ask for an encrypted channel, beside what they ask for already.
+void require_encryption(model::AddressSpace& space, model::NodeIndex method);
+
 } // namespace busbar::administration::detail

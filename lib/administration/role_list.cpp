@@ -240,7 +240,7 @@ Checked<void> RoleList::remove(std::string_view name)
     const auto found = std::find_if(roles.begin(), roles.end(),
                                     [&](const RoleRules& role) { return role.name == name; });
     if (found == roles.end()) {
-        return refuse_role(status::Bad_NotFound, name, "is not there");
+        return refuse_role(status::Bad_NodeIdUnknown, name, "is not there");
     }
     if (is_well_known(name)) {
         return refuse_role(status::Bad_RequestNotAllowed, name, "is a well-known one, which stays");

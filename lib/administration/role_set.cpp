@@ -13,6 +13,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
+#include "permissions.hpp"
 
 namespace busbar::administration::detail {
 
@@ -73,6 +74,11 @@ Configured<void> RoleSet::attach()
                              added ? StatusCode{status::Bad_ConfigurationError} : added.error());
     }
     own_namespace_ = *own;
+    // Part 18, 4.2.2 and 4.2.3, of which the published nodes know nothing.
+    for (const std::uint32_t method : {id::Server_ServerCapabilities_RoleSet_AddRole,
+                                       id::Server_ServerCapabilities_RoleSet_RemoveRole}) {
+        require_encryption(space_, space_.find(method));
+    }
     table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_AddRole),
                        [this](MethodCall call) { add_role(std::move(call)); });
     table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_RemoveRole),
@@ -162,8 +168,7 @@ void RoleSet::bind_change(NodeIndex node, std::string_view method, Change change
                        [this, change = std::move(change)](MethodCall call) {
                            const Checked<void> done = change(call);
                            if (!done) {
-                               tell_refused(call, done.error());
-                               return call.fail(done.error().status);
+                               return refuse_call(call, done.error());
                            }
                            changed(call);
                            call.succeed();
@@ -177,9 +182,10 @@ void RoleSet::changed(const MethodCall& call)
     table_.raise(changed_);
 }
 
-void RoleSet::tell_refused(const MethodCall& call, const Refusal& refusal)
+void RoleSet::refuse_call(MethodCall& call, const Refusal& refusal)
 {
     tell_method(log_, RecordKind::RolesChanged, call, refusal.status, &refusal);
+    call.fail(refusal.status);
 }
 
 NodeId RoleSet::node_id(const RoleRules& role) const
@@ -221,11 +227,14 @@ void RoleSet::add_role(MethodCall call)
     const std::string name = text_input(call, 0);
     const std::string uri = text_input(call, 1);
     if (!uri.empty() && !space_.namespace_index(uri)) {
-        return call.fail(status::Bad_InvalidArgument);
+        return refuse_call(call, {status::Bad_InvalidArgument,
+                                  "role set",
+                                  "the server has no namespace " + printable(uri),
+                                  "Part 18, 4.2.2",
+                                  {}});
     }
     if (const auto added = roles_.add(name, uri); !added) {
-        tell_refused(call, added.error());
-        return call.fail(added.error().status);
+        return refuse_call(call, added.error());
     }
     const RoleRules& role = *roles_.find(name);
     busbar::detail::Undo undo{[&] {
@@ -266,13 +275,16 @@ void RoleSet::remove_role(MethodCall call)
         name = is_it ? role.name : name;
     }
     if (node == model::no_node || name.empty()) {
-        return call.fail(status::Bad_NotFound);
+        return refuse_call(call, {status::Bad_NodeIdUnknown,
+                                  "role set",
+                                  printable(to_string(id)) + " is no role of this server",
+                                  "Part 18, 4.2.3",
+                                  {}});
     }
     gone_.push_back(id);
     busbar::detail::Undo undo{[this] { gone_.pop_back(); }};
     if (const auto removed = roles_.remove(name); !removed) {
-        tell_refused(call, removed.error());
-        return call.fail(removed.error().status);
+        return refuse_call(call, removed.error());
     }
     undo.keep();
     table_.raise(remove_nodes_); // not while a Method of it may be running

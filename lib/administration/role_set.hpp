@@ -38,7 +38,7 @@ private:
     [[nodiscard]] NodeId node_id(const RoleRules& role) const;
     /// What was done, for those who write logs; sessions get their roles anew.
     void changed(const server::MethodCall& call);
-    void tell_refused(const server::MethodCall& call, const Refusal& refusal);
+    void refuse_call(server::MethodCall& call, const Refusal& refusal);
 
     server::Server& server_;
     model::AddressSpace& space_;

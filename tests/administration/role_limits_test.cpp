@@ -104,7 +104,7 @@ TEST_CASE_METHOD(Limited, "roles: names beyond the limits, or that are no text, 
     CHECK(status_of(list.add("Fitter", "urn:\xFF")) == "Bad_InvalidArgument");
     REQUIRE(list.add(longest, longest));
     CHECK(status_of(list.add("Fitter", "")) == "Bad_ResourceUnavailable");
-    CHECK(status_of(list.remove("Fitter")) == "Bad_NotFound");
+    CHECK(status_of(list.remove("Fitter")) == "Bad_NodeIdUnknown");
 }
 
 TEST_CASE_METHOD(Limited, "roles: applications beyond the limits, or that are none, are refused")

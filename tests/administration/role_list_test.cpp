@@ -219,7 +219,7 @@ TEST_CASE_METHOD(Fixture, "roles: own ones come and go (Part 18, 4.2)")
     CHECK(list.roles_of({.user = pat()}).access_level_mask == 0xFF);
     CHECK(stored("Fitter") == Names{"pat"});
     CHECK(status_of(list.remove("Operator")) == "Bad_RequestNotAllowed");
-    CHECK(status_of(list.remove("Nobody")) == "Bad_NotFound");
+    CHECK(status_of(list.remove("Nobody")) == "Bad_NodeIdUnknown");
     REQUIRE(list.remove("Fitter"));
     CHECK(roles(pat()).empty());
     for (int i = 0; list.roles().size() < 64; ++i) {

@@ -163,6 +163,16 @@ TEST_CASE_METHOD(Fixture, "role set: for SecurityAdmin over an encrypted channel
           "Bad_SecurityModeInsufficient");
     CHECK(read(weak, NodeId{0, identities}).status == status::Bad_SecurityModeInsufficient);
     CHECK(roles.find("Operator")->identities.empty());
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    CHECK(name(call(weak, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
+                    {Variant{String{"Fitter"}}, Variant{String{}}})
+                   .status_code) == "Bad_SecurityModeInsufficient");
+    CHECK(name(call(weak, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_RemoveRole},
+                    {Variant{NodeId{0, id::WellKnownRole_Operator}}})
+                   .status_code) == "Bad_SecurityModeInsufficient");
+    CHECK(read(weak, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole_InputArguments})
+              .status == status::Bad_SecurityModeInsufficient);
+    CHECK(roles.find("Fitter") == nullptr);
     auto admin = log_in("admin");
     CHECK(read(admin, NodeId{0, identities}).status == status::Good);
     CHECK(call_operator(admin, add_identity, Variant{7}) == "Bad_InvalidArgument");
@@ -218,10 +228,15 @@ TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
           status::Bad_AlreadyExists);
     CHECK(call(admin, set, add, {Variant{String{"Welder"}}, Variant{String{"urn:unknown"}}})
               .status_code == status::Bad_InvalidArgument);
+    CHECK(log.text.find("urn:unknown") != std::string::npos);
     CHECK(call(admin, set, remove, {Variant{NodeId{0, id::WellKnownRole_Operator}}}).status_code ==
           status::Bad_RequestNotAllowed);
-    CHECK(call(admin, set, remove, {Variant{NodeId{1, "RoleSet//Nobody"}}}).status_code ==
-          status::Bad_NotFound);
+    log.text.clear();
+    for (const NodeId& none :
+         {NodeId{1, "RoleSet//Nobody"}, NodeId{0, id::Server}, NodeId{}}) { // Part 18, 4.2.3
+        CHECK(name(call(admin, set, remove, {Variant{none}}).status_code) == "Bad_NodeIdUnknown");
+    }
+    CHECK(log.text.find("is no role of this server") != std::string::npos);
     CHECK(call(admin, set, remove, {Variant{role}}).status_code == status::Good);
     CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
     CHECK(roles.find("Fitter") == nullptr);
@@ -367,7 +382,7 @@ TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes 
     const NodeId remove{0, id::Server_ServerCapabilities_RoleSet_RemoveRole};
     // A role that only the program added has no node yet, and no client names it.
     CHECK(call(admin, set, remove, {Variant{NodeId{1, "RoleSet//Welder"}}}).status_code ==
-          status::Bad_NotFound);
+          status::Bad_NodeIdUnknown);
     CHECK(roles.find("Welder") != nullptr);
     REQUIRE(call(admin, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
                  {Variant{String{"Fitter"}}, Variant{String{}}})
@@ -384,7 +399,7 @@ TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes 
     const auto response = admin.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
-    CHECK(name(response->results[1].status_code) == "Bad_NotFound");
+    CHECK(name(response->results[1].status_code) == "Bad_NodeIdUnknown");
     CHECK(roles.find("Fitter") == nullptr);
     CHECK(server.address_space().find(NodeId{1, "RoleSet//Fitter"}) == model::no_node);
 }

@@ -72,7 +72,7 @@ public:
     /// Bad_AlreadyExists, also for the name of a well-known role in another namespace: permissions
     /// name roles by it. Bad_InvalidArgument for an empty or overlong name.
     [[nodiscard]] Checked<void> add(std::string name, std::string namespace_uri);
-    /// Bad_NotFound; Bad_RequestNotAllowed for a well-known role.
+    /// Bad_NodeIdUnknown; Bad_RequestNotAllowed for a well-known role.
     [[nodiscard]] Checked<void> remove(std::string_view name);
     /// Bad_InvalidArgument, Bad_NotSupported, Bad_AlreadyExists; Bad_RequestNotAllowed for a
     /// role whose name is its rule.
