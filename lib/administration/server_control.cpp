@@ -51,6 +51,7 @@ Configured<void> ServerControl::attach()
 
 StatusCode ServerControl::check(const Wish& wish) const
 {
+    const bool is_counting = server::RunningServer{needs_.server}.state() == ServerState::Shutdown;
     switch (wish.state) {
     case ServerState::Running:
     case ServerState::Shutdown:
@@ -60,7 +61,7 @@ StatusCode ServerControl::check(const Wish& wish) const
         break;
     case ServerState::Suspended:
     case ServerState::Failed:
-        if (wish.restarts) {
+        if (wish.restarts || is_counting) {
             return status::Bad_InvalidState;
         }
         break;
@@ -87,6 +88,12 @@ void ServerControl::request(MethodCall call)
 {
     Wish wish;
     wish.state = static_cast<ServerState>(call.input<std::int32_t>(0));
+    if (wish.state < ServerState::Running || wish.state > ServerState::Unknown) {
+        Array<StatusCode> results;
+        results.resize(call.inputs().size());
+        results[0] = status::Bad_OutOfRange;
+        return call.refuse(std::move(results));
+    }
     wish.return_time = call.input<DateTime>(1);
     wish.seconds_till_shutdown = call.input<std::uint32_t>(2);
     wish.restarts = call.input<bool>(4);
@@ -107,7 +114,7 @@ void ServerControl::request(MethodCall call)
     needs_.table.post(std::move(task));
 }
 
-void ServerControl::carry_out(const Wish& wish) const
+void ServerControl::carry_out(const Wish& wish)
 {
     const server::RunningServer running{needs_.server};
     if (!wish.ends_server()) {
@@ -115,10 +122,16 @@ void ServerControl::carry_out(const Wish& wish) const
     } else if (wish.restarts && needs_.replace) {
         needs_.replace(
             {wish.reason, std::chrono::seconds{wish.seconds_till_shutdown}, wish.return_time});
-    } else if (running.begin_shutdown(wish.reason, std::chrono::seconds{wish.seconds_till_shutdown},
-                                      wish.return_time)) {
-        wish.restarts ? needs_.restart() : needs_.stop();
+    } else if (running.begin_countdown(wish.reason,
+                                       std::chrono::seconds{wish.seconds_till_shutdown},
+                                       wish.return_time, *this)) {
+        restarts_ = wish.restarts;
     }
+}
+
+void ServerControl::countdown_ended()
+{
+    restarts_ ? needs_.restart() : needs_.stop();
 }
 
 } // namespace busbar::administration::detail

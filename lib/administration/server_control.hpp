@@ -6,6 +6,7 @@
 
 #include <busbar/administration/administration.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/server/running_server.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
@@ -17,9 +18,11 @@ namespace busbar::administration::detail {
 /// RunningServer::change_state has them, and Shutdown. The other states say how a server finds
 /// itself: who asks for one gets Bad_InvalidState.
 ///
+/// A Shutdown counts down (Part 5, 12.10), and Running takes it back until it is over.
+///
 /// A restart is a Shutdown after which the program starts again and is Running, so that it is taken
 /// with these two states only.
-class ServerControl {
+class ServerControl final : private server::CountdownHeir {
 public:
     struct Needs {
         server::Server& server;
@@ -54,9 +57,12 @@ private:
     void request(server::MethodCall call);
     /// Good, or what the Method answers.
     [[nodiscard]] StatusCode check(const Wish& wish) const;
-    void carry_out(const Wish& wish) const;
+    void carry_out(const Wish& wish);
+    void countdown_ended() override;
 
     Needs needs_;
+    /// Whether the countdown ends with a restart.
+    bool restarts_{false};
 };
 
 } // namespace busbar::administration::detail

@@ -46,15 +46,64 @@ TEST_CASE_METHOD(Control, "server control: an administrator stops the server",
     CHECK(request(admin, ServerState::Shutdown, 86'401) == "Bad_OutOfRange");
     CHECK(stops == 0);
     CHECK(request(admin, ServerState::Shutdown) == "Good");
-    CHECK(stops == 1);
     CHECK(
         read(admin, id::Server_ServerStatus_SecondsTillShutdown).value.value_or<std::uint32_t>(0) ==
         10);
     CHECK(read(admin, id::Server_ServiceLevel).value == Variant{std::uint8_t{0}});
     CHECK(read(admin, id::Server_EstimatedReturnTime).value.value_or<DateTime>({}) > today);
+    CHECK(stops == 0);
     advance(10s);
+    CHECK(stops == 1);
     CHECK(admin.is_closed());
     CHECK(log.text.find("maintenance") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Control, "server control: a shutdown that counts down is taken back")
+{
+    auto admin = log_in();
+    const auto state = [&] { return read(admin, id::Server_ServerStatus_State).value; };
+    CHECK(request(admin, ServerState::Shutdown) == "Good");
+    CHECK(state() == Variant{ServerState::Shutdown});
+    advance(9s);
+    CHECK(request(admin, ServerState::Suspended) == "Bad_InvalidState");
+    CHECK(request(admin, ServerState::Running) == "Good");
+    CHECK(state() == Variant{ServerState::Running});
+    advance(60s);
+    CHECK(stops == 0);
+    CHECK_FALSE(admin.is_closed());
+    auto another = log_in();
+    // A restart that ends the program is one, too; the latest request counts.
+    CHECK(request(another, ServerState::Running, 10, true) == "Good");
+    CHECK(request(another, ServerState::Running) == "Good");
+    CHECK(request(another, ServerState::Shutdown, 3'600) == "Good");
+    CHECK(request(another, ServerState::Shutdown, 1) == "Good");
+    advance(1s);
+    CHECK(stops == 1);
+    CHECK(restarts == 0);
+}
+
+TEST_CASE_METHOD(Control, "server control: a shutdown waits for nobody when all have left")
+{
+    {
+        auto admin = log_in();
+        CHECK(request(admin, ServerState::Shutdown, 3'600) == "Good");
+    }
+    CHECK(server.is_stopped());
+    CHECK(server.next_deadline() <= now);
+    advance(0s);
+    CHECK(stops == 1);
+}
+
+TEST_CASE_METHOD(Control, "server control: the end after a reset is not taken back")
+{
+    auto admin = log_in();
+    CHECK(name(call(admin, NodeId{0, id::ServerConfiguration},
+                    NodeId{0, id::ServerConfiguration_ResetToServerDefaults}, {})
+                   .status_code) == "Good");
+    CHECK(stops == 1);
+    CallRequest running;
+    running.methods_to_call.resize(1);
+    CHECK(name(admin.status_of<CallResponse>(running)) == "Bad_Shutdown");
 }
 
 TEST_CASE_METHOD(Control, "server control: is not for everybody")
@@ -91,10 +140,12 @@ TEST_CASE_METHOD(Control, "server control: an administrator suspends the server,
 TEST_CASE_METHOD(Control, "server control: refuses what is no state to be asked for")
 {
     auto admin = log_in();
-    for (const ServerState state :
-         {ServerState::NoConfiguration, ServerState::Test, ServerState::CommunicationFault,
-          ServerState::Unknown, static_cast<ServerState>(8), static_cast<ServerState>(-1)}) {
+    for (const ServerState state : {ServerState::NoConfiguration, ServerState::Test,
+                                    ServerState::CommunicationFault, ServerState::Unknown}) {
         CHECK(request(admin, state) == "Bad_InvalidState");
+    }
+    for (const std::int32_t number : {8, 9, -1, INT32_MAX}) { // Part 4, 5.12.2.4
+        CHECK(request(admin, static_cast<ServerState>(number)) == "Bad_InvalidArgument");
     }
     CHECK(request(admin, ServerState::Suspended, 0, true) == "Bad_InvalidState");
     CHECK(request(admin, ServerState::Failed, 0, true) == "Bad_InvalidState");
@@ -110,11 +161,12 @@ TEST_CASE_METHOD(Control, "server control: a restart is an end that the program 
     const ServerState wanted = GENERATE(ServerState::Running, ServerState::Shutdown);
     CHECK(request(admin, wanted, 86'401, true) == "Bad_OutOfRange");
     CHECK(request(admin, wanted, 5, true, "") == "Good");
-    CHECK(restarts == 1);
-    CHECK(stops == 0);
     CHECK(read(admin, id::Server_ServerStatus_State).value == Variant{ServerState::Shutdown});
     CHECK(log.text.find("an administrator restarts the server") != std::string::npos);
+    CHECK(restarts == 0);
     advance(5s);
+    CHECK(restarts == 1);
+    CHECK(stops == 0);
     CHECK(admin.is_closed());
 }
 
@@ -124,6 +176,7 @@ TEST_CASE_METHOD(WithoutRestart, "server control: no restart where the program h
     CHECK(request(admin, ServerState::Running, 0, true) == "Bad_InvalidState");
     CHECK(request(admin, ServerState::Shutdown, 0, true) == "Bad_InvalidState");
     CHECK(request(admin, ServerState::Shutdown, 0) == "Good");
+    advance(0s);
     CHECK(stops == 1);
 }
 
@@ -143,6 +196,7 @@ TEST_CASE_METHOD(Replacing, "server control: who has another server take over en
     advance(5s);
     CHECK_FALSE(admin.is_closed());
     CHECK(request(admin, ServerState::Shutdown) == "Good");
+    advance(10s);
     CHECK(stops == 1);
 }
 
@@ -189,11 +243,11 @@ TEST_CASE_METHOD(Control, "server control: one Call that stops the server twice 
     const auto response = admin.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
-    CHECK(stops == 1);
     CHECK(
         read(admin, id::Server_ServerStatus_SecondsTillShutdown).value.value_or<std::uint32_t>(0) ==
         10);
     advance(10s);
+    CHECK(stops == 1);
     CHECK(admin.is_closed());
 }
 

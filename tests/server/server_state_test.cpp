@@ -173,4 +173,37 @@ TEST_CASE_METHOD(StateFixture, "a server enters no state that is not its own to 
     CHECK(read(id::Server_ServerStatus_State).value == Variant{ServerState::Shutdown});
 }
 
+TEST_CASE_METHOD(StateFixture, "a countdown serves the server's own Methods, and can be taken back")
+{
+    struct Heir final : server::CountdownHeir {
+        void countdown_ended() override { is_told = true; }
+        bool is_told{false};
+    } heir;
+    const auto begin = [&] {
+        return server::RunningServer{server}.begin_countdown("the line is moved", 60s, {}, heir);
+    };
+    REQUIRE(begin());
+    CHECK(read(id::Server_ServerStatus_State).value == Variant{ServerState::Shutdown});
+    CHECK(call() == status::Bad_Shutdown); // which is not the service's
+    CHECK(browse() == status::Bad_Shutdown);
+    CHECK_FALSE(server.connect("192.0.2.9", now));
+    CHECK_FALSE(change(ServerState::Suspended));
+    REQUIRE(change(ServerState::Running));
+    CHECK(call() == status::Good);
+    CHECK(browse() == status::Good);
+    CHECK(read(id::Server_ServerStatus_SecondsTillShutdown).value == Variant{std::uint32_t{0}});
+    now += 61s;
+    server.handle_deadline(now);
+    CHECK_FALSE(heir.is_told);
+    // A shutdown of the program's takes its place, and is final.
+    REQUIRE(begin());
+    server.begin_shutdown(now, "a signal");
+    CHECK_FALSE(begin());
+    CHECK_FALSE(change(ServerState::Running));
+    now += 61s;
+    server.handle_deadline(now);
+    CHECK_FALSE(heir.is_told);
+    CHECK(client.is_closed());
+}
+
 } // namespace server_state_test

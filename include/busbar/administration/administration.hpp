@@ -56,8 +56,9 @@ struct AdministrationParts {
     /// Where passwords are hashed and keys are made; it is to end before the Administration. Null:
     /// the server's thread, which everybody waits for then.
     server::Worker* worker{nullptr};
-    /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has begun
-    /// its shutdown when this is called, on the server's thread. Empty: clients cannot stop it.
+    /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has shut
+    /// down, or begun to after a reset, when this is called, on the server's thread. Empty: clients
+    /// cannot stop it.
     std::function<void()> stop{};
     /// The same for a restart: the program that serves ends and starts again. Empty: clients cannot
     /// ask for one.

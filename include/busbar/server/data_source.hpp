@@ -165,7 +165,7 @@ struct DataSourceOptions {
     std::size_t max_items{1'000'000};
     /// Of monitored_size() of all MonitoredItems together; past it Bad_TooManyMonitoredItems.
     std::size_t max_monitored_size{SIZE_MAX};
-    /// The server's own: is called while that is Suspended or has Failed (RunningServer), too.
+    /// The server's own: is called while that is Suspended, has Failed or counts down, too.
     bool is_always_in_service{false};
 };
 

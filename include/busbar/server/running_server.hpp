@@ -15,6 +15,16 @@
 
 namespace busbar::server {
 
+/// Goes on where a countdown of RunningServer ends.
+class BUSBAR_API CountdownHeir {
+public:
+    /// The server has closed all connections. In a call of the server's.
+    virtual void countdown_ended() = 0;
+
+protected:
+    ~CountdownHeir() = default;
+};
+
 /// Change of a server while it runs. Refers to the server, on its thread.
 ///
 /// Not to be used from a callback of the server's; Methods that want to, do it in
@@ -43,7 +53,8 @@ public:
     /// arrive, channels of clients whose certificate is refused now are closed (Part 12, 7.8.2.5).
     void trust_changed() const;
     /// Running, Suspended or Failed (Part 5, 12.6), for as long as nobody changes it back; false
-    /// for another state, or if the server is shutting down. Clients are told by ServerStatus and a
+    /// for another state, or if the server is shutting down: Running alone takes a countdown back.
+    /// Clients are told by ServerStatus and a
     /// SystemStatusChangeEvent with `reason`. EstimatedReturnTime says `return_time`, which may be
     /// null and is for Running (Part 5, 9.4).
     ///
@@ -62,6 +73,13 @@ public:
     /// already.
     bool begin_shutdown(std::string_view reason, std::chrono::seconds delay,
                         DateTime return_time) const;
+    /// The same for a shutdown that change_state can take back until it is over, for which Call
+    /// works too, with the Methods of sources that are always in service. `heir` is told when the
+    /// delay is over, or nobody is connected any more, but not if another shutdown takes the place
+    /// of this one. It must outlive that.
+    bool begin_countdown(std::string_view reason, std::chrono::seconds delay, DateTime return_time,
+                         CountdownHeir& heir) const;
+    [[nodiscard]] ServerState state() const;
     /// The latest time that the server was told.
     [[nodiscard]] TimePoint latest_time() const;
     /// Whether the user of the session may be asked for a password again: the guard of logins has

@@ -27,6 +27,10 @@
 #include "server/view/view_context.hpp"
 #include "service_table.hpp"
 
+namespace busbar::server {
+class CountdownHeir;
+}
+
 namespace busbar::server::detail {
 
 class PeerLink;
@@ -122,6 +126,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// When the server was called last.
     TimePoint latest{};
     TimePoint shutdown_deadline{no_deadline};
+    /// Of a shutdown that can be taken back until its end; null if there is none.
+    CountdownHeir* countdown_heir{nullptr};
     /// Something that was due has failed: it is tried again then, and not before.
     TimePoint retry{TimePoint::min()};
     /// When channels that were opened with another certificate are closed: those of links before

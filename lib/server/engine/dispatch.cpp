@@ -79,13 +79,15 @@ void decode_header(binary::Reader& reader, RequestHeader& header)
 }
 
 /// Whether a service works in the server's state; an enumeration of Part 5, 12.6.
-StatusCode check_state(ServerState state, Lasts lasts)
+StatusCode check_state(const Core& core, Lasts lasts)
 {
-    if (state == ServerState::Shutdown && lasts < Lasts::ToTheEnd) {
+    const Lasts least = core.countdown_heir != nullptr ? Lasts::InCountdown : Lasts::ToTheEnd;
+    if (core.is_shutting_down() && lasts < least) {
         return status::Bad_Shutdown;
     }
-    return state == ServerState::Failed && lasts < Lasts::WhenFailed ? status::Bad_ServerHalted
-                                                                     : status::Good;
+    return core.life.state == ServerState::Failed && lasts < Lasts::WhenFailed
+               ? status::Bad_ServerHalted
+               : status::Good;
 }
 
 void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming, TimePoint now)
@@ -95,7 +97,7 @@ void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming,
         core.counters.count_fault(nullptr, id, status::Bad_ServiceUnsupported);
         return link.fault(incoming.reply, status::Bad_ServiceUnsupported);
     }
-    if (const StatusCode ended = check_state(core.life.state, service->lasts); ended.is_bad()) {
+    if (const StatusCode ended = check_state(core, service->lasts); ended.is_bad()) {
         return link.fault(incoming.reply, ended);
     }
     const RequestFault::Serving serving{core.guards.request(), &link, incoming.reply.request_id};

@@ -136,6 +136,9 @@ PeerLink::~PeerLink()
         core_.changed.remove(this);
     }
     std::erase(core_.links, this);
+    if (core_.is_shutting_down() && core_.links.empty()) {
+        core_.shutdown_deadline = core_.latest; // nobody to wait for
+    }
 }
 
 Result<void> PeerLink::reverse_hello(std::string_view endpoint_url)

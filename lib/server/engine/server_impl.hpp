@@ -28,8 +28,11 @@ struct Server::Impl : detail::Core {
     [[nodiscard]] TimePoint first_due();
     /// Is in the state, with the sources as it wants them, and tells clients by an event.
     void enter(ServerState state, std::string_view reason, DateTime return_time);
+    /// Also in place of a countdown.
     void begin_shutdown(TimePoint now, std::string_view reason, std::chrono::milliseconds delay,
                         DateTime return_time);
+    /// Whether it shuts down and nothing can take that back.
+    [[nodiscard]] bool is_ending() const { return is_shutting_down() && countdown_heir == nullptr; }
     void finish_shutdown();
     [[nodiscard]] Configured<void> check_change(const ServerConfig& wanted) const;
     void close_old_channels();

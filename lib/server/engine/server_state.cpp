@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include <busbar/core/text.hpp>
 #include <busbar/core/text_forms.hpp>
@@ -58,7 +59,7 @@ bool RunningServer::change_state(ServerState state, std::string_view reason,
                                  DateTime return_time) const
 {
     const bool is_running = state == ServerState::Running;
-    if (impl_->is_shutting_down() ||
+    if (impl_->is_ending() || (impl_->is_shutting_down() && !is_running) ||
         (!is_running && state != ServerState::Suspended && state != ServerState::Failed)) {
         return false;
     }
@@ -69,24 +70,41 @@ bool RunningServer::change_state(ServerState state, std::string_view reason,
         is_running ? "running" : (state == ServerState::Failed ? "failed" : "suspended");
     impl_->log(is_running ? LogLevel::Info : LogLevel::Warning, "server",
                std::string{name} + ": " + printable(reason));
+    impl_->countdown_heir = nullptr;
+    impl_->shutdown_deadline = no_deadline;
     impl_->enter(state, reason, is_running ? DateTime{} : return_time);
     impl_->sweep();
     return true;
 }
 
+ServerState RunningServer::state() const
+{
+    return impl_->life.state;
+}
+
 bool RunningServer::begin_shutdown(std::string_view reason, std::chrono::seconds delay,
                                    DateTime return_time) const
 {
-    if (impl_->is_shutting_down()) {
+    if (impl_->is_ending()) {
         return false;
     }
     impl_->begin_shutdown(impl_->latest, reason, delay, return_time);
     return true;
 }
 
+bool RunningServer::begin_countdown(std::string_view reason, std::chrono::seconds delay,
+                                    DateTime return_time, CountdownHeir& heir) const
+{
+    const bool begins = begin_shutdown(reason, delay, return_time);
+    if (begins) {
+        impl_->countdown_heir = &heir;
+    }
+    return begins;
+}
+
 void Server::begin_shutdown(TimePoint now, std::string_view reason)
 {
-    if (!impl_->is_shutting_down()) {
+    if (!impl_->is_ending()) {
         impl_->begin_shutdown(now, reason, impl_->config.shutdown_delay, DateTime{});
     }
 }
@@ -95,6 +113,7 @@ void Server::Impl::begin_shutdown(TimePoint now, std::string_view reason,
                                   std::chrono::milliseconds delay, DateTime return_time)
 {
     log(LogLevel::Info, "server", "shutdown: " + printable(reason));
+    countdown_heir = nullptr;
     life.shutdown_reason = reason;
     life.shutdown_time = {environment.wall_clock->now().ticks +
                           delay.count() * (DateTime::ticks_per_second / 1000)};
@@ -114,6 +133,9 @@ void Server::Impl::finish_shutdown()
     }
     for (detail::PeerLink* link : links) {
         link->close(status::Bad_Shutdown, "the server stops");
+    }
+    if (CountdownHeir* const heir = std::exchange(countdown_heir, nullptr); heir != nullptr) {
+        heir->countdown_ended();
     }
 }
 

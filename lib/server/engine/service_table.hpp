@@ -36,6 +36,7 @@ enum class Need : std::uint8_t {
 enum class Lasts : std::uint8_t {
     WhileRunning, // and while it is suspended: its sources are
     WhenFailed,   // for whoever looks what is wrong and asks for another state
+    InCountdown,  // while it shuts down too, as long as that can be taken back
     ToTheEnd,     // while it shuts down too
 };
 

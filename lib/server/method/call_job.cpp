@@ -139,8 +139,12 @@ std::optional<CallResult> CallJob::carry_out(const ServiceContext& context, std:
         return needs_.built_in.call(space.node_id(method), context, call.input_arguments.span(),
                                     item_count_);
     }
-    if (needs_.sources.find(attributes.source) == nullptr) {
+    const std::shared_ptr<SourceEntry>* const source = needs_.sources.find(attributes.source);
+    if (source == nullptr) {
         return CallResult{status::Bad_NoCommunication};
+    }
+    if (needs_.state == ServerState::Shutdown && !(*source)->options().is_always_in_service) {
+        return CallResult{status::Bad_Shutdown};
     }
     call_.ask(index, attributes.source,
               {attributes.handle, &call.object_id, &call.method_id, call.input_arguments.span()});

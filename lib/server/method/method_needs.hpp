@@ -8,6 +8,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/limits.hpp>
 #include <busbar/server/method.hpp>
+#include <busbar/types/enumerations.hpp>
 
 #include "server/data/data_sources.hpp"
 #include "server/session/service.hpp"
@@ -41,6 +42,7 @@ struct MethodNeeds {
     const AccessControl* access;
     LogSink& log;
     BuiltInMethods& built_in;
+    const ServerState& state;
 };
 
 } // namespace busbar::server::detail

@@ -17,7 +17,7 @@ struct MethodServices final : ModulePart {
     explicit MethodServices(Core& core)
         : built_in{core.subscriptions},
           needs{core.address_space,      core.sources,      core.types, core.config.limits,
-                core.environment.access, core.rationed_log, built_in}
+                core.environment.access, core.rationed_log, built_in,   core.life.state}
     {
     }
 
@@ -32,7 +32,7 @@ const MethodNeeds& method_needs(Core& core)
 
 constexpr std::array method_rows{
     operation<CallRequest, make_operation<CallOperation, const MethodNeeds>, method_needs>(
-        Need::Activated, Lasts::WhenFailed),
+        Need::Activated, Lasts::InCountdown),
 };
 
 void add_methods(Core& core)
