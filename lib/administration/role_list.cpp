@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 
@@ -134,9 +135,10 @@ std::vector<RoleRules> well_known_roles()
 
 } // namespace detail
 
-RoleList::RoleList(Storage& storage, std::string file, const RoleLimits& limits)
-    : storage_{&storage}, file_{std::move(file)}, limits_{limits}, roles_{
-                                                                       detail::well_known_roles()}
+RoleList::RoleList(Storage& storage, std::string file, const RoleLimits& limits,
+                   const ConfiguredUsers* configured)
+    : storage_{&storage}, file_{std::move(file)}, limits_{limits},
+      roles_{detail::well_known_roles()}, configured_{configured}
 {
 }
 
@@ -156,6 +158,26 @@ const RoleRules* RoleList::find(std::string_view name) const
     const auto found = std::find_if(roles_.begin(), roles_.end(),
                                     [&](const RoleRules& role) { return role.name == name; });
     return found == roles_.end() ? nullptr : &*found;
+}
+
+std::vector<IdentityMappingRuleType> RoleList::identities_of(std::string_view name) const
+{
+    std::vector<IdentityMappingRuleType> all;
+    const RoleRules* const role = find(name);
+    if (role != nullptr && configured_ != nullptr) {
+        all = configured_->identities_of(name);
+    }
+    if (role != nullptr) {
+        all.insert(all.end(), role->identities.begin(), role->identities.end());
+    }
+    return all;
+}
+
+bool RoleList::is_configured(std::string_view role, const IdentityMappingRuleType& rule) const
+{
+    const auto given = configured_ != nullptr ? configured_->identities_of(role)
+                                              : std::vector<IdentityMappingRuleType>{};
+    return std::find(given.begin(), given.end(), own_copy(rule)) != given.end();
 }
 
 bool RoleList::is_well_known(std::string_view name)
@@ -196,7 +218,7 @@ Checked<void> RoleList::change(std::string_view name, Change change)
         return changed;
     }
     if (is_of_administrators(*found) && had_rules && found->identities.empty() &&
-        !has_other_administrators_) {
+        (configured_ == nullptr || !configured_->has_administrator())) {
         return refuse_role(status::Bad_RequestNotAllowed, name,
                            "would have no rule, and nobody could administer the server by it");
     }
@@ -260,6 +282,10 @@ Checked<void> RoleList::add_identity(std::string_view role, const IdentityMappin
         if (const StatusCode bad = detail::check_rule(rule, limits_.max_text); bad.is_bad()) {
             return refuse_role(bad, role, "was to get a rule that cannot be used");
         }
+        if (is_configured(role, rule)) {
+            return refuse_role(status::Bad_AlreadyExists, role,
+                               "has that rule by the configuration");
+        }
         return check_fixed(changed).and_then(
             [&] { return add_to(changed.identities, own_copy(rule), changed, limits_.max_rules); });
     });
@@ -267,9 +293,15 @@ Checked<void> RoleList::add_identity(std::string_view role, const IdentityMappin
 
 Checked<void> RoleList::remove_identity(std::string_view role, const IdentityMappingRuleType& rule)
 {
-    return change(role, [&](RoleRules& changed) {
-        return check_fixed(changed).and_then(
+    return change(role, [&](RoleRules& changed) -> Checked<void> {
+        auto removed = check_fixed(changed).and_then(
             [&] { return remove_from(changed.identities, own_copy(rule), changed); });
+        if (!removed && removed.error().status == status::Bad_NotFound &&
+            is_configured(role, rule)) {
+            return refuse_role(status::Bad_RequestNotAllowed, role,
+                               "has that rule by the configuration, which is changed where it is");
+        }
+        return removed;
     });
 }
 

@@ -123,8 +123,8 @@ void RoleSet::bind_values(const std::string& name, NodeIndex node)
             return status::Good;
         };
     };
-    bind_one("Identities", [](const RoleRules& role) {
-        return structures<IdentityMappingRuleType>(role.identities);
+    table_.bind_value(space_, child_of(space_, node, "Identities"), [this, name] {
+        return structures<IdentityMappingRuleType>(roles_.identities_of(name));
     });
     bind_one("Applications", [](const RoleRules& role) { return texts(role.applications); });
     bind_one("Endpoints",

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -67,6 +68,21 @@ User* find_in(std::vector<User>& users, std::string_view name)
 {
     const auto found = place_of(users, name);
     return found != users.end() && found->name == name ? &*found : nullptr;
+}
+
+Unexpected<Refusal> refuse_configured(std::string_view name)
+{
+    return refuse_user(status::Bad_NotSupported, name, "is not of those that are managed online",
+                       "Change the configuration that brings the user");
+}
+
+/// A configured user as one of the list.
+User user_of(const ConfiguredUser& user)
+{
+    return {.name = user.name,
+            .configuration = user_bit::no_delete | user_bit::no_change_by_user,
+            .description = user.description,
+            .roles = user.roles};
 }
 
 void apply(const UserChange& change, std::optional<std::string> password_hash, User& user)
@@ -156,9 +172,10 @@ Expected<User, Wrong> user_of(const Json& json)
 } // namespace
 
 UserList::UserList(Storage& storage, std::string file, server::PasswordRules rules,
-                   server::PasswordUsers& users, IsAdministrator is_administrator)
+                   server::PasswordUsers& users, IsAdministrator is_administrator,
+                   const ConfiguredUsers* configured)
     : storage_{&storage}, file_{std::move(file)}, rules_{std::move(rules)}, passwords_{&users},
-      is_administrator_{std::move(is_administrator)}
+      is_administrator_{std::move(is_administrator)}, configured_{configured}
 {
 }
 
@@ -205,6 +222,27 @@ std::vector<User> UserList::users() const
     return users_;
 }
 
+std::vector<User> UserList::all_users() const
+{
+    std::vector<User> all = users();
+    for (const ConfiguredUser& each : configured()) {
+        std::erase_if(all, [&](const User& user) { return user.name == each.name; });
+        const auto place = place_of(all, each.name);
+        all.insert(place, user_of(each));
+    }
+    return all;
+}
+
+std::vector<ConfiguredUser> UserList::configured() const
+{
+    return configured_ != nullptr ? configured_->users() : std::vector<ConfiguredUser>{};
+}
+
+bool UserList::is_configured(std::string_view name) const
+{
+    return configured_ != nullptr && configured_->has(name);
+}
+
 std::optional<User> UserList::find(std::string_view name) const
 {
     const std::lock_guard lock{mutex_};
@@ -219,14 +257,23 @@ bool UserList::has_administrator() const
     return has_administrator_in(users_);
 }
 
+bool UserList::is_administrator(const User& user) const
+{
+    return is_administrator_ ? is_administrator_(user)
+                             : std::find(user.roles.begin(), user.roles.end(), "SecurityAdmin") !=
+                                   user.roles.end();
+}
+
 bool UserList::has_administrator_in(const std::vector<User>& users) const
 {
-    return std::any_of(users.begin(), users.end(), [&](const User& user) {
-        const bool is_one = is_administrator_ ? is_administrator_(user)
-                                              : std::find(user.roles.begin(), user.roles.end(),
-                                                          "SecurityAdmin") != user.roles.end();
-        return is_one && !has(user, user_bit::disabled);
-    });
+    const std::vector<ConfiguredUser> others = configured();
+    return std::any_of(users.begin(), users.end(),
+                       [&](const User& user) {
+                           return !has(user, user_bit::disabled) && is_administrator(user);
+                       }) ||
+           std::any_of(others.begin(), others.end(), [&](const ConfiguredUser& user) {
+               return !user.is_temporary && is_administrator(user_of(user));
+           });
 }
 
 Checked<std::string> UserList::hash(std::string_view name, std::string_view password,
@@ -250,11 +297,14 @@ server::PasswordUsers::Change UserList::publication(const std::vector<User>& use
     for (const User& user : users_) {
         const bool stays = std::any_of(users.begin(), users.end(),
                                        [&](const User& each) { return each.name == user.name; });
-        if (!stays) {
+        if (!stays && !is_configured(user.name)) {
             change.remove(user.name);
         }
     }
     for (const User& user : users) {
+        if (is_configured(user.name)) {
+            continue;
+        }
         if (has(user, user_bit::disabled)) {
             change.remove(user.name);
             continue;
@@ -303,7 +353,8 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     }
     user.password_hash = *std::move(hashed);
     const std::lock_guard lock{mutex_};
-    if (find_in(users_, user.name) != nullptr || !passwords_->password_hash(user.name).empty()) {
+    if (find_in(users_, user.name) != nullptr || is_configured(user.name) ||
+        !passwords_->password_hash(user.name).empty()) {
         return refuse_user(status::Bad_AlreadyExists, user.name, "is there already");
     }
     if (users_.size() >= rules_.max_users) {
@@ -320,6 +371,9 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
 Checked<void> UserList::modify(std::string_view name, const UserChange& change,
                                crypto::Random& random)
 {
+    if (is_configured(name)) {
+        return refuse_configured(name);
+    }
     std::optional<std::string> hashed;
     if (change.configuration) {
         if (auto checked = check_configuration(name, *change.configuration); !checked) {
@@ -354,6 +408,9 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
 
 Checked<void> UserList::remove(std::string_view name)
 {
+    if (is_configured(name)) {
+        return refuse_configured(name);
+    }
     const std::lock_guard lock{mutex_};
     std::vector<User> users = users_;
     const User* const user = find_in(users, name);
@@ -375,13 +432,18 @@ Checked<void> UserList::remove(std::string_view name)
 Checked<void> UserList::change_password(std::string_view name, std::string_view old_password,
                                         std::string_view new_password, crypto::Random& random)
 {
-    const std::optional<User> known = find(name);
+    const bool is_of_program = is_configured(name);
+    const std::optional<User> known =
+        is_of_program ? User{.password_hash = passwords_->password_hash(name)} : find(name);
     const auto is_right = [&](const User& user) {
         return crypto::verify_password(old_password, user.password_hash);
     };
     if (!known || has(*known, user_bit::disabled) || !is_right(*known)) {
         return refuse_user(status::Bad_IdentityTokenInvalid, name,
                            "is not there or has another password");
+    }
+    if (is_of_program) {
+        return refuse_configured(name);
     }
     if (has(*known, user_bit::no_change_by_user)) {
         return refuse_user(status::Bad_NotSupported, name, "cannot change the password",

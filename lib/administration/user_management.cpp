@@ -59,7 +59,7 @@ LocalizedText restrictions_of(const server::PasswordRules& rules)
 Variant users_of(const UserList& list)
 {
     std::vector<UserManagementDataType> all;
-    for (const User& user : list.users()) {
+    for (const User& user : list.all_users()) {
         UserManagementDataType& facts = all.emplace_back();
         facts.user_name = user.name;
         facts.user_configuration = UserConfigurationMask{user.configuration};

@@ -266,9 +266,11 @@ struct ManagedFixture {
     crypto::CertificateStore user_certificates{user_files, {}, log};
     crypto::StoreValidator validator{applications, log};
     server::PasswordUsers passwords;
-    administration::RoleList roles{storage, "roles.json"};
+    administration::ConfiguredUsers configured;
+    administration::RoleList roles{storage, "roles.json", {}, &configured};
     /// Hashes that cost nothing.
-    administration::UserList user_list{storage, "users.json", {.cost = {.log_n = 1}}, passwords};
+    administration::UserList user_list{
+        storage, "users.json", {.cost = {.log_n = 1}}, passwords, {}, &configured};
     administration::ManagedCertificates certificates{.files = &storage,
                                                      .applications = &applications,
                                                      .users = &user_certificates,

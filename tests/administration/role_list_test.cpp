@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/memory_storage.hpp>
@@ -74,7 +75,8 @@ struct Fixture {
     }
 
     storage::MemoryStorage storage;
-    RoleList list{storage, "roles.json"};
+    administration::ConfiguredUsers configured;
+    RoleList list{storage, "roles.json", {}, &configured};
 };
 
 } // namespace
@@ -287,10 +289,42 @@ TEST_CASE_METHOD(Fixture, "roles: nobody takes the last rule of SecurityAdmin aw
 
 TEST_CASE_METHOD(Fixture, "roles: the last rule of SecurityAdmin may go where others administer")
 {
-    list.set_other_administrators(true);
+    configured.replace({{.name = "chief", .roles = {"SecurityAdmin"}}});
     REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
     CHECK(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
     CHECK(list.find("SecurityAdmin")->identities.empty());
+}
+
+TEST_CASE_METHOD(Fixture, "roles: whom the configuration gives a role to is listed and stays")
+{
+    configured.replace({{.name = "op", .roles = {"Operator", "Observer"}},
+                        {.name = "setup", .roles = {"SecurityAdmin"}, .is_temporary = true}},
+                       {"Operator"});
+    REQUIRE(list.add_identity("Operator", rule(Criteria::UserName, "pat")));
+    const auto of = [&](std::string_view role) { return list.identities_of(role); };
+    CHECK(of("Operator") == std::vector{rule(Criteria::UserName, "op"),
+                                        rule(Criteria::Role, "Operator"),
+                                        rule(Criteria::UserName, "pat")});
+    CHECK(of("Observer") == std::vector{rule(Criteria::UserName, "op")});
+    CHECK(of("Nobody").empty());
+    CHECK(list.find("Operator")->identities.size() == 1); // of which the file is made
+    CHECK(status_of(list.add_identity("Operator", rule(Criteria::UserName, "op"))) ==
+          "Bad_AlreadyExists");
+    CHECK(status_of(list.remove_identity("Operator", rule(Criteria::UserName, "op"))) ==
+          "Bad_RequestNotAllowed");
+    CHECK(status_of(list.remove_identity("Operator", rule(Criteria::Role, "Operator"))) ==
+          "Bad_RequestNotAllowed");
+    CHECK(status_of(list.remove_identity("Engineer", rule(Criteria::UserName, "op"))) ==
+          "Bad_NotFound");
+    // A rule from before the configuration had it goes, and what is configured stays.
+    configured.replace({{.name = "pat", .roles = {"Operator"}}});
+    REQUIRE(list.remove_identity("Operator", rule(Criteria::UserName, "pat")));
+    CHECK(of("Operator") == std::vector{rule(Criteria::UserName, "pat")});
+    // Who is there for the setup does not administer for good.
+    configured.replace({{.name = "setup", .roles = {"SecurityAdmin"}, .is_temporary = true}});
+    REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "root")));
+    CHECK(status_of(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "root"))) ==
+          "Bad_RequestNotAllowed");
 }
 
 TEST_CASE_METHOD(Fixture, "roles: nobody keeps all administrators out by empty lists")

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/storage_gate.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -49,7 +50,8 @@ struct Fixture {
     storage::MemoryStorage storage;
     crypto::SystemRandom random;
     server::PasswordUsers passwords;
-    UserList list{storage, "users.json", {}, passwords};
+    administration::ConfiguredUsers configured;
+    UserList list{storage, "users.json", {}, passwords, {}, &configured};
 };
 
 template <typename T>
@@ -219,6 +221,51 @@ TEST_CASE_METHOD(Fixture, "users: are removed, but for those who must not be (Pa
     REQUIRE(list.remove("pat"));
     CHECK_FALSE(log_in("pat"));
     CHECK(stored().size() == 1);
+}
+
+TEST_CASE_METHOD(Fixture, "users: those of the configuration are listed and stay as they are")
+{
+    REQUIRE(add("zoe"));
+    REQUIRE(add("pat", {"Operator"}));
+    const auto hash = crypto::hash_password("a word of the file", random);
+    REQUIRE(passwords.set("pat", *hash));
+    configured.replace({{.name = "pat", .roles = {"Observer"}}});
+    REQUIRE(list.load()); // as after a restart, or when the file was read again
+    CHECK_FALSE(log_in("pat"));
+    CHECK(log_in("pat", "a word of the file"));
+    const std::vector<User> all = list.all_users();
+    REQUIRE(all.size() == 2);
+    CHECK(all[0].name == "pat");
+    CHECK(all[0].configuration == (user_bit::no_delete | user_bit::no_change_by_user));
+    CHECK(all[0].description == administration::of_configuration);
+    CHECK(all[0].roles == std::vector<std::string>{"Observer"});
+    CHECK(all[0].password_hash.empty());
+    CHECK(all[1].name == "zoe");
+
+    CHECK(status_of(add("pat")) == "Bad_AlreadyExists");
+    CHECK(status_of(list.modify("pat", {}, random)) == "Bad_NotSupported");
+    CHECK(status_of(list.remove("pat")) == "Bad_NotSupported");
+    const auto change = [&](std::string_view from) {
+        return status_of(list.change_password("pat", from, "another horse 2", random));
+    };
+    CHECK(change("wrong") == "Bad_IdentityTokenInvalid");
+    CHECK(change("a word of the file") == "Bad_NotSupported");
+    CHECK(log_in("pat", "a word of the file"));
+    // Without the account of the file the one that was added is back.
+    passwords.remove("pat");
+    configured.replace({});
+    REQUIRE(list.load());
+    CHECK(log_in("pat"));
+}
+
+TEST_CASE_METHOD(Fixture, "users: the last administrator may go if the configuration has one")
+{
+    REQUIRE(add("root", {"SecurityAdmin"}));
+    configured.replace({{.name = "setup", .roles = {"SecurityAdmin"}, .is_temporary = true}});
+    CHECK(status_of(list.remove("root")) == "Bad_RequestNotAllowed");
+    configured.replace({{.name = "chief", .roles = {"SecurityAdmin"}}});
+    CHECK(status_of(list.remove("root")) == "Good");
+    CHECK(list.has_administrator());
 }
 
 TEST_CASE_METHOD(Fixture, "users: the last administrator stays")

@@ -82,6 +82,45 @@ TEST_CASE_METHOD(Users, "user management: users come, change and go",
     CHECK(again.activate(again.user("pat", patience)).is_bad());
 }
 
+TEST_CASE_METHOD(Users, "user management: accounts of the configuration are shown and not changed",
+                 "[unit:Security User Management Server]")
+{
+    const char* const secret = "a word of the file";
+    REQUIRE(passwords.set("op", *crypto::hash_password(secret, random),
+                          {0xFF, {"Operator", "SecurityAdmin"}}));
+    configured.replace({{.name = "op", .roles = {"Operator", "SecurityAdmin"}}});
+    auto admin = log_in();
+    const DataValue users = read(admin, id::UserManagement_Users);
+    REQUIRE(users.value.array_size() == 2);
+    const auto second = (*users.value.array_if<ExtensionObject>())[1];
+    const auto* const facts = second.get_if<UserManagementDataType>();
+    REQUIRE(facts != nullptr);
+    CHECK(facts->user_name.view() == "op");
+    CHECK(facts->description.view() == "of the configuration file");
+    CHECK(static_cast<std::uint32_t>(facts->user_configuration) == 5); // NoDelete, NoChangeByUser
+
+    CHECK(add(admin, "op", patience) == "Bad_AlreadyExists");
+    CHECK(set_bits(admin, "op", administration::user_bit::disabled) == "Bad_NotSupported");
+    CHECK(remove(admin, "op") == "Bad_NotSupported");
+    auto op = log_in("op", secret);
+    CHECK(change_password(op, "guessed", patience) == "Bad_IdentityTokenInvalid");
+    CHECK(change_password(op, secret, patience) == "Bad_NotSupported");
+    CHECK(log.text.find("Change the configuration that brings the user") != std::string::npos);
+
+    constexpr std::uint32_t operators = 16225;       // Identities of Operator
+    constexpr std::uint32_t remove_identity = 15686; // of Operator
+    const DataValue identities = read(admin, operators);
+    REQUIRE(identities.value.array_size() == 1);
+    const auto first = (*identities.value.array_if<ExtensionObject>())[0];
+    const auto* const rule = first.get_if<IdentityMappingRuleType>();
+    REQUIRE(rule != nullptr);
+    CHECK(*rule == IdentityMappingRuleType{IdentityCriteriaType::UserName, "op"});
+    CHECK(name(call(admin, NodeId{0, id::WellKnownRole_Operator}, NodeId{0, remove_identity},
+                    {Variant{first}})
+                   .status_code) == "Bad_RequestNotAllowed");
+    CHECK(roles.find("Operator")->identities.empty());
+}
+
 TEST_CASE_METHOD(Users, "user management: who waits for an administrator is told of changes")
 {
     const NodeId in_setup{1, "ServerConfiguration/InApplicationSetup"};

@@ -55,10 +55,23 @@ as_admin 1 admin user add "$url" pat --new-password-file pat
 says "Bad_AlreadyExists"
 as_admin 0 admin user list "$url"
 says "pat .*of the night shift"
+says "chief .*cannot be removed, password is fixed .*of the configuration file"
+as_admin 1 admin user remove "$url" chief --yes
+as_admin 0 admin user add "$url" sam --new-password-file pat
+as_admin 0 admin role grant "$url" sam SecurityAdmin
+run 1 --user sam --password-file pat --trust admin user remove "$url" chief --yes
+says "Bad_NotSupported"
+says "those of the configuration"
+run 1 --user sam --password-file pat --trust admin user add "$url" chief --new-password-file pat
+says "Bad_AlreadyExists"
+run 1 --user sam --password-file pat --trust admin role revoke "$url" chief SecurityAdmin
+says "Bad_RequestNotAllowed"
+as_admin 0 admin user remove "$url" sam --yes
+as_admin 0 admin role revoke "$url" sam SecurityAdmin
 run 4 --user pat --password-file pat --trust admin user list "$url"
 as_admin 0 admin role grant "$url" pat SecurityAdmin
 as_admin 0 admin role list "$url"
-says "SecurityAdmin .*user pat"
+says "SecurityAdmin .*user chief (of the file), user pat"
 run 0 --user pat --password-file pat --trust admin user list "$url"
 as_admin 0 admin role revoke "$url" pat SecurityAdmin # the last rule: chief is one by the file
 run 4 --user pat --password-file pat --trust admin user list "$url"
@@ -94,7 +107,7 @@ says "this user may not receive audit events"
 as_admin 1 admin user remove "$url" pat # nobody says yes
 as_admin 0 admin user remove "$url" pat --yes
 as_admin 0 --json admin user list "$url"
-says '^\[\]$'
+says '^\[{"name":"chief",.*"description":"of the configuration file"}\]$'
 
 # Settings, in force at once or after a restart; the file stays as the user wrote it.
 cp controller.toml before.toml

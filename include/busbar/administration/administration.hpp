@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/administration/authorities.hpp>
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/administration/file_system.hpp>
 #include <busbar/administration/file_transfer.hpp>
 #include <busbar/administration/managed_certificates.hpp>

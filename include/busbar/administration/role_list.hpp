@@ -15,6 +15,8 @@
 
 namespace busbar::administration {
 
+class ConfiguredUsers;
+
 /// A role and the rules by which sessions get it (Part 18, 4.4.1): a session that fulfils one of
 /// the identities, and whose application and endpoint are not ruled out.
 struct RoleRules {
@@ -54,7 +56,10 @@ struct RoleLimits {
 /// the server.
 class BUSBAR_API RoleList final : public server::RoleMapper {
 public:
-    RoleList(Storage& storage, std::string file, const RoleLimits& limits = {});
+    /// `configured` has whom roles are given to besides; null for none. Both must outlive this
+    /// object.
+    RoleList(Storage& storage, std::string file, const RoleLimits& limits = {},
+             const ConfiguredUsers* configured = nullptr);
 
     /// Reads the file; no file is the well-known roles without rules. The problem names the file
     /// and what is wrong in it, and nothing changes then.
@@ -65,6 +70,9 @@ public:
     /// Null if there is none of this name.
     [[nodiscard]] const RoleRules* find(std::string_view name) const;
     [[nodiscard]] static bool is_well_known(std::string_view name);
+    /// Whom the role is given to: by the configuration, and by the role's own rules. Empty for a
+    /// role that is not there.
+    [[nodiscard]] std::vector<IdentityMappingRuleType> identities_of(std::string_view role) const;
 
     // Refusals have the status that the Methods of Part 18, 4.2 and 4.4 answer;
     // Bad_ResourceUnavailable at a limit and if the Storage fails.
@@ -78,8 +86,8 @@ public:
     /// role whose name is its rule.
     [[nodiscard]] Checked<void> add_identity(std::string_view role,
                                              const IdentityMappingRuleType& rule);
-    /// Bad_NotFound; Bad_RequestNotAllowed as above, and for the last rule by which somebody is
-    /// SecurityAdmin, if there are no other administrators.
+    /// Bad_NotFound; Bad_RequestNotAllowed as above, for what the configuration gives, and for the
+    /// last rule by which somebody is SecurityAdmin, if the configuration has no administrator.
     [[nodiscard]] Checked<void> remove_identity(std::string_view role,
                                                 const IdentityMappingRuleType& rule);
     [[nodiscard]] Checked<void> add_application(std::string_view role, std::string_view uri);
@@ -100,11 +108,10 @@ public:
     /// them.
     [[nodiscard]] server::UserRights limited(const server::RoleQuestion& question,
                                              server::UserRights rights) const override;
-    /// Whether there are administrators without rules, such as those of a configuration: then the
-    /// last rule of SecurityAdmin may be removed.
-    void set_other_administrators(bool has_some) { has_other_administrators_ = has_some; }
 
 private:
+    [[nodiscard]] bool is_configured(std::string_view role,
+                                     const IdentityMappingRuleType& rule) const;
     /// Changes a copy of the role by `change`, which may refuse, and keeps it once it is in the
     /// file.
     template <typename Change>
@@ -117,7 +124,7 @@ private:
     /// Of roles_ while they change and where another thread reads them.
     mutable std::mutex mutex_;
     std::vector<RoleRules> roles_;
-    bool has_other_administrators_{false};
+    const ConfiguredUsers* configured_;
 };
 
 } // namespace busbar::administration

@@ -17,6 +17,9 @@
 
 namespace busbar::administration {
 
+class ConfiguredUsers;
+struct ConfiguredUser;
+
 /// The bits of UserConfigurationMask (Part 18, 5.2.3).
 namespace user_bit {
 inline constexpr std::uint32_t no_delete = 1;
@@ -62,8 +65,11 @@ public:
     /// `users` gets those of the list; names that it has otherwise are not this list's business and
     /// cannot be added. All but `rules` must outlive this object. `is_administrator` is of use once
     /// there are roles by rules: without it, whoever has the role SecurityAdmin is one.
+    /// `configured` are users beside the list, who take precedence over those of the same name and
+    /// cannot be changed; null for none.
     UserList(Storage& storage, std::string file, server::PasswordRules rules,
-             server::PasswordUsers& users, IsAdministrator is_administrator = {});
+             server::PasswordUsers& users, IsAdministrator is_administrator = {},
+             const ConfiguredUsers* configured = nullptr);
 
     /// Reads the file; no file is no users. The problem names the file and what is wrong in it, and
     /// the list then stays as it was.
@@ -71,15 +77,18 @@ public:
 
     /// In the order of their names.
     [[nodiscard]] std::vector<User> users() const;
+    /// The same with the configured ones, as users without a hash who have no_delete and
+    /// no_change_by_user.
+    [[nodiscard]] std::vector<User> all_users() const;
     [[nodiscard]] std::optional<User> find(std::string_view name) const;
-    /// Somebody who can log in is an administrator.
+    /// Somebody who can log in is an administrator, of the list or configured.
     [[nodiscard]] bool has_administrator() const;
     [[nodiscard]] const server::PasswordRules& rules() const { return rules_; }
 
     // Refusals have the status that the Methods of Part 18 answer, and never a password. All of
     // them: Bad_ResourceUnavailable if the Storage fails, Bad_ConfigurationError for bits that
-    // exclude each other, Bad_NotSupported for bits that are none, Bad_OutOfRange for a password
-    // that breaks the rules.
+    // exclude each other, Bad_NotSupported for bits that are none and for a configured user,
+    // Bad_OutOfRange for a password that breaks the rules.
 
     /// Part 18, 5.2.5: Bad_AlreadyExists, Bad_InvalidArgument for a name that breaks the rules,
     /// Bad_ResourceUnavailable at PasswordRules::max_users.
@@ -100,6 +109,9 @@ public:
 
 private:
     [[nodiscard]] bool has_administrator_in(const std::vector<User>& users) const;
+    [[nodiscard]] bool is_administrator(const User& user) const;
+    [[nodiscard]] std::vector<ConfiguredUser> configured() const;
+    [[nodiscard]] bool is_configured(std::string_view name) const;
     [[nodiscard]] Checked<std::string> hash(std::string_view name, std::string_view password,
                                             crypto::Random& random) const;
     /// Writes the file, and then makes `users` the ones that count.
@@ -111,6 +123,7 @@ private:
     server::PasswordRules rules_;
     server::PasswordUsers* passwords_;
     IsAdministrator is_administrator_;
+    const ConfiguredUsers* configured_;
     mutable std::mutex mutex_;
     std::vector<User> users_;
 };

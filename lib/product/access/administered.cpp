@@ -19,27 +19,49 @@ bool manages_certificates(const ControllerConfig& config)
 
 Administered::Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
                            LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, "roles.json"}, file_systems_{
-                                                                                     config.files}
+    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, "roles.json", {}, &configured_},
+      file_systems_{config.files}
 {
     expect(roles_.load());
 }
 
 bool Administered::is_administrator(const administration::User& user) const
 {
-    return !has_other_administrator_ &&
-           (is_security_admin(user.roles) || roles_.is_administrator(user.name));
+    return std::find(user.roles.begin(), user.roles.end(), "SecurityAdmin") != user.roles.end() ||
+           roles_.is_administrator(user.name);
+}
+
+void Administered::show_accounts()
+{
+    const UserConfig& config = admission_->user_config();
+    std::vector<administration::ConfiguredUser> users;
+    for (const Account& account : config.accounts) {
+        users.push_back({.name = account.name, .roles = account.roles});
+    }
+    if (setup_->is_active()) {
+        users.push_back({.name = Setup::user_name,
+                         .roles = {"SecurityAdmin", "ConfigureAdmin"},
+                         .description = "of the setup, until there is an administrator",
+                         .is_temporary = true});
+    }
+    std::vector<std::string> token_roles;
+    if (config.tokens) {
+        for (const auto& [role, access] : config.tokens->roles) {
+            token_roles.push_back(role);
+        }
+    }
+    configured_.replace(std::move(users), std::move(token_roles));
 }
 
 void Administered::add_users(Admission& admission, ControllerConfig& config)
 {
     admission_ = &admission;
-    has_other_administrator_ = admission.has_administrator();
-    roles_.set_other_administrators(has_other_administrator_);
-    users_.emplace(files_, "users.json", config.users.password_rules, admission.passwords(),
-                   [this](const administration::User& user) { return is_administrator(user); });
-    expect(users_->load());
     setup_.emplace(files_, admission.clients(), admission.passwords());
+    show_accounts();
+    users_.emplace(
+        files_, "users.json", config.users.password_rules, admission.passwords(),
+        [this](const administration::User& user) { return is_administrator(user); }, &configured_);
+    expect(users_->load());
     if (config.users.has_setup && !users_->has_administrator()) {
         if (!manages_certificates(config)) {
             throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
@@ -47,6 +69,7 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
                                                 "decide"};
         }
         new_code_ = setup_->begin(random_, config.users.password_rules.cost);
+        show_accounts();
     }
     offer_passwords(config.server.endpoints);
 }
@@ -67,6 +90,7 @@ void Administered::end_setup(server::Server& server)
         return;
     }
     setup_->end();
+    show_accounts();
     audit_.write(LogLevel::Info, "controller", "there is an administrator: the setup is over");
     const server::RunningServer running{server};
     static_cast<void>(running.end_sessions(
@@ -76,8 +100,7 @@ void Administered::end_setup(server::Server& server)
 
 void Administered::read_users()
 {
-    has_other_administrator_ = admission_->has_administrator();
-    roles_.set_other_administrators(has_other_administrator_);
+    show_accounts();
     expect(users_->load());
 }
 

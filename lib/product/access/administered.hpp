@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -74,9 +73,11 @@ public:
 
 private:
     void end_setup(server::Server& server);
+    /// Shows administrators the accounts that `admission_` and the setup have.
+    void show_accounts();
     /// What administrators changed, and all certificates.
     [[nodiscard]] Configured<void> reset();
-    /// One whom the list must not lose: none, if the file has an administrator. Any thread.
+    /// Any thread.
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 
     const WallClock& clock_;
@@ -84,10 +85,9 @@ private:
     Storage& files_;
     crypto::SystemRandom random_;
     Admission* admission_{nullptr};
-    /// The file has an administrator.
-    std::atomic<bool> has_other_administrator_{false};
     std::optional<Setup> setup_;
     std::optional<crypto::Secret> new_code_;
+    administration::ConfiguredUsers configured_;
     administration::RoleList roles_;
     ListenerRoles listener_roles_{roles_};
     std::optional<administration::UserList> users_;

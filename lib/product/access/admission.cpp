@@ -1,6 +1,5 @@
 #include "admission.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace busbar::product {
@@ -61,17 +60,6 @@ Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& lo
         make_folders(user_store_);
     }
     add_users();
-}
-
-bool is_security_admin(const std::vector<std::string>& roles)
-{
-    return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
-}
-
-bool Admission::has_administrator() const
-{
-    return std::any_of(config_.accounts.begin(), config_.accounts.end(),
-                       [](const Account& account) { return is_security_admin(account.roles); });
 }
 
 crypto::CertificateValidator& Admission::clients()

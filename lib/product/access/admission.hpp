@@ -8,8 +8,6 @@
 
 namespace busbar::product {
 
-[[nodiscard]] bool is_security_admin(const std::vector<std::string>& roles);
-
 /// Who is let in: the trust lists of clients and, apart from them, of users; the users themselves.
 class Admission {
 public:
@@ -19,8 +17,8 @@ public:
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
-    /// An account of the file is SecurityAdmin.
-    [[nodiscard]] bool has_administrator() const;
+    /// The users that are let in now.
+    [[nodiscard]] const UserConfig& user_config() const { return config_; }
     [[nodiscard]] server::PasswordUsers& passwords() { return users_.passwords(); }
     [[nodiscard]] crypto::CertificateStore& client_store() { return client_store_; }
     /// Null if no user has a certificate.

@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include <busbar/administration/configured_users.hpp>
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/reader.hpp>
 #include <busbar/client/methods.hpp>
 #include <busbar/client/view.hpp>
+#include <busbar/types/enumerations.hpp>
 
 #include "tool/nodes/nodes.hpp"
 
@@ -56,6 +58,30 @@ Variant read(Connection& connection, const NodeId& variable)
 {
     const auto values = read_attributes(connection, variable, {AttributeId::Value});
     return values.front().status.is_bad() ? Variant{} : values.front().value;
+}
+
+std::optional<std::vector<UserManagementDataType>> find_users(Connection& connection)
+{
+    const Variant value = read(connection, standard(id::UserManagement_Users));
+    const auto* const list = value.array_if<ExtensionObject>();
+    if (list == nullptr) {
+        return std::nullopt;
+    }
+    std::vector<UserManagementDataType> users;
+    for (const ExtensionObject& each : *list) {
+        if (const auto* const user = each.get_if<UserManagementDataType>()) {
+            users.push_back(*user);
+        }
+    }
+    return users;
+}
+
+bool is_of_file(const UserManagementDataType& user)
+{
+    constexpr auto fixed = static_cast<std::uint32_t>(UserConfigurationMask::NoDelete) |
+                           static_cast<std::uint32_t>(UserConfigurationMask::NoChangeByUser);
+    return (static_cast<std::uint32_t>(user.user_configuration) & fixed) == fixed &&
+           user.description.view() == administration::of_configuration;
 }
 
 NodeId find_child(Connection& connection, const NodeId& parent, std::string_view name)

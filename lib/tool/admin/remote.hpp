@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <busbar/core/variant.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/types/configuration.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "tool/connection/connection.hpp"
@@ -42,6 +44,11 @@ struct NamedChild {
     NodeId id;
 };
 [[nodiscard]] std::vector<NamedChild> objects_below(Connection& connection, const NodeId& parent);
+
+/// The server's users with passwords; nothing if it has no such list, or this user may not see it.
+[[nodiscard]] std::optional<std::vector<UserManagementDataType>> find_users(Connection& connection);
+/// Whether the configuration file of busbar-controller brings the user, who cannot be changed here.
+[[nodiscard]] bool is_of_file(const UserManagementDataType& user);
 
 /// The trust list of one CertificateGroup.
 struct TrustListNodes {

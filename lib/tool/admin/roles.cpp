@@ -1,4 +1,6 @@
+#include <set>
 #include <string>
+#include <vector>
 
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -51,8 +53,30 @@ const char* name_of(IdentityCriteriaType criteria)
     return "trusted application";
 }
 
+/// The users whom the configuration file brings, and with them roles of theirs.
+std::set<std::string> users_of_file(Connection& connection)
+{
+    std::set<std::string> names;
+    for (const UserManagementDataType& user :
+         find_users(connection).value_or(std::vector<UserManagementDataType>{})) {
+        if (is_of_file(user)) {
+            names.insert(user.user_name.str());
+        }
+    }
+    return names;
+}
+
+/// "user pat", or "user chief (of the file)".
+std::string text_of(const IdentityMappingRuleType& rule, bool is_user_of_file)
+{
+    return name_of(rule.criteria_type) +
+           (rule.criteria.empty() ? std::string{} : " " + safe(rule.criteria.view())) +
+           (is_user_of_file ? " (of the file)" : "");
+}
+
 Exit list(Context& context, Connection& connection, const AdminArguments&)
 {
+    const std::set<std::string> of_file = users_of_file(connection);
     JsonLine json;
     json.open_array();
     Table table{{{"ROLE", 12}, {"GIVEN TO", 20}}};
@@ -67,11 +91,13 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
         if (const auto* const rules = value.array_if<ExtensionObject>()) {
             for (const ExtensionObject& each : *rules) {
                 if (const auto* const rule = each.get_if<IdentityMappingRuleType>()) {
-                    const std::string name = name_of(rule->criteria_type);
-                    whom += (whom.empty() ? "" : ", ") + name +
-                            (rule->criteria.empty() ? "" : " ") + safe(rule->criteria.view());
-                    json.open_object().member("criteria", name);
-                    json.member("value", rule->criteria.view()).close_object();
+                    const bool is_user_of_file =
+                        rule->criteria_type == IdentityCriteriaType::UserName &&
+                        of_file.contains(rule->criteria.str());
+                    whom += (whom.empty() ? "" : ", ") + text_of(*rule, is_user_of_file);
+                    json.open_object().member("criteria", name_of(rule->criteria_type));
+                    json.member("value", rule->criteria.view());
+                    json.member("isUserOfFile", is_user_of_file).close_object();
                 }
             }
         }

@@ -1,5 +1,7 @@
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -21,15 +23,8 @@ constexpr auto must_change = static_cast<std::uint32_t>(UserConfigurationMask::M
 
 std::vector<UserManagementDataType> users_of(Connection& connection)
 {
-    const Variant value = read(connection, standard(id::UserManagement_Users));
-    std::vector<UserManagementDataType> users;
-    if (const auto* const list = value.array_if<ExtensionObject>()) {
-        for (const ExtensionObject& each : *list) {
-            if (const auto* const user = each.get_if<UserManagementDataType>()) {
-                users.push_back(*user);
-            }
-        }
-        return users;
+    if (auto users = find_users(connection)) {
+        return *std::move(users);
     }
     throw Failure{status::Bad_UserAccessDenied, "reading the users",
                   "log in as one with the role SecurityAdmin, over an encrypted channel"};
@@ -68,7 +63,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
     if (context.options.is_json) {
         context.out.line(json.close_array().document());
     } else if (table.row_count() == 0) {
-        context.out.line("No users that are managed online");
+        context.out.line("No users");
     } else {
         table.print(context.out);
     }
@@ -78,7 +73,15 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
 void on_users(Connection& connection, std::uint32_t method, const std::vector<Variant>& inputs,
               const std::string& what)
 {
-    call(connection, standard(id::UserManagement), standard(method), inputs, what);
+    try {
+        call(connection, standard(id::UserManagement), standard(method), inputs, what);
+    } catch (Failure& failure) {
+        if (failure.status == status::Bad_NotSupported) {
+            failure.hint = "`busbar admin user list` tells which users cannot be changed; those of "
+                           "the configuration file are changed in it";
+        }
+        throw;
+    }
 }
 
 Exit add(Context& context, Connection& connection, const AdminArguments& arguments)
