@@ -5,9 +5,9 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "authority_nodes.hpp"
 #include "file_nodes.hpp"
 #include "node_table.hpp"
+#include "rights.hpp"
 #include "role_set.hpp"
 #include "server_configuration.hpp"
 #include "server_control.hpp"
@@ -191,8 +191,8 @@ Configured<void> Administration::attach(server::Server& server)
                                       "later have no way back to the server's thread");
     }
     auto attached = impl_->attach(server);
-    if (attached && impl_->parts.authorities == Authorities::FiveLevels) {
-        detail::give_authorities(server.address_space());
+    if (attached) {
+        detail::give_rights(server.address_space(), impl_->parts.authorities);
     }
     return attached;
 }

@@ -12,6 +12,7 @@
 #include "core/utf8.hpp"
 #include "node_table.hpp"
 #include "permissions.hpp"
+#include "rights.hpp"
 
 namespace busbar::administration::detail {
 
@@ -20,13 +21,16 @@ namespace {
 /// The roots of all FileSystems have it.
 constexpr std::string_view files_prefix = "Files/";
 
-/// The access of Objects and Methods: readers read, writers do all that is not the program's.
-model::NodeAccess access_of_files(const FileSystem& files, PermissionType permissions,
-                                  FileRight right)
+/// Whose a right is: writers do all that is not the program's.
+NamedRoles roles_of(const FileSystem& files, FileRight right)
 {
     const bool is_programs = right == FileRight::Write && files.is_written_by_program;
-    return access_of_roles(files.readers, is_programs ? std::vector<NodeId>{} : files.writers,
-                           permissions, right != FileRight::Read);
+    return {files.readers, is_programs ? std::vector<NodeId>{} : files.writers};
+}
+
+model::NodeAccess access_of_folder(const FileSystem& files)
+{
+    return access_of(Thing::Files, NodeClass::Object, roles_of(files, FileRight::Read));
 }
 
 /// The entry point of all folders (Part 20, 4.3.2), whose own Methods are for nobody: it is no
@@ -122,7 +126,7 @@ Configured<void> FileNodes::add_nodes()
         return misconfigured("files " + files_.name, "cannot be added to the address space",
                              root.error());
     }
-    space_.set_node_access(*root, access_of_files(files_, may_see, FileRight::Read));
+    space_.set_node_access(*root, access_of_folder(files_));
     entries_.emplace("", Entry{StorageEntry::Kind::Folder, 0});
     if (auto added = add_type(); !added) {
         return added;
@@ -197,9 +201,9 @@ Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method
         {.declaration = declaration,
          .parent = space_.find(declaration < id::FileDirectoryType ? file_type_ : node_id("")),
          .source = index(),
-         .handle = methods_.size()},
-        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), right),
-        access_of_files(files_, may_see, right));
+         .handle = methods_.size(),
+         .thing = right == FileRight::Read ? Thing::Files : Thing::FileChanges},
+        roles_of(files_, right));
     if (added) {
         methods_.push_back(method);
     }
@@ -222,7 +226,7 @@ Result<model::NodeIndex> FileNodes::add_directory(const model::NewNode& node)
 Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t number)
 {
     const auto added = add_file_object(space_, node, {file_type_, index(), number},
-                                       access_of_files(files_, may_see, FileRight::Read));
+                                       roles_of(files_, FileRight::Read));
     if (!added) {
         return fail(added.error());
     }
@@ -257,7 +261,7 @@ bool FileNodes::add_entry_nodes(const std::string& path, Entry& entry)
     if (entry.kind == StorageEntry::Kind::Folder) {
         const auto added = add_directory(node);
         if (added) {
-            space_.set_node_access(*added, access_of_files(files_, may_see, FileRight::Read));
+            space_.set_node_access(*added, access_of_folder(files_));
         }
         return added.has_value();
     }

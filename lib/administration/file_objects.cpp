@@ -42,7 +42,7 @@ NodeId node_below(const NodeId& parent, std::string_view name)
 } // namespace
 
 Result<model::NodeIndex> add_file_object(model::AddressSpace& space, const model::NewNode& node,
-                                         const FileFacts& facts, const model::NodeAccess& access)
+                                         const FileFacts& facts, const NamedRoles& roles)
 {
     model::NewObject object;
     object.type_definition = facts.type;
@@ -50,7 +50,8 @@ Result<model::NodeIndex> add_file_object(model::AddressSpace& space, const model
     if (!added) {
         return added;
     }
-    space.set_node_access(*added, access);
+    space.set_node_access(*added, access_of(Thing::Files, NodeClass::Object, roles));
+    const model::NodeAccess access = access_of(Thing::Files, NodeClass::Variable, roles);
     for (const FileProperty& each : file_properties) {
         model::NewNode property;
         property.id = node_below(node.id, each.name);
@@ -77,9 +78,7 @@ std::uint32_t max_piece(const server::Server& server)
 }
 
 Result<model::NodeIndex> add_declared_method(model::AddressSpace& space,
-                                             const DeclaredMethod& method,
-                                             const model::NodeAccess& access,
-                                             const model::NodeAccess& access_of_arguments)
+                                             const DeclaredMethod& method, const NamedRoles& roles)
 {
     const model::NodeIndex declaration = space.find(method.declaration);
     if (declaration == model::no_node) {
@@ -98,11 +97,12 @@ Result<model::NodeIndex> add_declared_method(model::AddressSpace& space,
     if (!added) {
         return added;
     }
-    space.set_node_access(*added, access);
+    space.set_node_access(*added, access_of(method.thing, NodeClass::Method, roles));
     for (const char* arguments : {"InputArguments", "OutputArguments"}) {
         if (const model::NodeIndex property = child_of(space, *added, arguments);
             property != model::no_node) {
-            space.set_node_access(property, access_of_arguments);
+            space.set_node_access(property,
+                                  access_of(method.thing, NodeClass::Variable, roles, true));
         }
     }
     return added;

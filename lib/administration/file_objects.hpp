@@ -7,6 +7,8 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/server.hpp>
 
+#include "rights.hpp"
+
 /// Nodes of files: Objects of FileType and Methods as namespace 0 declares them (Part 20, 4.2).
 namespace busbar::administration::detail {
 
@@ -28,12 +30,12 @@ struct FileFacts {
     std::uint32_t source;
     std::uint64_t number;
 };
-/// Adds the Object of a file, whose NodeId is a text, with its Properties and without Methods. The
-/// node may be there in part after an error.
+/// Adds the Object of a file, whose NodeId is a text, with its Properties and without Methods, as a
+/// part of Thing::Files. The node may be there in part after an error.
 [[nodiscard]] Result<model::NodeIndex> add_file_object(model::AddressSpace& space,
                                                        const model::NewNode& node,
                                                        const FileFacts& facts,
-                                                       const model::NodeAccess& access);
+                                                       const NamedRoles& roles);
 
 /// MaxByteStringLength of a file: how many bytes a Write of it may have, and a client may count on
 /// in a Read (Part 20, 4.2.1).
@@ -45,10 +47,11 @@ struct DeclaredMethod {
     model::NodeIndex parent;
     std::uint32_t source;
     std::uint64_t handle;
+    Thing thing;
 };
 /// Adds it. Bad_NotSupported if namespace 0 has no such declaration.
-[[nodiscard]] Result<model::NodeIndex>
-add_declared_method(model::AddressSpace& space, const DeclaredMethod& method,
-                    const model::NodeAccess& access, const model::NodeAccess& access_of_arguments);
+[[nodiscard]] Result<model::NodeIndex> add_declared_method(model::AddressSpace& space,
+                                                           const DeclaredMethod& method,
+                                                           const NamedRoles& roles);
 
 } // namespace busbar::administration::detail

@@ -254,13 +254,4 @@ model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex par
     return found;
 }
 
-void copy_access(model::AddressSpace& space, model::NodeIndex from, model::NodeIndex to)
-{
-    const model::NodeAccess* const access =
-        from != model::no_node ? space.node_access(from) : nullptr;
-    if (access != nullptr && to != model::no_node) {
-        space.set_node_access(to, model::NodeAccess{*access});
-    }
-}
-
 } // namespace busbar::administration::detail

@@ -135,7 +135,4 @@ private:
 [[nodiscard]] model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex parent,
                                         std::string_view name);
 
-/// `to` has RolePermissions and AccessRestrictions as `from`; nothing where one of them is no node.
-void copy_access(model::AddressSpace& space, model::NodeIndex from, model::NodeIndex to);
-
 } // namespace busbar::administration::detail

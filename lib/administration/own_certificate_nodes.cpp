@@ -70,7 +70,6 @@ Result<void> add_fact(server::Server& server, NodeTable& table, model::NodeIndex
     if (!added) {
         return fail(added.error());
     }
-    copy_access(space, space.find(id::ServerConfiguration_MaxTrustListSize), *added);
     table.bind_value(space, *added, [&server, value = fact.value] {
         const auto& identity = server.config().identity;
         return identity && !identity->certificates.empty()
@@ -94,9 +93,6 @@ Configured<void> add_own_certificate(server::Server& server, NodeTable& table)
     node.reference_type = NodeId{0, id::HasComponent};
     const auto object = space.add_object(node);
     Result<void> added = object ? Result<void>{} : fail(object.error());
-    if (object) {
-        copy_access(space, space.find(id::ServerConfiguration_MaxTrustListSize), *object);
-    }
     for (const CertificateFact& fact : certificate_facts) {
         added = added ? add_fact(server, table, *object, fact) : added;
     }

@@ -27,9 +27,14 @@ namespace busbar::administration::detail {
 inline constexpr PermissionType may_see = together(PermissionType::Browse, PermissionType::Read);
 inline constexpr PermissionType may_act = together(PermissionType::Write, PermissionType::Call);
 
-/// Whether one of the user's roles may call the Method, where namespace 0 has all roles.
-[[nodiscard]] bool may_call(const model::AddressSpace& space, model::NodeIndex method,
-                            const server::UserIdentity& user);
+/// Whether one of the user's roles has the permission at the node, where namespace 0 has all roles.
+[[nodiscard]] bool may(PermissionType permission, const model::AddressSpace& space,
+                       model::NodeIndex node, const server::UserIdentity& user);
+[[nodiscard]] inline bool may_call(const model::AddressSpace& space, model::NodeIndex method,
+                                   const server::UserIdentity& user)
+{
+    return may(PermissionType::Call, space, method, user);
+}
 
 /// The owner of what a Call leaves behind, such as a file handle or a transaction: one user in one
 /// session. The ownership ends with the session, and when the session gets another user.
@@ -56,14 +61,5 @@ struct Holder {
 }
 /// True while the session exists and still has the same user.
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
-
-/// These permissions for readers and writers, or for writers alone where something `changes`; over
-/// encrypted channels.
-[[nodiscard]] model::NodeAccess access_of_roles(const std::vector<NodeId>& readers,
-                                                const std::vector<NodeId>& writers,
-                                                PermissionType permissions, bool changes);
-
-/// Has the Method and its arguments ask for an encrypted channel, beside what they ask for already.
-void require_encryption(model::AddressSpace& space, model::NodeIndex method);
 
 } // namespace busbar::administration::detail

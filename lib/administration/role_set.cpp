@@ -13,7 +13,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
-#include "permissions.hpp"
+#include "rights.hpp"
 
 namespace busbar::administration::detail {
 
@@ -74,11 +74,6 @@ Configured<void> RoleSet::attach()
                              added ? StatusCode{status::Bad_ConfigurationError} : added.error());
     }
     own_namespace_ = *own;
-    // Part 18, 4.2.2 and 4.2.3, of which the published nodes know nothing.
-    for (const std::uint32_t method : {id::Server_ServerCapabilities_RoleSet_AddRole,
-                                       id::Server_ServerCapabilities_RoleSet_RemoveRole}) {
-        require_encryption(space_, space_.find(method));
-    }
     table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_AddRole),
                        [this](MethodCall call) { add_role(std::move(call)); });
     table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_RemoveRole),
@@ -208,15 +203,7 @@ Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
     if (!made) {
         return made;
     }
-    // Who may do what with it is as for the others (Part 18, 4.4.1).
-    const NodeIndex like = space_.find(id::WellKnownRole_Operator);
-    copy_access(space_, like, *made);
-    for (const char* member :
-         {"Identities", "ApplicationsExclude", "Applications", "EndpointsExclude", "Endpoints",
-          "CustomConfiguration", "AddIdentity", "RemoveIdentity", "AddApplication",
-          "RemoveApplication", "AddEndpoint", "RemoveEndpoint"}) {
-        copy_access(space_, child_of(space_, like, member), child_of(space_, *made, member));
-    }
+    give_rights(space_, *made, Thing::Roles, Authorities::Standard); // which all have alike
     bind(role.name, *made);
     return made;
 }

@@ -93,7 +93,6 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
     const auto own = space_.namespace_index(server_.config().application_uri);
     const model::NodeIndex type = space_.find(declaration);
     const model::NodeIndex parent = space_.find(id::ServerConfiguration);
-    const model::NodeIndex like = space_.find(id::ServerConfiguration_UpdateCertificate);
     model::NewNode node;
     node.id = NodeId{own.value_or(1), "ServerConfiguration/" + std::string{name}};
     node.browse_name = QualifiedName{0, String{std::string{name}}};
@@ -106,10 +105,6 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
     if (!made) {
         return misconfigured("certificates", "the Method " + std::string{name} + " cannot be added",
                              made.error());
-    }
-    copy_access(space_, like, *made);
-    for (const char* property : {"InputArguments", "OutputArguments"}) {
-        copy_access(space_, child_of(space_, like, property), child_of(space_, *made, property));
     }
     bind_own(*made, method);
     return {};
@@ -134,7 +129,6 @@ Configured<void> ServerConfiguration::add_setup()
     if (!made) {
         return misconfigured("certificates", "InApplicationSetup cannot be added", made.error());
     }
-    copy_access(space_, space_.find(id::ServerConfiguration_ApplicationUri), *made);
     table_.bind_value(space_, *made, [this] { return Variant{is_in_setup_()}; });
     return {};
 }

@@ -13,6 +13,7 @@
 #include "method_arguments.hpp"
 #include "method_record.hpp"
 #include "permissions.hpp"
+#include "rights.hpp"
 
 namespace busbar::administration::detail {
 
@@ -22,22 +23,9 @@ using server::MethodCall;
 
 constexpr std::string_view root_name = "Settings";
 
-/// The rights of the roles at a setting, and at what belongs to it (Part 3, 4.9.2).
-model::NodeAccess access_of_settings(bool is_security)
+Thing thing_of(const Setting& setting)
 {
-    constexpr PermissionType all = together(may_see, may_act);
-    model::NodeAccess access;
-    access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
-    access.role_permissions.push_back({NodeId{0, id::WellKnownRole_SecurityAdmin}, all});
-    access.role_permissions.push_back(
-        {NodeId{0, id::WellKnownRole_ConfigureAdmin}, is_security ? may_see : all});
-    for (const std::uint32_t role :
-         {id::WellKnownRole_Operator, id::WellKnownRole_Engineer, id::WellKnownRole_Supervisor}) {
-        if (!is_security) {
-            access.role_permissions.push_back({NodeId{0, role}, may_see});
-        }
-    }
-    return access;
+    return setting.is_security ? Thing::SecuritySettings : Thing::Settings;
 }
 
 /// Part 8, 5.6.4.3: the number is that of the common code of UNECE Recommendation 20.
@@ -124,7 +112,7 @@ Result<model::NodeIndex> SettingNodes::add_folder(model::NodeIndex parent, std::
     node.parent = parent;
     const auto added = space.add_folder(node);
     if (added) {
-        space.set_node_access(*added, access_of_settings(false));
+        space.set_node_access(*added, access_of(Thing::Settings, NodeClass::Object));
     }
     return added;
 }
@@ -142,7 +130,7 @@ Result<void> SettingNodes::add_properties(model::NodeIndex node, std::size_t ind
         if (!added) {
             return fail(added.error());
         }
-        space.set_node_access(*added, access_of_settings(setting.is_security));
+        space.set_node_access(*added, access_of(thing_of(setting), NodeClass::Variable));
         return {};
     };
     for (Fixed& each : fixed_properties(setting, namespace_)) {
@@ -199,7 +187,7 @@ Result<void> SettingNodes::add_setting(std::size_t index)
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*added, access_of_settings(setting.is_security));
+    space.set_node_access(*added, access_of(thing_of(setting), NodeClass::Variable));
     return add_properties(*added, index);
 }
 
@@ -233,7 +221,7 @@ Result<void> SettingNodes::add_method()
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*added, access_of_settings(false));
+    give_rights(space, *added, Thing::Settings, Authorities::Standard); // which all have alike
     needs_.table.bind_method(space, *added, [this](MethodCall call) {
         needs_.table.post(std::move(call), [this](MethodCall& each) { set(each); });
     });
@@ -253,7 +241,7 @@ Configured<void> SettingNodes::add_nodes()
     Result<void> added{};
     if (root) {
         root_ = *root;
-        space.set_node_access(root_, access_of_settings(false));
+        space.set_node_access(root_, access_of(Thing::Settings, NodeClass::Object));
         added = add_method();
     } else {
         added = fail(root.error());
@@ -325,7 +313,7 @@ bool SettingNodes::may_change(const server::UserIdentity& user, const std::strin
     const model::AddressSpace& space = needs_.server.address_space();
     const model::NodeIndex node = space.find(NodeId{namespace_, String{node_name(name)}});
     return needs_.list.find(name) == nullptr || node == model::no_node ||
-           may_call(space, node, user);
+           may(PermissionType::Write, space, node, user);
 }
 
 void SettingNodes::set(MethodCall& call)

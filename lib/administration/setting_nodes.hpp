@@ -17,8 +17,7 @@ namespace busbar::administration::detail {
 /// they were changed online and whether they wait for a restart as properties. The values of one
 /// Write are a set, as are those of one call of the Method Set.
 ///
-/// Over encrypted channels; changed by ConfigureAdmin and SecurityAdmin, read by Operator, Engineer
-/// and Supervisor too, but for those that decide about security (Setting::is_security).
+/// Who may read and change them: Thing::Settings and Thing::SecuritySettings.
 class SettingNodes final : public server::DataSource {
 public:
     struct Needs {

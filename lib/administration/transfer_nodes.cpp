@@ -11,6 +11,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "permissions.hpp"
+#include "rights.hpp"
 
 namespace busbar::administration::detail {
 
@@ -42,9 +43,9 @@ TransferNodes::TransferNodes(const Needs& needs)
     turns_.set_server(server_);
 }
 
-model::NodeAccess TransferNodes::access(PermissionType permissions, bool changes) const
+NamedRoles TransferNodes::roles() const
 {
-    return access_of_roles(transfer_.readers, transfer_.writers, permissions, changes);
+    return {transfer_.readers, transfer_.writers};
 }
 
 NodeId TransferNodes::node_id(std::string_view below) const
@@ -79,7 +80,7 @@ Result<void> TransferNodes::add_objects()
     if (!transfer) {
         return fail(transfer.error());
     }
-    space_.set_node_access(*transfer, access(may_see, false));
+    space_.set_node_access(*transfer, access_of(Thing::Files, NodeClass::Object, roles()));
     for (std::size_t which = 0; which < methods_of_transfer; ++which) {
         if (auto added = add_method(which, *transfer); !added) {
             return added;
@@ -106,11 +107,14 @@ Result<void> TransferNodes::add_objects()
 Result<void> TransferNodes::add_method(std::size_t which, model::NodeIndex parent)
 {
     const Declared& method = declared[which];
-    const auto added = add_declared_method(
-        space_,
-        {.declaration = method.declaration, .parent = parent, .source = index(), .handle = which},
-        access(together(PermissionType::Browse, PermissionType::Call), method.changes),
-        access(may_see, method.changes));
+    const auto added =
+        add_declared_method(space_,
+                            {.declaration = method.declaration,
+                             .parent = parent,
+                             .source = index(),
+                             .handle = which,
+                             .thing = method.changes ? Thing::FileChanges : Thing::Files},
+                            roles());
     return added ? Result<void>{} : fail(added.error());
 }
 
@@ -128,7 +132,7 @@ Result<void> TransferNodes::add_timeout(model::NodeIndex transfer)
     if (!added) {
         return fail(added.error());
     }
-    space_.set_node_access(*added, access(may_see, false));
+    space_.set_node_access(*added, access_of(Thing::Files, NodeClass::Variable, roles()));
     return {};
 }
 
@@ -179,8 +183,7 @@ Result<void> TransferNodes::add_file(const std::string& name)
     node.parent = container_;
     const NodeId type{0, id::FileType};
     const auto number = static_cast<std::uint64_t>(free - numbers_.begin());
-    const auto added =
-        add_file_object(space_, node, {type, index(), number}, access(may_see, false));
+    const auto added = add_file_object(space_, node, {type, index(), number}, roles());
     if (!added) {
         return fail(added.error());
     }

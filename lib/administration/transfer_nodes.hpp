@@ -59,7 +59,7 @@ private:
     [[nodiscard]] Result<void> add_objects();
     [[nodiscard]] Result<void> add_method(std::size_t which, model::NodeIndex parent);
     [[nodiscard]] Result<void> add_timeout(model::NodeIndex transfer);
-    [[nodiscard]] model::NodeAccess access(PermissionType permissions, bool changes) const;
+    [[nodiscard]] NamedRoles roles() const;
     [[nodiscard]] NodeId node_id(std::string_view below) const;
     /// A name that nobody can guess.
     [[nodiscard]] Result<std::string> new_name();
