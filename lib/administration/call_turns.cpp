@@ -5,6 +5,7 @@
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
+#include <busbar/server/running_server.hpp>
 #include <busbar/server/waker.hpp>
 
 namespace busbar::administration::detail {
@@ -64,6 +65,13 @@ void CallTurns::add(server::CallBatch batch)
     }
 }
 
+StatusCode CallTurns::check_waiting(const Holder& holder, const server::CallItem& call) const
+{
+    return is_there(*server_, holder) ? server::RunningServer{*server_}.check_call(
+                                            holder.session, *call.object_id, *call.method_id)
+                                      : StatusCode{status::Bad_SessionClosed};
+}
+
 void CallTurns::serve_next()
 {
     if (lines_.empty()) {
@@ -86,11 +94,10 @@ void CallTurns::serve_next()
     if (!lines_.empty()) {
         static_cast<void>(wake());
     }
-    if (is_there(*server_, holder)) {
-        serve(batch, index);
-    } else {
-        server::MethodCall{batch, index}.fail(status::Bad_SessionClosed);
+    if (const StatusCode refused = check_waiting(holder, batch->items()[index]); refused.is_bad()) {
+        return server::MethodCall{batch, index}.fail(refused);
     }
+    serve(batch, index);
 }
 
 } // namespace busbar::administration::detail

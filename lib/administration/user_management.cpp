@@ -267,6 +267,12 @@ bool UserManagement::may_start(Job& job)
         job.call.fail(status::Bad_SessionClosed);
         return false;
     }
+    if (const StatusCode refused = server::RunningServer{server_}.check_call(
+            job.holder.session, job.call->object_id(), job.call->method_id());
+        refused.is_bad()) {
+        job.call->fail(refused);
+        return false;
+    }
     if (job.tries_password &&
         !server::RunningServer{server_}.may_try_password(job.holder.session)) {
         const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",

@@ -87,6 +87,10 @@ public:
     [[nodiscard]] bool may_try_password(const NodeId& session_id) const;
     /// Counts the password that was tried as one of a login.
     void password_tried(const NodeId& session_id, bool was_right) const;
+    /// For a Call that has waited since it was checked: Good, or why the session's user may not
+    /// make it any more. Good if Object or Method are gone, of which the Method itself will tell.
+    [[nodiscard]] StatusCode check_call(const NodeId& session_id, const NodeId& object,
+                                        const NodeId& method) const;
     /// Counts the users of a session: another number is another user's, or the same user's after
     /// another. Nothing once the session is over.
     [[nodiscard]] std::optional<std::uint32_t> user_number(const NodeId& session_id) const;

@@ -5,6 +5,8 @@
 #include <busbar/server/config_check.hpp>
 #include <busbar/server/running_server.hpp>
 
+#include "server/rights/method_lookup.hpp"
+#include "server/session/session_rights.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server_impl.hpp"
 
@@ -15,6 +17,8 @@ namespace {
 
 /// Long enough for answers that are under way.
 constexpr Duration old_channel_time = std::chrono::seconds{1};
+/// References that are looked at to find a Method, as for a Call.
+constexpr std::size_t most_visits = 10'000'000;
 
 bool is_same_certificate(const ServerConfig& a, const ServerConfig& b)
 {
@@ -196,6 +200,29 @@ void RunningServer::roles_changed() const
 TimePoint RunningServer::latest_time() const
 {
     return impl_->latest;
+}
+
+StatusCode RunningServer::check_call(const NodeId& session_id, const NodeId& object,
+                                     const NodeId& method) const
+{
+    const detail::Session* const session = find_session(*impl_, session_id);
+    if (session == nullptr) {
+        return status::Bad_SessionClosed;
+    }
+    const model::AddressSpace& space = impl_->address_space;
+    if (space.find(object) == model::no_node || space.find(method) == model::no_node) {
+        return status::Good;
+    }
+    const detail::NodeRights rights = detail::rights_of(*session, space, impl_->environment.access);
+    std::size_t visits = most_visits;
+    const auto found = detail::find_method(space, rights, object, method, visits);
+    if (!found) {
+        return found.error();
+    }
+    const StatusCode weak = rights.check_channel(*found);
+    return weak.is_bad() || detail::is_user_executable(space, rights, *found)
+               ? weak
+               : StatusCode{status::Bad_UserAccessDenied};
 }
 
 bool RunningServer::may_try_password(const NodeId& session_id) const
