@@ -32,6 +32,7 @@ struct Administration::Impl {
               }
           })}
     {
+        table.ask_before_calls(parts.may_administer);
     }
 
     AdministrationParts parts;

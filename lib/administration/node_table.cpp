@@ -184,6 +184,9 @@ void NodeTable::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
     if (entry == nullptr || !entry->method) {
         return call.fail(status::Bad_NotImplemented);
     }
+    if (may_administer_ && !may_administer_(call.user())) {
+        return call.fail(status::Bad_UserAccessDenied);
+    }
     // The table may grow while the Method adds nodes.
     const Method method = entry->method;
     method(std::move(call));

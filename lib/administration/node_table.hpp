@@ -72,6 +72,11 @@ public:
     bool bind_method(model::AddressSpace& space, model::NodeIndex node, Method method);
     /// Whether there is a Waker, without which nothing that is posted is ever done.
     [[nodiscard]] bool has_way_back() const { return !waker_.is_empty(); }
+    /// See AdministrationParts::may_administer.
+    void ask_before_calls(std::function<bool(const server::UserIdentity&)> may_administer)
+    {
+        may_administer_ = std::move(may_administer);
+    }
     /// Does the task in the next round of completions. A task that must not fail to come, because
     /// of what was done before, is made before that. Any thread.
     void post(std::unique_ptr<Task> task) noexcept;
@@ -123,6 +128,7 @@ private:
 
     const WallClock* clock_;
     LogSink* log_;
+    std::function<bool(const server::UserIdentity&)> may_administer_;
     /// The handle is the index.
     std::vector<Entry> entries_;
     CallTurns turns_;

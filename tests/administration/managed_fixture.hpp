@@ -175,6 +175,7 @@ struct ManagedFixture {
                     [this] { return refusal ? Unexpected{*refusal} : Configured<void>{}; },
                 .reset = [this] { return reset(); },
                 .is_in_setup = [this] { return changes == 0; },
+                .may_administer = [this](const auto& user) { return user.name != suspended; },
                 .settings = &settings,
                 .setting_owner = &owner,
                 .file_systems = {files},
@@ -312,6 +313,8 @@ struct ManagedFixture {
     std::optional<administration::RestartWish> wish;
     /// Why a restart would not work.
     std::optional<Problem> refusal;
+    /// Who may administer no more.
+    std::string suspended;
     /// Of users and roles.
     int changes{0};
     NoteWaker waker;

@@ -142,6 +142,21 @@ TEST_CASE_METHOD(Users, "user management: who waits for an administrator is told
     CHECK_FALSE(is_in_setup());
 }
 
+TEST_CASE_METHOD(Users, "user management: of two who make the first administrator one is late")
+{
+    auto first = log_in();
+    auto second = log_in();
+    REQUIRE(add(first, "pat", patience) == "Good");
+    suspended = "admin";
+    CHECK(add(second, "sam", patience) == "Bad_UserAccessDenied");
+    CHECK(call(second, NodeId{0, id::WellKnownRole_Operator},
+               NodeId{0, 15684}, // AddIdentity
+               {Variant{ExtensionObject::from(
+                   IdentityMappingRuleType{IdentityCriteriaType::UserName, "pat"})}})
+              .status_code == status::Bad_UserAccessDenied);
+    CHECK(user_list.users().size() == 2);
+}
+
 TEST_CASE_METHOD(Users, "user management: a disabled user's sessions end")
 {
     auto admin = log_in();

@@ -197,6 +197,8 @@ TEST_CASE("E10: the code of a setup costs what passwords do")
     REQUIRE(code);
     CHECK(crypto::cost_of(read(plant.folder.path / "setup" / "setup.code")) == cheap);
     CHECK(plant.lets_in("setup", std::string{code->text()}));
+    CHECK(plant.admission->users().has_code("setup"));
+    CHECK_FALSE(plant.admission->users().has_code("anna"));
     // One that was made before lasts.
     setup.end();
     REQUIRE(setup.begin(random, cheap));

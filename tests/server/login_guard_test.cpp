@@ -201,6 +201,26 @@ TEST_CASE_METHOD(Guarded, "names may be of any length")
     CHECK_FALSE(is_locked(attempt));
 }
 
+TEST_CASE_METHOD(Guarded, "strangers who guess at a code lock out no other certificate")
+{
+    const LoginAttempt holder{"setup", "AA", "192.0.2.1", true};
+    for (int i = 0; i < 30; ++i) {
+        fail({"setup", numbered("stranger", i), "192.0.2.1", true}, 5);
+    }
+    CHECK(is_locked({"setup", "stranger0", "192.0.2.1", true}));
+    CHECK_FALSE(is_locked(holder));
+    CHECK(slow_down(holder) == limits.max_login_delay);
+    CHECK_FALSE(is_locked({"maria", "AA", "192.0.2.1"})); // nor for other names
+
+    for (int i = 0; i < 30; ++i) {
+        fail({numbered("user", i), numbered("guest", i), "192.0.2.1"}, 1);
+    }
+    CHECK(is_locked({"maria", "AA", "192.0.2.1"}));
+    CHECK_FALSE(is_locked(holder));
+    CHECK(fail(holder, 100).size() == 5); // by its own failures it is
+    CHECK(is_locked(holder));
+}
+
 TEST_CASE("networks of addresses")
 {
     CHECK(network_of("192.0.2.1") == "192.0.2.1");

@@ -77,6 +77,10 @@ struct AdministrationParts {
     std::function<Configured<void>()> reset{};
     /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); empty: it does not say.
     std::function<bool()> is_in_setup{};
+    /// Asked before each Method of roles, users and certificates, for a user whose right may end
+    /// before the session does: false answers Bad_UserAccessDenied. Empty: nothing more than roles
+    /// decides.
+    std::function<bool(const server::UserIdentity& user)> may_administer{};
     /// Settings as Variables below the Object "Settings". Null: there are none; else with the
     /// owner, whose functions are called on the server's thread where it may change the server.
     SettingList* settings{nullptr};

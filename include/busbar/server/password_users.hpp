@@ -23,6 +23,7 @@ class BUSBAR_API PasswordUsers final : public UserStore {
     struct User {
         std::string password_hash;
         UserRights rights;
+        bool has_code{false};
     };
     using Users = std::map<std::string, User, std::less<>>;
 
@@ -37,6 +38,8 @@ public:
 
     private:
         friend class PasswordUsers;
+
+        [[nodiscard]] Result<void> put(std::string name, User user);
 
         Users set_;
         std::vector<std::string> gone_;
@@ -61,6 +64,9 @@ public:
     /// for an empty name or for a text that is no hash.
     [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                    UserRights rights = {});
+    /// The same of a user whose password is a random code of at least 80 bits, see has_code().
+    [[nodiscard]] Result<void> set_code(std::string name, std::string code_hash,
+                                        UserRights rights = {});
     /// Does all of it, and needs no memory for that: what was stored before is then in force.
     void apply(Change change) noexcept;
     /// What to store of the user; empty if there is no such user.
@@ -73,6 +79,7 @@ public:
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
                                               std::string_view password) override;
     [[nodiscard]] Worker* worker() override { return worker_; }
+    [[nodiscard]] bool has_code(std::string_view name) const override;
     [[nodiscard]] UserIdentity anonymous() const override;
 
 private:

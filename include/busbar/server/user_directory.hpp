@@ -39,6 +39,10 @@ public:
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
                                               std::string_view password) override;
     [[nodiscard]] Worker* worker() override { return passwords_.worker(); }
+    [[nodiscard]] bool has_code(std::string_view name) const override
+    {
+        return passwords_.has_code(name);
+    }
     [[nodiscard]] UserIdentity anonymous() const override { return passwords_.anonymous(); }
     [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
     {

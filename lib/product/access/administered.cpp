@@ -151,6 +151,10 @@ void Administered::attach(const ToAdminister& what)
         parts.certificates = &certificates_;
         parts.worker = &what.worker;
         parts.is_in_setup = [this] { return setup_->is_active(); };
+        // Not those who log in by the same code and are later: the session ends soon.
+        parts.may_administer = [this](const server::UserIdentity& user) {
+            return user.name != Setup::user_name || !users_->has_administrator();
+        };
         parts.changed = [this, &server = what.server, offer_changed = what.offer_changed] {
             end_setup(server);
             offer_changed();

@@ -35,8 +35,8 @@ std::optional<crypto::Secret> Setup::begin(crypto::Random& random, const crypto:
         }
         hash = *std::move(made);
     }
-    if (!users_.set(user_name, std::move(hash),
-                    {all_access, {"SecurityAdmin", "ConfigureAdmin"}})) {
+    if (!users_.set_code(user_name, std::move(hash),
+                         {all_access, {"SecurityAdmin", "ConfigureAdmin"}})) {
         throw ConfigError{files_.place(code_file),
                           "found no hash of a code; remove the file to get a new code"};
     }

@@ -176,8 +176,10 @@ bool ActivateSession::is_anonymous() const
 LoginAttempt ActivateSession::login_attempt() const
 {
     const auto* user = request().user_identity_token.get_if<UserNameIdentityToken>();
-    return {user != nullptr ? user->user_name.view() : std::string_view{}, thumbprint_,
-            peer_->address()};
+    const std::string_view name = user != nullptr ? user->user_name.view() : std::string_view{};
+    const bool has_code = user != nullptr && needs_.environment.users != nullptr &&
+                          needs_.environment.users->has_code(name);
+    return {name, thumbprint_, peer_->address(), has_code};
 }
 
 /// False if the attempt has to wait, or was refused, before it is looked at.

@@ -78,6 +78,11 @@ Worker* GuardedUsers::worker()
                          [&] { return inner_->worker(); });
 }
 
+bool GuardedUsers::has_code(std::string_view name) const
+{
+    return report_.guard("UserStore::has_code", false, [&] { return inner_->has_code(name); });
+}
+
 UserIdentity GuardedUsers::anonymous() const
 {
     return report_.guard("UserStore::anonymous", UserIdentity{UserTokenType::Anonymous, {}, 0},

@@ -129,6 +129,7 @@ public:
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
                                               std::string_view password) override;
     [[nodiscard]] Worker* worker() override;
+    [[nodiscard]] bool has_code(std::string_view name) const override;
     [[nodiscard]] UserIdentity anonymous() const override;
     [[nodiscard]] crypto::CertificateValidator* certificate_validator() override;
     [[nodiscard]] Result<UserRights>

@@ -72,7 +72,8 @@ LoginGuard::Names LoginGuard::source_names(const LoginAttempt& attempt)
     if (attempt.certificate.empty()) {
         return {"address " + network, {}};
     }
-    return {"certificate " + std::string{attempt.certificate}, "certificates from " + network};
+    return {"certificate " + std::string{attempt.certificate},
+            attempt.has_code ? std::string{} : "certificates from " + network};
 }
 
 std::string LoginGuard::source_of(const LoginAttempt& attempt)

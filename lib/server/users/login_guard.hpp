@@ -17,6 +17,8 @@ struct LoginAttempt {
     /// Thumbprint of the client's certificate; empty without security.
     std::string_view certificate;
     std::string_view address;
+    /// See UserStore::has_code.
+    bool has_code{false};
 };
 
 /// Makes guessing slow, then impossible for a while (Part 4, 5.7.3.1), in a way that nobody can
@@ -37,6 +39,10 @@ struct LoginAttempt {
 ///   that an own account does not help to guess at others'.
 /// - **Slow-down**: a name that fails at many sources is guessed at by many. Logins with it are
 ///   looked at a bounded time later, but for the known good ones.
+///
+/// - **Codes**: the name of a random code, which cannot be guessed, is not counted for the network
+///   and not bound by its lock, so that strangers do not keep out whoever has the code. They are
+///   slowed down as above.
 ///
 /// Memory is bounded, and no flood washes out what counts: one source has one record with a bounded
 /// number of names, and past those its failures still count for the source. A full table lets the
@@ -88,10 +94,10 @@ private:
         std::string user;
         std::string source;
     };
-    /// The names of the sources that an attempt comes from; the first is the more exact one.
+    /// The names of the sources that an attempt counts for; the first is the more exact one.
     struct Names {
         std::string first;
-        std::string second; // empty without a certificate
+        std::string second; // empty without a certificate and for a code
     };
 
     [[nodiscard]] static Names source_names(const LoginAttempt& attempt);

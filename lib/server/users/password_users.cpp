@@ -78,14 +78,19 @@ bool PasswordUsers::remove(std::string_view name)
     return true;
 }
 
+Result<void> PasswordUsers::Change::put(std::string name, User user)
+{
+    if (name.empty() || !crypto::is_password_hash(user.password_hash)) {
+        return fail(status::Bad_InvalidArgument);
+    }
+    set_.insert_or_assign(std::move(name), std::move(user));
+    return {};
+}
+
 Result<void> PasswordUsers::Change::set(std::string name, std::string password_hash,
                                         UserRights rights)
 {
-    if (name.empty() || !crypto::is_password_hash(password_hash)) {
-        return fail(status::Bad_InvalidArgument);
-    }
-    set_.insert_or_assign(std::move(name), User{std::move(password_hash), std::move(rights)});
-    return {};
+    return put(std::move(name), User{std::move(password_hash), std::move(rights)});
 }
 
 Result<void> PasswordUsers::set(std::string name, std::string password_hash, UserRights rights)
@@ -96,6 +101,23 @@ Result<void> PasswordUsers::set(std::string name, std::string password_hash, Use
         apply(std::move(change));
     }
     return set;
+}
+
+Result<void> PasswordUsers::set_code(std::string name, std::string code_hash, UserRights rights)
+{
+    Change change;
+    auto set = change.put(std::move(name), User{std::move(code_hash), std::move(rights), true});
+    if (set) {
+        apply(std::move(change));
+    }
+    return set;
+}
+
+bool PasswordUsers::has_code(std::string_view name) const
+{
+    const std::lock_guard lock{mutex_};
+    const auto found = users_.find(name);
+    return found != users_.end() && found->second.has_code;
 }
 
 void PasswordUsers::apply(Change change) noexcept
