@@ -268,9 +268,9 @@ bool UserManagement::may_start(Job& job)
         return false;
     }
     if (const StatusCode refused = server::RunningServer{server_}.check_call(
-            job.holder.session, job.call->object_id(), job.call->method_id());
+            job.holder.session, job.call.object_id(), job.call.method_id());
         refused.is_bad()) {
-        job.call->fail(refused);
+        job.call.fail(refused);
         return false;
     }
     if (job.tries_password &&

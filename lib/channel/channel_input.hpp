@@ -4,10 +4,12 @@
 #include <utility>
 
 #include <busbar/core/refusal.hpp>
+#include <busbar/crypto/secret.hpp>
 
 #include "conversation.hpp"
 #include "event_queue.hpp"
 #include "refusals.hpp"
+#include "symmetric_chunk.hpp"
 
 namespace busbar::channel::detail {
 
@@ -29,11 +31,15 @@ template <typename Impl>
     return impl.events.pop();
 }
 
-/// Adds a chunk that was opened to its message: the event if that is complete or was given up.
+/// Adds a chunk that was opened to its message: the event if that is complete or was given up. What
+/// was decrypted in the frame is overwritten: the buffer stays for what comes next.
 [[nodiscard]] inline Checked<std::optional<ChannelEvent>>
 add_chunk(Conversation& conversation, const Frame& frame, const SymmetricContent& content)
 {
     auto event = conversation.assembly().add(frame.header.chunk, content);
+    if (is_encrypted(conversation.security)) {
+        crypto::cleanse(frame.bytes);
+    }
     if (!event) {
         return refuse(protocol_refusal(event.error()));
     }

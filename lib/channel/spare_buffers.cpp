@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/crypto/secret.hpp>
 
 #include "output_buffer.hpp"
 
@@ -105,6 +106,7 @@ std::vector<std::byte> SpareBuffers::fitted(std::vector<std::byte> message)
         return message;
     }
     std::vector<std::byte> copy{message.begin(), message.end()};
+    crypto::cleanse(message); // a secret should have one place
     give_back_message(std::move(message));
     return copy;
 }

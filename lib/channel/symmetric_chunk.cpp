@@ -12,11 +12,6 @@ namespace {
 
 constexpr std::size_t body_offset = symmetric_header_size + sequence_header_size;
 
-bool is_encrypted(const SecuritySetting& setting)
-{
-    return setting.mode == MessageSecurityMode::SignAndEncrypt;
-}
-
 std::size_t signature_size(const SecuritySetting& setting)
 {
     return setting.mode == MessageSecurityMode::None ? 0 : setting.policy->symmetric_signature_size;
@@ -61,6 +56,11 @@ Result<std::span<const std::byte>> unwrap(std::span<std::byte> chunk,
 }
 
 } // namespace
+
+bool is_encrypted(const SecuritySetting& setting)
+{
+    return setting.mode == MessageSecurityMode::SignAndEncrypt;
+}
 
 Result<SymmetricHeader> parse_symmetric_header(std::span<const std::byte> chunk)
 {

@@ -20,6 +20,9 @@ struct SymmetricHeader {
 };
 [[nodiscard]] Result<SymmetricHeader> parse_symmetric_header(std::span<const std::byte> chunk);
 
+/// True if what is sent by this setting is secret.
+[[nodiscard]] bool is_encrypted(const SecuritySetting& setting);
+
 /// Sequence header and body of a verified chunk; the body points into the chunk.
 struct SymmetricContent {
     std::uint32_t sequence_number{0};

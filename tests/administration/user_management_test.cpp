@@ -1,6 +1,11 @@
 #include <algorithm>
+#include <array>
+#include <fstream>
+#include <span>
+#include <string>
 #include <vector>
 
+#include <busbar/crypto/secret.hpp>
 #include <busbar/types/data_types.hpp>
 
 #include "managed_fixture.hpp"
@@ -48,7 +53,113 @@ struct Users : ManagedFixture {
 
 constexpr const char* patience = "patience is all";
 
+/// A text that is nowhere in memory but where show() puts it.
+class Hidden {
+public:
+    static constexpr std::size_t size = 24;
+    static constexpr char mask = 0x5A;
+
+    explicit Hidden(char seed)
+    {
+        for (std::size_t i = 0; i < size; ++i) {
+            hidden_[i] = static_cast<char>((seed + static_cast<char>(i)) ^ mask);
+        }
+    }
+    String show()
+    {
+        for (std::size_t i = 0; i < size; ++i) {
+            shown_[i] = static_cast<char>(hidden_[i] ^ mask);
+        }
+        return String::borrow({shown_.data(), size});
+    }
+    void hide() { crypto::cleanse(std::as_writable_bytes(std::span{shown_})); }
+    /// How many copies there are in the heap.
+    [[nodiscard]] std::size_t copies() const
+    {
+        std::size_t found = 0;
+        std::ifstream maps{"/proc/self/maps"};
+        for (std::string line; std::getline(maps, line);) {
+            if (line.find("[heap]") != std::string::npos) {
+                const auto dash = line.find('-');
+                found += copies_in(std::stoull(line, nullptr, 16),
+                                   std::stoull(line.substr(dash + 1), nullptr, 16));
+            }
+        }
+        return found;
+    }
+
+private:
+    [[nodiscard]] std::size_t copies_in(std::uintptr_t begin, std::uintptr_t end) const
+    {
+        const auto* const from = reinterpret_cast<const char*>(begin);
+        const std::span memory{from, end - begin};
+        std::size_t found = 0;
+        auto place = memory.begin();
+        const auto is_same = [](char there, char hidden) { return (there ^ mask) == hidden; };
+        while ((place = std::search(place, memory.end(), hidden_.begin(), hidden_.end(),
+                                    is_same)) != memory.end()) {
+            ++found;
+            ++place;
+        }
+        return found;
+    }
+
+    std::array<char, size> hidden_{};
+    std::array<char, size> shown_{};
+};
+
 } // namespace
+
+TEST_CASE("user management: passwords do not stay in memory")
+{
+    ManualWorker manual;
+    Users users{GENERATE(false, true) ? &manual : nullptr};
+    Hidden old_password{'A'};
+    Hidden new_password{'a'};
+    auto admin = users.log_in();
+    const auto call_hidden = [&](std::uint32_t method, std::vector<Variant> inputs) {
+        const auto sent = admin.send_bytes([&](binary::Writer& writer) {
+            CallRequest request;
+            request.request_header.authentication_token = admin.authentication_token;
+            request.methods_to_call.resize(1);
+            request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+            request.methods_to_call[0].method_id = NodeId{0, method};
+            request.methods_to_call[0].input_arguments = Array<Variant>{inputs};
+            encode(writer, NodeId{0, CallRequest::binary_encoding_id});
+            encode(writer, request);
+        });
+        manual.work();
+        users.complete();
+        return admin.take<CallResponse>(sent).value().results[0].status_code;
+    };
+    SECTION("a wrong old one")
+    {
+        const auto status =
+            call_hidden(id::UserManagement_ChangePassword,
+                        {Variant{old_password.show()}, Variant{new_password.show()}});
+        CHECK(status == status::Bad_IdentityTokenInvalid);
+    }
+    SECTION("that of a new user")
+    {
+        const auto status =
+            call_hidden(id::UserManagement_AddUser, {Variant{"pat"}, Variant{new_password.show()},
+                                                     Variant{std::uint32_t{0}}, Variant{""}});
+        CHECK(status == status::Good);
+    }
+    SECTION("one that another takes the place of")
+    {
+        REQUIRE(users.user_list.add({"pat", {}, 0, {}, {}}, patience, users.random));
+        const auto status =
+            call_hidden(id::UserManagement_ModifyUser,
+                        {Variant{"pat"}, Variant{true}, Variant{new_password.show()},
+                         Variant{false}, Variant{std::uint32_t{0}}, Variant{false}, Variant{""}});
+        CHECK(status == status::Good);
+    }
+    old_password.hide();
+    new_password.hide();
+    CHECK(old_password.copies() == 0);
+    CHECK(new_password.copies() == 0);
+}
 
 TEST_CASE_METHOD(Users, "user management: users come, change and go",
                  "[unit:Security User Management Server]")
@@ -149,8 +260,7 @@ TEST_CASE_METHOD(Users, "user management: of two who make the first administrato
     REQUIRE(add(first, "pat", patience) == "Good");
     suspended = "admin";
     CHECK(add(second, "sam", patience) == "Bad_UserAccessDenied");
-    CHECK(call(second, NodeId{0, id::WellKnownRole_Operator},
-               NodeId{0, 15684}, // AddIdentity
+    CHECK(call(second, NodeId{0, id::WellKnownRole_Operator}, NodeId{0, 15684}, // AddIdentity
                {Variant{ExtensionObject::from(
                    IdentityMappingRuleType{IdentityCriteriaType::UserName, "pat"})}})
               .status_code == status::Bad_UserAccessDenied);

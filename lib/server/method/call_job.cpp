@@ -1,10 +1,12 @@
 #include "call_job.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/crypto/secret.hpp>
 
 #include "server/rights/built_in_methods.hpp"
 #include "server/rights/method_lookup.hpp"
@@ -74,6 +76,16 @@ std::size_t cost_of(const CallRequest& request)
         cost += bytes_per_method + call.input_arguments.size() * sizeof(Variant);
     }
     return cost;
+}
+
+CallJob::Memory::~Memory()
+{
+    const auto& calls = request.methods_to_call;
+    if (std::any_of(calls.begin(), calls.end(), [](const CallMethodRequest& call) {
+            return has_secret_inputs(call.method_id);
+        })) {
+        crypto::cleanse(message);
+    }
 }
 
 CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,

@@ -58,6 +58,12 @@ public:
 private:
     /// What sources were given the addresses of.
     struct Memory {
+        Memory() = default;
+        Memory(const Memory&) = delete;
+        Memory& operator=(const Memory&) = delete;
+        /// Overwrites the message if it holds a password or a key.
+        ~Memory();
+
         MethodCaller caller;
         std::vector<std::byte> message;
         CallRequest request;

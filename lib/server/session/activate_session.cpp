@@ -39,6 +39,13 @@ public:
         if (check_) {
             check_->owner = nullptr;
         }
+        wipe_message();
+    }
+    /// Without the password, which only an own policy of the token encrypts.
+    [[nodiscard]] std::vector<std::byte> spare_message() override
+    {
+        wipe_message();
+        return take_message();
     }
     void start(ServiceContext& context) override
     {

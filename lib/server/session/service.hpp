@@ -8,6 +8,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/function_ref.hpp>
+#include <busbar/crypto/secret.hpp>
 #include <busbar/types/common.hpp>
 
 #include "named_nodes.hpp"
@@ -131,6 +132,8 @@ protected:
     [[nodiscard]] bool charge(std::size_t bytes);
     /// Bytes that a response may have to fit the client's limits.
     [[nodiscard]] std::size_t response_limit() const;
+    /// Overwrites the message, and what the request borrows from it.
+    void wipe_message() { crypto::cleanse(message_); }
     /// The message, which the request borrows from, for what outlives the operation.
     [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 
