@@ -97,6 +97,31 @@ run 0 discover "$url"
 grep -q -F "opc.tcp://127.0.0.1:" out || fail "an endpoint by address (C3)"
 run 0 discover "opc.tcp://localhost:${url##*:}"
 grep -q -F "opc.tcp://localhost:" out || fail "an endpoint by name (C3)"
+# The key of a first start is made before anybody can connect.
+cat > secure.toml << END
+[server]
+address = "127.0.0.1"
+port = ${url##*:}
+[certificates]
+folder = "first"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+[users]
+anonymous = "read"
+END
+refused "listening" --config secure.toml
+[ -n "$(ls first/own/private)" ] || fail "it listens before it has a key"
+stop
+# What has not begun to serve ends at once, and well.
+mkfifo late.toml
+"$controller" --config late.toml > log 2>&1 < /dev/null &
+pid=$!
+catches_term() {
+    caught=$(sed -n 's/^SigCgt:.*\(....\)$/\1/p' "/proc/$pid/status")
+    [ $((0x$caught & 0x4000)) -ne 0 ]
+}
+await catches_term
 stop
 if [ -s /proc/net/if_inet6 ]; then
     sed 's/^address = .*/address = "::1"/' plain.toml > six.toml

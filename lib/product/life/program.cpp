@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -35,6 +36,14 @@ int regenerate_certificate(ControllerConfig config)
                 "after a restart\n",
                 made.thumbprint_text().c_str());
     return 0;
+}
+
+/// Until the server's loop ends cleanly by these signals, nothing has to be finished first.
+void end_at_once_on_signals()
+{
+    for (const int number : {SIGTERM, SIGINT}) {
+        std::signal(number, [](int) { std::_Exit(0); });
+    }
 }
 
 constexpr int usage_exit = 2;
@@ -121,6 +130,7 @@ int run(int argc, char** argv)
     net::give_way();
     bool starts = true;
     while (starts) {
+        end_at_once_on_signals();
         starts = start(origin)->run();
     }
     return 0;

@@ -74,6 +74,7 @@ RunningController::RunningController(Origin origin, Beginning beginning)
     }
 #endif
     standing_ = standing_of(config);
+    make_missing_certificate(config, clock_.now(), machine_ ? machine_->log() : log_);
     listen(config, beginning.last ? beginning.last->listeners : std::vector<FurtherListener>{});
     current_ =
         std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <busbar/storage/folder_storage.hpp>
 
@@ -54,35 +55,40 @@ std::string kept_in(const Origin& origin)
     }
 }
 
-/// Puts other settings in the place of those that are there, which come back unless it is said that
-/// they are used.
+/// Puts other settings in the place of those that are there, which lie beside them then. Without
+/// use() the others are there again in the end.
 class OtherSettings {
 public:
     OtherSettings(Storage& folder, std::string_view document) : folder_{folder}
     {
-        const auto refused = folder_.move(Settings::file_name, refused_name, WhenThere::Replace);
-        if (!refused && refused.error() != StorageError::NotFound) {
-            return;
+        constexpr std::size_t most = 64U << 20U;
+        constexpr std::string_view refused = "settings.json.refused";
+        if (auto there = read_file(folder_, Settings::file_name, most)) {
+            before_ = *std::move(there);
+            if (!folder_.replace(refused, *before_, FileAccess::Owner)) {
+                return; // nothing is lost, and this way leads nowhere
+            }
         }
-        is_moved_ = refused.has_value();
-        static_cast<void>(folder_.replace(Settings::file_name, std::as_bytes(std::span{document}),
-                                          FileAccess::Owner));
+        static_cast<void>(put(std::as_bytes(std::span{document})));
     }
     OtherSettings(const OtherSettings&) = delete;
     OtherSettings& operator=(const OtherSettings&) = delete;
     ~OtherSettings()
     {
-        if (!is_used_ && is_moved_) {
-            static_cast<void>(folder_.move(refused_name, Settings::file_name, WhenThere::Replace));
+        if (!is_used_ && before_) {
+            static_cast<void>(put(*before_));
         }
     }
     void use() { is_used_ = true; }
 
 private:
-    static constexpr std::string_view refused_name = "settings.json.refused";
+    Stored<void> put(std::span<const std::byte> bytes)
+    {
+        return folder_.replace(Settings::file_name, bytes, FileAccess::Owner);
+    }
 
     Storage& folder_;
-    bool is_moved_{false};
+    std::optional<std::vector<std::byte>> before_;
     bool is_used_{false};
 };
 

@@ -50,6 +50,16 @@ void set_names(ControllerConfig& config)
     server.host_names = present_hosts(config);
 }
 
+void make_missing_certificate(ControllerConfig config, DateTime now, LogSink& log)
+{
+    if (needs_certificate(config)) {
+        set_names(config);
+        static_cast<void>(load_identity(config.certificates, config.server.application_name,
+                                        config.server.application_uri, config.server.host_names,
+                                        now, log));
+    }
+}
+
 void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log)
 {
     server::ServerConfig& server = config.server;

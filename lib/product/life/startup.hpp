@@ -13,6 +13,9 @@ namespace busbar::product {
 
 /// Names that a file need not give.
 void set_names(ControllerConfig& config);
+/// Makes the key and the certificate if there are none, which takes seconds; `log` is told. To be
+/// called before clients can connect, as they are not answered meanwhile.
+void make_missing_certificate(ControllerConfig config, DateTime now, LogSink& log);
 /// Certificate and URL of a controller that listens on `port`. `log` is told of a new certificate.
 void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log);
 /// Without a file there is no account, and a password that everybody knows is none: the controller
