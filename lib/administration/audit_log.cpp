@@ -184,7 +184,7 @@ Event audit_event(const Record& record, std::string_view server_id)
     event.message = LocalizedText{
         "en", String{record.text.empty() ? std::string{name(record.kind)} : record.text}};
     event.severity = is_done ? severity_of_success : severity_of_failure;
-    event.set({0, "ActionTimeStamp"}, Variant{DateTime{}});
+    event.set({0, "ActionTimeStamp"}, Variant{record.actor.action_time});
     event.set({0, "Status"}, Variant{is_done});
     event.set({0, "StatusCodeId"}, Variant{record.status});
     set_text(event, "ServerId", server_id);

@@ -34,6 +34,7 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
         record.actor.user = caller.user.name;
         record.actor.address = caller.address;
         record.actor.audit_entry_id = caller.audit_entry_id;
+        record.actor.action_time = caller.action_time;
         record.certificate = certificate;
         record.fields = fields;
         tell(log, record);

@@ -2,7 +2,9 @@
 
 #include <array>
 
+#include <busbar/binary/codec.hpp>
 #include <busbar/core/record.hpp>
+#include <busbar/types/common.hpp>
 
 namespace busbar::channel::detail {
 
@@ -22,6 +24,7 @@ void record_issued(const Conversation& conversation, std::uint32_t channel_id,
     Record record{kind, LogLevel::Debug, "channel"};
     record.actor.secure_channel_id = channel_id;
     record.actor.audit_entry_id = request.request_header.audit_entry_id.view();
+    record.actor.action_time = request.request_header.timestamp;
     if (const auto& peer = conversation.peer_certificates; !peer.empty()) {
         record.certificate = peer.front().der();
     }
@@ -29,12 +32,22 @@ void record_issued(const Conversation& conversation, std::uint32_t channel_id,
     log.record(record);
 }
 
-void record_closed(const Conversation& conversation, std::uint32_t channel_id)
+void record_closed(const Conversation& conversation, std::uint32_t channel_id,
+                   std::span<const std::byte> request)
 {
     LogSink& log = *conversation.environment().log;
     if (log.wants(RecordKind::ChannelClosed)) {
+        binary::Reader reader{request};
+        NodeId type;
+        RequestHeader header;
+        decode(reader, type);
+        decode(reader, header);
         Record record{RecordKind::ChannelClosed, LogLevel::Debug, "channel"};
         record.actor.secure_channel_id = channel_id;
+        if (reader.ok()) {
+            record.actor.audit_entry_id = header.audit_entry_id.view();
+            record.actor.action_time = header.timestamp;
+        }
         log.record(record);
     }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <busbar/types/secure_channel.hpp>
 
@@ -13,7 +15,9 @@ namespace busbar::channel::detail {
 void record_issued(const Conversation& conversation, std::uint32_t channel_id,
                    const OpenSecureChannelRequest& request, bool is_new);
 
-/// Tells the log that the client closed the channel (Part 4, 6.5.5).
-void record_closed(const Conversation& conversation, std::uint32_t channel_id);
+/// Tells the log that the client closed the channel (Part 4, 6.5.5), by this encoded
+/// CloseSecureChannelRequest.
+void record_closed(const Conversation& conversation, std::uint32_t channel_id,
+                   std::span<const std::byte> request);
 
 } // namespace busbar::channel::detail

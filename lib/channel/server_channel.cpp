@@ -88,7 +88,7 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
     }
     prove();
     if (frame.header.type == MessageType::CLO) {
-        record_closed(conversation, config.channel_id);
+        record_closed(conversation, config.channel_id, content->body);
         end({}, {});
         return {};
     }

@@ -67,8 +67,8 @@ struct Fixture {
         const auto made = client.call<CreateSubscriptionResponse>(subscription);
         REQUIRE(made);
         EventFilter filter;
-        for (const char* name :
-             {"EventType", "ClientUserId", "Status", "StatusCodeId", "SourceName"}) {
+        for (const char* name : {"EventType", "ClientUserId", "Status", "StatusCodeId",
+                                 "SourceName", "ActionTimeStamp", "UserIdentityToken"}) {
             SimpleAttributeOperand operand;
             operand.type_definition_id = NodeId{0, id::BaseEventType};
             operand.browse_path = {QualifiedName{0, name}};
@@ -99,6 +99,8 @@ struct Fixture {
         const auto response = client.take<PublishResponse>(id);
         std::vector<std::string> found;
         sources.clear();
+        action_times.clear();
+        tokens.clear();
         if (!response || response->notification_message.notification_data.empty()) {
             return found;
         }
@@ -112,6 +114,8 @@ struct Fixture {
                             (fields[2].value_or<bool>(false) ? "true " : "false ") +
                             std::string{name(fields[3].value_or<StatusCode>({}))});
             sources.push_back(fields[4].value_or<String>({}).str());
+            action_times.push_back(fields[5].value_or<DateTime>({}));
+            tokens.push_back(fields[6].value_or<ExtensionObject>({}));
         }
         return found;
     }
@@ -126,6 +130,8 @@ struct Fixture {
     TimePoint now{};
     /// SourceNames of the events that events() found last.
     std::vector<std::string> sources;
+    std::vector<DateTime> action_times;
+    std::vector<ExtensionObject> tokens;
     server::Server server{server::Server::create(config(), {.random = &random,
                                                             .wall_clock = &wall_clock,
                                                             .log = &audit,
@@ -168,6 +174,68 @@ TEST_CASE_METHOD(Fixture, "audit: SecurityAdmin sees channels and sessions come 
     request.nodes_to_read[0].attribute_id = 13;
     CHECK(admin.call<ReadResponse>(request)->results[0].value == Variant{true});
     CHECK(lines.text.find("\"test\" created from 192.0.2.1") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Fixture, "audit: when users acted (Part 5, 6.4.3)", "[unit:Auditing Services]")
+{
+    const DateTime acted = DateTime::from_unix_seconds(1'700'000'000);
+    auto admin = log_in("admin");
+    subscribe(admin);
+    static_cast<void>(events(admin));
+    auto pat = connect(MessageSecurityMode::SignAndEncrypt);
+    static_cast<void>(events(admin));
+    pat.timestamp = acted;
+    const std::vector<DateTime> once{acted};
+    const auto is_told = [&] { return events(admin).size() == 1 && action_times == once; };
+
+    REQUIRE(pat.create_session());
+    CHECK(is_told());
+    REQUIRE(pat.activate(pat.user("pat", "pat-secret")) == status::Good);
+    CHECK(is_told());
+    WriteRequest write;
+    write.nodes_to_write.resize(1);
+    write.nodes_to_write[0].attribute_id = 13;
+    static_cast<void>(pat.call<WriteResponse>(write));
+    CHECK(is_told());
+    CallRequest call;
+    call.methods_to_call.resize(1);
+    static_cast<void>(pat.call<CallResponse>(call));
+    CHECK(is_told());
+    static_cast<void>(pat.call<CancelResponse>(CancelRequest{}));
+    CHECK(is_told());
+    CHECK(pat.close_session() == status::Good);
+    CHECK(is_told());
+}
+
+TEST_CASE_METHOD(Fixture, "audit: tokens are told without their secrets (Part 5, 6.4.10)",
+                 "[unit:Auditing Connections]")
+{
+    auto admin = log_in("admin");
+    subscribe(admin);
+    auto pat = connect(MessageSecurityMode::SignAndEncrypt);
+    REQUIRE(pat.create_session());
+    static_cast<void>(events(admin));
+    const auto told = [&](const ExtensionObject& token) {
+        const auto sent = pat.send_activate(token);
+        static_cast<void>(pat.take_activate(sent));
+        REQUIRE(events(admin).size() == 1);
+        return tokens[0];
+    };
+    for (const char* password : {"pat-secret", "wrong"}) {
+        CAPTURE(password);
+        const ExtensionObject token = told(pat.user("pat", password));
+        const auto* const user = token.get_if<UserNameIdentityToken>();
+        REQUIRE(user != nullptr);
+        CHECK(user->user_name.view() == "pat");
+        CHECK_FALSE(user->policy_id.view().empty());
+        CHECK(user->password.empty());
+    }
+    IssuedIdentityToken issued;
+    issued.policy_id = "issued";
+    issued.token_data = ByteString{std::as_bytes(std::span{"secret", 6})};
+    const ExtensionObject token = told(ExtensionObject::from(issued));
+    REQUIRE(token.get_if<IssuedIdentityToken>() != nullptr);
+    CHECK(token.get_if<IssuedIdentityToken>()->token_data.empty());
 }
 
 TEST_CASE_METHOD(Fixture, "audit: how sessions and channels end (Part 4, 6.5.5 and 6.5.6)",

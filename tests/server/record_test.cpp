@@ -45,10 +45,12 @@ TEST_CASE_METHOD(Recorded, "record: a session from its channel to its end")
     const auto refused = client.send_activate(client.user("operator", "wrong"));
     advance(std::chrono::seconds{10}, client);
     CHECK(client.take_activate(refused) == status::Bad_UserAccessDenied);
-    CHECK(news(*this) == Lines{"LoginRefused Bad_UserAccessDenied test/operator 192.0.2.1"});
+    CHECK(news(*this) ==
+          Lines{"LoginRefused Bad_UserAccessDenied test/operator 192.0.2.1 UserIdentityToken"});
     CHECK(client.activate(client.user("operator", "operator-secret")) == status::Good);
     CHECK(news(*this) ==
-          Lines{"SessionActivated Good test/operator 192.0.2.1 UserTokenType IsFirst"});
+          Lines{"SessionActivated Good test/operator 192.0.2.1 UserTokenType IsFirst "
+                "UserIdentityToken"});
     CHECK(client.status_of<CancelResponse>(CancelRequest{}) == status::Good);
     CHECK(news(*this) == Lines{"RequestCancelled Good test/operator 192.0.2.1 RequestHandle"});
     CHECK(client.close_session() == status::Good);

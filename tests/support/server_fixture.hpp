@@ -117,6 +117,7 @@ public:
         request.request_header.authentication_token = authentication_token;
         request.request_header.request_handle = ++last_handle;
         request.request_header.timeout_hint = timeout_hint;
+        request.request_header.timestamp = timestamp;
         return send_bytes([&](binary::Writer& writer) {
             encode(writer, NodeId{0, Request::binary_encoding_id});
             encode(writer, request);
@@ -248,6 +249,8 @@ public:
     ByteString server_nonce;
     std::uint32_t last_handle{0};
     std::uint32_t timeout_hint{0};
+    /// Of requests; null unless set.
+    DateTime timestamp{};
     std::uint32_t handle_of_answer{0};
     std::deque<channel::ChannelEvent> messages;
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/refusal.hpp>
@@ -26,8 +27,10 @@ enum class RecordKind : std::uint8_t {
     SessionRefused, // by CreateSession
     /// [EndpointUrl]: the client connects by a name that the server does not have.
     UrlMismatch,
-    SessionActivated, // [UserTokenType, IsFirst: false if it was activated before]
-    LoginRefused,     // by ActivateSession
+    /// [UserTokenType, IsFirst: false if it was activated before, UserIdentityToken]; of a token
+    /// all but its secret.
+    SessionActivated,
+    LoginRefused, // [UserIdentityToken], by ActivateSession
     /// [WasActivated, Cause: "CloseSession", "Timeout" or "Terminated"]; status: why.
     SessionClosed,
     RequestCancelled, // [RequestHandle]
@@ -109,6 +112,9 @@ struct RecordActor {
     std::string_view address{};
     /// AuditEntryId of the request's header (Part 4, 7.33).
     std::string_view audit_entry_id{};
+    /// The timestamp of the request's header: when the user acted, by the client's clock (Part 5,
+    /// 6.4.3). Null if there is no request.
+    DateTime action_time{};
     std::uint32_t secure_channel_id{0};
 };
 

@@ -7,6 +7,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/array.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -31,6 +32,8 @@ struct MethodCaller {
     MessageSecurityMode security_mode{MessageSecurityMode::None};
     std::string address{};
     std::string audit_entry_id{};
+    /// The timestamp of the request's header.
+    DateTime action_time{};
 };
 
 /// One Method to carry out.

@@ -19,6 +19,7 @@
 namespace busbar::server::detail {
 
 class Session;
+struct RequestMark;
 
 /// Who wants to know what clients write.
 class WriteObserver {
@@ -33,7 +34,7 @@ public:
     [[nodiscard]] virtual bool wants_node_ids() const = 0;
     /// The request was carried out; `nodes` has a place for each item, no_node where there was
     /// none, and `result` is what became of it. The session may be null, if it has gone meanwhile.
-    virtual void written(const Session* session, std::string_view audit_entry_id,
+    virtual void written(const Session* session, const RequestMark& mark,
                          const WriteRequest& request, std::span<const model::NodeHandle> nodes,
                          FunctionRef<StatusCode(std::size_t)> result) = 0;
 

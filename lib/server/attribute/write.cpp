@@ -13,7 +13,7 @@ WriteOperation::~WriteOperation()
 
 void WriteOperation::start(ServiceContext& context)
 {
-    audit_entry_id_ = context.audit_entry_id;
+    mark_ = context.mark;
     const StatusCode refusal = check_write(request(), needs_.limits.operations.max_nodes_per_write);
     if (refusal.is_bad()) {
         return fault(refusal);
@@ -72,7 +72,7 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
-    needs_.observer.written(session(), audit_entry_id_, request(), job_->nodes(),
+    needs_.observer.written(session(), mark_, request(), job_->nodes(),
                             [this](std::size_t index) { return job_->result(index); });
     if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
         return fault(refusal);

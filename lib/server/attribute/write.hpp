@@ -34,7 +34,7 @@ private:
 
     const AttributeNeeds& needs_;
     std::optional<WriteJob> job_;
-    std::string audit_entry_id_;
+    RequestMark mark_;
     bool is_planning_{true};
 };
 

@@ -12,7 +12,7 @@ namespace busbar::server::detail {
 
 /// A record for each node of a Write, if the log wants them (Part 5, 6.4.27). What was there before
 /// is not among them: a data source is not asked for it.
-inline void record_write(LogSink& log, const Session* session, std::string_view audit_entry_id,
+inline void record_write(LogSink& log, const Session* session, const RequestMark& mark,
                          const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
 {
     if (session == nullptr || !log.wants(RecordKind::AttributeWritten)) {
@@ -26,7 +26,7 @@ inline void record_write(LogSink& log, const Session* session, std::string_view 
                                 RecordField{"NewValue", written.value.value}};
         Record record{RecordKind::AttributeWritten, LogLevel::Debug, "attribute"};
         record.status = result(i);
-        record.actor = actor_of(*session, audit_entry_id);
+        record.actor = actor_of(*session, mark);
         record.fields = fields;
         log.record(record);
     }

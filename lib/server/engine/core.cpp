@@ -34,7 +34,7 @@ void tell_closed(LogSink& log, const Session& session, StatusCode status)
     Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
     record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
     record.status = status;
-    record.actor = actor_of(session);
+    record.actor = actor_of(session, session.end_mark);
     record.certificate = certificate_of(session);
     record.fields = fields;
     tell(log, record);
@@ -211,11 +211,11 @@ bool Core::wants_node_ids() const
     return rationed_log.wants(RecordKind::AttributeWritten);
 }
 
-void Core::written(const Session* session, std::string_view audit_entry_id,
-                   const WriteRequest& request, std::span<const model::NodeHandle> nodes,
+void Core::written(const Session* session, const RequestMark& mark, const WriteRequest& request,
+                   std::span<const model::NodeHandle> nodes,
                    FunctionRef<StatusCode(std::size_t)> result)
 {
-    record_write(rationed_log, session, audit_entry_id, request, result);
+    record_write(rationed_log, session, mark, request, result);
     if (subscriptions.item_count() == 0) {
         return;
     }

@@ -169,8 +169,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
 private:
     void kept_values_written() override;
     [[nodiscard]] bool wants_node_ids() const override;
-    void written(const Session* session, std::string_view audit_entry_id,
-                 const WriteRequest& request, std::span<const model::NodeHandle> nodes,
+    void written(const Session* session, const RequestMark& mark, const WriteRequest& request,
+                 std::span<const model::NodeHandle> nodes,
                  FunctionRef<StatusCode(std::size_t)> result) override;
     void model_changed() override;
 

@@ -114,7 +114,8 @@ void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming,
     }
     incoming.reply.return_diagnostics =
         allowed_diagnostics(core, *session, incoming.header.return_diagnostics);
-    ServiceContext context{link, *session, now, incoming.header.audit_entry_id.view()};
+    ServiceContext context{
+        link, *session, now, {incoming.header.audit_entry_id.str(), incoming.header.timestamp}};
     service->run(core, context, incoming);
 }
 

@@ -11,7 +11,7 @@ CallOperation::~CallOperation()
 
 void CallOperation::start(ServiceContext& context)
 {
-    audit_entry_id_ = context.audit_entry_id;
+    mark_ = context.mark;
     const StatusCode refusal =
         check_call(request(), needs_.limits.operations.max_nodes_per_method_call);
     if (refusal.is_bad()) {
@@ -46,7 +46,7 @@ void CallOperation::call_completed()
     }
     job_->finish();
     if (session() != nullptr) {
-        job_->record(*session(), audit_entry_id_, request());
+        job_->record(*session(), mark_, request());
     }
     if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
         return fault(refusal);

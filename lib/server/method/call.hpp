@@ -28,7 +28,7 @@ private:
 
     const MethodNeeds& needs_;
     std::optional<CallJob> job_;
-    std::string audit_entry_id_;
+    RequestMark mark_;
 };
 
 } // namespace busbar::server::detail

@@ -93,8 +93,12 @@ CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,
     : needs_{needs}, call_{needs.sources, request.methods_to_call.size()},
       memory_{std::make_shared<Memory>()}, asked_(request.methods_to_call.size())
 {
-    memory_->caller = {context.session->id, context.session->user, context.session->security.mode,
-                       std::string{context.peer.address()}, std::string{context.audit_entry_id}};
+    memory_->caller = {context.session->id,
+                       context.session->user,
+                       context.session->security.mode,
+                       std::string{context.peer.address()},
+                       context.mark.audit_entry_id,
+                       context.mark.timestamp};
     const auto calls = request.methods_to_call.span();
     for (std::size_t i = 0; i < calls.size(); ++i) {
         if (auto answer = plan(context, i, calls[i])) {
@@ -195,7 +199,7 @@ void CallJob::finish()
     }
 }
 
-void CallJob::record(const Session& session, std::string_view audit_entry_id,
+void CallJob::record(const Session& session, const RequestMark& mark,
                      const CallRequest& request) const
 {
     if (!needs_.log.wants(RecordKind::MethodCalled)) {
@@ -208,7 +212,7 @@ void CallJob::record(const Session& session, std::string_view audit_entry_id,
                                 RecordField{"InputArguments", Variant{call.input_arguments}}};
         Record one{RecordKind::MethodCalled, LogLevel::Debug, "method"};
         one.status = call_.result(i).status;
-        one.actor = actor_of(session, audit_entry_id);
+        one.actor = actor_of(session, mark);
         // The last field may hold a password.
         one.fields = std::span{fields}.first(has_secret_inputs(call.method_id) ? 2 : 3);
         needs_.log.record(one);

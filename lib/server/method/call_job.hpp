@@ -44,8 +44,7 @@ public:
     /// Checks what the sources answered; before encode_results().
     void finish();
     /// A record for each Method, if the log wants them (Part 5, 6.4.28); after finish().
-    void record(const Session& session, std::string_view audit_entry_id,
-                const CallRequest& request) const;
+    void record(const Session& session, const RequestMark& mark, const CallRequest& request) const;
     /// Of the calls and their arguments, after finish().
     [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
                                            const CallRequest& request) const;

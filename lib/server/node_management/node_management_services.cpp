@@ -59,8 +59,9 @@ private:
     using Result = typename SlicedOperation<Request, Response>::Result;
 
     [[nodiscard]] std::size_t size() const override { return (this->request().*Items).size(); }
-    [[nodiscard]] StatusCode begin(ServiceContext&) override
+    [[nodiscard]] StatusCode begin(ServiceContext& context) override
     {
+        mark_ = context.mark;
         if (!needs_.config.has_node_management) {
             return status::Bad_ServiceUnsupported;
         }
@@ -85,7 +86,8 @@ private:
         Result result = WorkOne(*management_, (this->request().*Items)[index]);
         turn.spend(units_of_change + before - management_->visits_left);
         busbar::detail::attempt([&] {
-            record_change(needs_.log, *this->session(), (this->request().*Items)[index], result);
+            record_change(needs_.log, *this->session(), mark_, (this->request().*Items)[index],
+                          result);
         });
         return result;
     }
@@ -113,6 +115,7 @@ private:
     const NodeManagementNeeds& needs_;
     /// While its turn lasts.
     std::optional<NodeManagementContext> management_;
+    RequestMark mark_;
     /// Nothing before the first turn.
     std::optional<std::size_t> visits_left_;
 };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,6 +27,24 @@ Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
     return {status, check, std::move(found), "Part 4, 5.7.3.1", std::move(remedy)};
 }
 
+/// All of the token but what proves who the user is (Part 5, 6.4.10).
+ExtensionObject without_secret(const ExtensionObject& token)
+{
+    if (const auto* const user = token.get_if<UserNameIdentityToken>()) {
+        UserNameIdentityToken shown = *user;
+        shown.password = {};
+        return ExtensionObject::from(std::move(shown));
+    }
+    if (const auto* const issued = token.get_if<IssuedIdentityToken>()) {
+        IssuedIdentityToken shown = *issued;
+        shown.token_data = {};
+        return ExtensionObject::from(std::move(shown));
+    }
+    const bool has_no_secret = token.get_if<AnonymousIdentityToken>() != nullptr ||
+                               token.get_if<X509IdentityToken>() != nullptr;
+    return has_no_secret ? token : ExtensionObject{};
+}
+
 /// ActivateSession (Part 4, 5.7.3).
 ///
 /// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
@@ -50,7 +69,7 @@ public:
     void start(ServiceContext& context) override
     {
         peer_ = &context.peer;
-        audit_entry_id_ = context.audit_entry_id;
+        mark_ = context.mark;
         attempt(context.now);
     }
     [[nodiscard]] TimePoint next_deadline() const override { return wait_until_; }
@@ -85,7 +104,7 @@ private:
     const SessionNeeds& needs_;
     Peer* peer_{nullptr};
     std::string thumbprint_;
-    std::string audit_entry_id_;
+    RequestMark mark_;
     TimePoint wait_until_{no_deadline};
     bool has_waited_{false};
     /// What a worker is at, and the nonce that it was begun with.
@@ -344,12 +363,15 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
     Record record{RecordKind::LoginRefused, LogLevel::Warning, "session"};
     record.status = answer;
     record.refusal = &refusal;
-    record.actor = actor_of(*session(), audit_entry_id_);
+    record.actor = actor_of(*session(), mark_);
     const std::string claimed{login_attempt().user};
     record.actor.user = claimed;
     record.actor.address = peer_->address();
     record.actor.secure_channel_id = peer_->channel().channel_id();
     record.certificate = certificate_of(*session());
+    const std::array fields{
+        RecordField{"UserIdentityToken", Variant{without_secret(request().user_identity_token)}}};
+    record.fields = fields;
     tell(needs_.log, record);
     if (delay == Duration::zero()) {
         return fault(answer);
@@ -399,7 +421,10 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     undo.keep();
     session.have_all_memory();
     session.locale_ids = std::move(locales);
-    busbar::detail::attempt([&] { tell_activated(needs_, session, is_first, audit_entry_id_); });
+    busbar::detail::attempt([&] {
+        tell_activated(needs_, session, is_first, mark_,
+                       without_secret(request().user_identity_token));
+    });
     needs_.keeper.session_activated(session);
     // Also the same user, with other rights than before.
     if (session.is_user_untold) {

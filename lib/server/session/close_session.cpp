@@ -13,6 +13,7 @@ StatusCode close_session(const SessionNeeds& needs, ServiceContext& context,
         return status::Bad_SecureChannelIdInvalid;
     }
     context.session->end = SessionEnd::CloseSession;
+    context.session->end_mark = context.mark;
     needs.keeper.close_session(*context.session, status::Bad_SessionClosed,
                                request.delete_subscriptions);
     context.session = nullptr;
@@ -26,7 +27,7 @@ StatusCode cancel(const SessionNeeds& needs, ServiceContext& context, const Canc
     if (needs.log.wants(RecordKind::RequestCancelled)) {
         const std::array fields{RecordField{"RequestHandle", Variant{request.request_handle}}};
         Record record{RecordKind::RequestCancelled, LogLevel::Debug, "session"};
-        record.actor = actor_of(*context.session, context.audit_entry_id);
+        record.actor = actor_of(*context.session, context.mark);
         record.fields = fields;
         needs.log.record(record);
     }

@@ -255,7 +255,8 @@ void tell_refused(const ServiceContext& context, const CreateSessionRequest& req
     record.refusal = &refusal;
     record.actor.session_name = request.session_name.view();
     record.actor.application_uri = request.client_description.application_uri.view();
-    record.actor.audit_entry_id = context.audit_entry_id;
+    record.actor.audit_entry_id = context.mark.audit_entry_id;
+    record.actor.action_time = context.mark.timestamp;
     record.actor.secure_channel_id = context.peer.channel().channel_id();
     if (const auto& peer = context.peer.channel().peer_certificates(); !peer.empty()) {
         record.certificate = peer.front().der();
@@ -271,7 +272,7 @@ void tell_created(const SessionNeeds& needs, const Session& session, const Servi
     Record record{RecordKind::SessionCreated, LogLevel::Info, "session"};
     record.text =
         "\"" + printable(session.name) + "\" created from " + std::string{context.peer.address()};
-    record.actor = actor_of(session, context.audit_entry_id);
+    record.actor = actor_of(session, context.mark);
     record.certificate = certificate_of(session);
     record.fields = fields;
     tell(needs.log, record);
@@ -289,7 +290,7 @@ void tell_other_url(const SessionNeeds& needs, const Session& session,
     }
     const std::array fields{RecordField{"EndpointUrl", Variant{session.endpoint_url}}};
     Record record{RecordKind::UrlMismatch, LogLevel::Debug, "session"};
-    record.actor = actor_of(session, context.audit_entry_id);
+    record.actor = actor_of(session, context.mark);
     record.certificate = certificate_of(session);
     record.fields = fields;
     needs.log.record(record);

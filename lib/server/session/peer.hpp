@@ -1,9 +1,11 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include <busbar/channel/server_channel.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 
 #include "outbox.hpp"
@@ -12,6 +14,12 @@
 namespace busbar::server::detail {
 
 class Session;
+
+/// What records say of the request that they come from: what its header has (Part 4, 7.33).
+struct RequestMark {
+    std::string audit_entry_id{};
+    DateTime timestamp{};
+};
 
 /// The client's end of a connection, as services see it.
 class Peer : public Outbox {

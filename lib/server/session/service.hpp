@@ -36,8 +36,8 @@ struct ServiceContext {
     /// Null for the services that need no session.
     Session* session;
     TimePoint now;
-    /// Of the request; empty in later turns. Borrowed from the request.
-    std::string_view audit_entry_id{};
+    /// Of the request; empty in later turns.
+    RequestMark mark{};
 };
 
 /// One request whose answer may come later. Owns the message it was decoded from.

@@ -17,6 +17,8 @@
 
 #include "server/rights/registered_nodes.hpp"
 
+#include "peer.hpp"
+
 namespace busbar::server::detail {
 
 class Peer;
@@ -84,6 +86,8 @@ public:
     bool is_activated{false};
     /// Once it is over.
     SessionEnd end{SessionEnd::Terminated};
+    /// Of the CloseSession that ended it.
+    RequestMark end_mark{};
     /// Its Subscriptions have not all heard whose it is now.
     bool is_user_untold{false};
     UserIdentity user;

@@ -10,15 +10,16 @@
 /// What the services tell of sessions, typed.
 namespace busbar::server::detail {
 
-[[nodiscard]] inline RecordActor actor_of(const Session& session,
-                                          std::string_view audit_entry_id = {})
+/// Borrows from both.
+[[nodiscard]] inline RecordActor actor_of(const Session& session, const RequestMark& mark)
 {
     RecordActor actor{&session.id,
                       session.name,
                       session.client_application_uri,
                       session.user.name,
                       {},
-                      audit_entry_id,
+                      mark.audit_entry_id,
+                      mark.timestamp,
                       0};
     if (session.peer != nullptr) {
         actor.address = session.peer->address();

@@ -92,14 +92,15 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 }
 
 void tell_activated(const SessionNeeds& needs, const Session& session, bool is_first,
-                    std::string_view audit_entry_id)
+                    const RequestMark& mark, const ExtensionObject& token)
 {
     const std::array fields{
         RecordField{"UserTokenType", Variant{static_cast<std::int32_t>(session.user.token_type)}},
-        RecordField{"IsFirst", Variant{is_first}}};
+        RecordField{"IsFirst", Variant{is_first}},
+        RecordField{"UserIdentityToken", Variant{token}}};
     Record record{RecordKind::SessionActivated, LogLevel::Info, "session"};
     record.text = "\"" + printable(session.name) + "\" activated by " + describe(session.user);
-    record.actor = actor_of(session, audit_entry_id);
+    record.actor = actor_of(session, mark);
     record.certificate = certificate_of(session);
     record.fields = fields;
     tell(needs.log, record);

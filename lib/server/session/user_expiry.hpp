@@ -10,6 +10,7 @@ namespace busbar::server::detail {
 
 struct SessionNeeds;
 class Session;
+struct RequestMark;
 
 /// The session belongs to `user` from now on, as long as his certificate or token is valid: then it
 /// is an anonymous one or, where the endpoint allows none, ends (Part 4, 7.40.5).
@@ -20,9 +21,9 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 [[nodiscard]] UserIdentity with_roles(const SessionNeeds& needs, const Session& session,
                                       UserIdentity user);
 
-/// Says that the session has been activated; `is_first`: it was not before.
+/// Says that the session has been activated; `is_first`: it was not before. `token` has no secret.
 void tell_activated(const SessionNeeds& needs, const Session& session, bool is_first,
-                    std::string_view audit_entry_id);
+                    const RequestMark& mark, const ExtensionObject& token);
 
 /// In time, and before the session is used: takes a user away whose time is over. What the
 /// session's Subscriptions may see is looked at again.

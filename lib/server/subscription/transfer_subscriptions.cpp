@@ -63,7 +63,7 @@ void tell_transferred(LogSink& log, const ServiceContext& context, StatusCode st
         return;
     }
     Record record{RecordKind::SubscriptionsTransferred, LogLevel::Debug, "subscription"};
-    record.actor = actor_of(*context.session, context.audit_entry_id);
+    record.actor = actor_of(*context.session, context.mark);
     record.status = status;
     log.record(record);
 }
