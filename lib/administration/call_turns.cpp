@@ -65,8 +65,13 @@ void CallTurns::add(server::CallBatch batch)
     }
 }
 
-StatusCode CallTurns::check_waiting(const Holder& holder, const server::CallItem& call) const
+StatusCode CallTurns::check_waiting(const Holder& holder, const server::CallBatch& batch,
+                                    std::size_t index) const
 {
+    if (batch.is_abandoned()) {
+        return status::Bad_Timeout;
+    }
+    const server::CallItem& call = batch.items()[index];
     return is_there(*server_, holder) ? server::RunningServer{*server_}.check_call(
                                             holder.session, *call.object_id, *call.method_id)
                                       : StatusCode{status::Bad_SessionClosed};
@@ -94,7 +99,7 @@ void CallTurns::serve_next()
     if (!lines_.empty()) {
         static_cast<void>(wake());
     }
-    if (const StatusCode refused = check_waiting(holder, batch->items()[index]); refused.is_bad()) {
+    if (const StatusCode refused = check_waiting(holder, *batch, index); refused.is_bad()) {
         return server::MethodCall{batch, index}.fail(refused);
     }
     serve(batch, index);

@@ -20,9 +20,9 @@ namespace busbar::administration::detail {
 ///
 /// The first Method of a session that has nothing waiting is served at once. Methods of one session
 /// are served in the order in which they came. What waits for a session that is over, or that has
-/// another user by then, answers Bad_SessionClosed and is not done; nor is what the user may not
-/// do any more. A Method that throws answers Bad_OutOfMemory or Bad_InternalError, unless it was
-/// answered, and the log is told.
+/// another user by then, answers Bad_SessionClosed and is not done; nor is what the user may not do
+/// any more, or what nobody waits for any more. A Method that throws answers Bad_OutOfMemory or
+/// Bad_InternalError, unless it was answered, and the log is told.
 ///
 /// On the server's thread.
 class CallTurns {
@@ -54,8 +54,8 @@ private:
     };
 
     [[nodiscard]] Line* find(const Holder& holder);
-    [[nodiscard]] StatusCode check_waiting(const Holder& holder,
-                                           const server::CallItem& call) const;
+    [[nodiscard]] StatusCode check_waiting(const Holder& holder, const server::CallBatch& batch,
+                                           std::size_t index) const;
     /// False without a Waker.
     bool wake();
     void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);

@@ -58,6 +58,15 @@ Checked<void> check_description(std::string_view name, std::string_view descript
     return {};
 }
 
+Checked<void> check_wanted(std::string_view name, const std::function<bool()>& is_wanted)
+{
+    return !is_wanted || is_wanted()
+               ? Checked<void>{}
+               : Checked<void>{
+                     refuse_user(status::Bad_Timeout, name,
+                                 "stays as it was: nobody waits for the change any more")};
+}
+
 std::vector<User>::iterator place_of(std::vector<User>& users, std::string_view name)
 {
     return std::lower_bound(users.begin(), users.end(), name,
@@ -336,7 +345,8 @@ Checked<void> UserList::replace(std::vector<User> users)
     return {};
 }
 
-Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random)
+Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random,
+                            const std::function<bool()>& is_wanted)
 {
     if (auto checked = server::check_user_name(rules_, user.name); !checked) {
         return checked;
@@ -352,6 +362,9 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
         return refuse(std::move(hashed).error());
     }
     user.password_hash = *std::move(hashed);
+    if (auto wanted = check_wanted(user.name, is_wanted); !wanted) {
+        return wanted;
+    }
     const std::lock_guard lock{mutex_};
     if (find_in(users_, user.name) != nullptr || is_configured(user.name) ||
         !passwords_->password_hash(user.name).empty()) {
@@ -369,7 +382,7 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
 }
 
 Checked<void> UserList::modify(std::string_view name, const UserChange& change,
-                               crypto::Random& random)
+                               crypto::Random& random, const std::function<bool()>& is_wanted)
 {
     if (is_configured(name)) {
         return refuse_configured(name);
@@ -391,6 +404,9 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
             return refuse(std::move(made).error());
         }
         hashed = *std::move(made);
+    }
+    if (auto wanted = check_wanted(name, is_wanted); !wanted) {
+        return wanted;
     }
     const std::lock_guard lock{mutex_};
     std::vector<User> users = users_;
@@ -430,7 +446,8 @@ Checked<void> UserList::remove(std::string_view name)
 }
 
 Checked<void> UserList::change_password(std::string_view name, std::string_view old_password,
-                                        std::string_view new_password, crypto::Random& random)
+                                        std::string_view new_password, crypto::Random& random,
+                                        const std::function<bool()>& is_wanted)
 {
     const bool is_of_program = is_configured(name);
     const std::optional<User> known =
@@ -455,6 +472,9 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     auto hashed = hash(name, new_password, random);
     if (!hashed) {
         return refuse(std::move(hashed).error());
+    }
+    if (auto wanted = check_wanted(name, is_wanted); !wanted) {
+        return wanted;
     }
     const std::lock_guard lock{mutex_};
     std::vector<User> users = users_;

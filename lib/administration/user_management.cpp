@@ -68,6 +68,20 @@ Variant users_of(const UserList& list)
     return structures<UserManagementDataType>(all);
 }
 
+/// False once nobody waits for the answer; `call` must outlive it.
+std::function<bool()> wanted_by(const MethodCall& call)
+{
+    return [&call] { return !call.is_abandoned(); };
+}
+
+/// What becomes of a job that nobody waited for any more when it was to begin.
+Checked<void> given_up()
+{
+    return refuse({status::Bad_Timeout, "user management",
+                   "the client's timeoutHint passed before it was begun", "Part 4, 7.32",
+                   "Nothing was changed"});
+}
+
 } // namespace
 
 Configured<void> UserManagement::attach()
@@ -112,7 +126,7 @@ void UserManagement::add(MethodCall call)
         user.name = text_input(c, 0);
         user.configuration = c.input<std::uint32_t>(2);
         user.description = text_input(c, 3);
-        return users_.add(std::move(user), text_view(c, 1), random_);
+        return users_.add(std::move(user), text_view(c, 1), random_, wanted_by(c));
     });
 }
 
@@ -140,7 +154,7 @@ void UserManagement::modify(MethodCall call)
             if (c.input<bool>(5)) {
                 change.description = text_view(c, 6);
             }
-            return users_.modify(text_view(c, 0), change, random_);
+            return users_.modify(text_view(c, 0), change, random_, wanted_by(c));
         },
         is_disabled ? name : std::string{});
 }
@@ -166,7 +180,8 @@ void UserManagement::change_password(MethodCall call)
     run(
         std::move(call),
         [this](const MethodCall& c) {
-            return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_);
+            return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_,
+                                          wanted_by(c));
         },
         {}, true);
 }
@@ -247,7 +262,8 @@ void UserManagement::start(const std::shared_ptr<Job>& job)
     const auto done = std::make_shared<Checked<void>>();
     busy_ = busy;
     table_.run(
-        worker_, [job, done] { *done = job->change(job->call); },
+        worker_,
+        [job, done] { *done = job->call.is_abandoned() ? given_up() : job->change(job->call); },
         [this, job, done, busy](StatusCode worked) {
             const StatusCode status =
                 worked.is_bad() ? worked : busbar::detail::guarded(log_, "a change of users", [&] {
@@ -263,6 +279,10 @@ void UserManagement::start(const std::shared_ptr<Job>& job)
 
 bool UserManagement::may_start(Job& job)
 {
+    if (job.call.is_abandoned()) {
+        job.call.fail(status::Bad_Timeout);
+        return false;
+    }
     if (!is_there(server_, job.holder)) { // whose right it was is gone
         job.call.fail(status::Bad_SessionClosed);
         return false;

@@ -426,6 +426,112 @@ TEST_CASE("user management: the jobs of some users leave places for those of oth
     CHECK(worker.jobs.size() == 1);
 }
 
+TEST_CASE("user management: what the client gave up is not done")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    REQUIRE(users.user_list.add({"chief", {}, 0, {}, {"SecurityAdmin"}}, patience, users.random));
+    auto admin = users.log_in();
+    auto chief = users.log_in("chief", patience);
+    admin.timeout_hint = chief.timeout_hint = 1'000;
+    const auto add_later = [&](TestClient& client, const char* name) {
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+        request.methods_to_call[0].method_id = NodeId{0, id::UserManagement_AddUser};
+        request.methods_to_call[0].input_arguments = {Variant{String{name}},
+                                                      Variant{String{patience}},
+                                                      Variant{std::uint32_t{0}}, Variant{String{}}};
+        return client.send(request);
+    };
+    const auto is_there = [&](const char* name) { return users.user_list.find(name).has_value(); };
+
+    const auto with_worker = add_later(admin, "pat");
+    const auto waiting = add_later(chief, "sam");
+    users.advance(std::chrono::seconds{2});
+    admin.connection.handle_deadline(users.now);
+    chief.connection.handle_deadline(users.now);
+    CHECK(admin.take<CallResponse>(with_worker).error() == status::Bad_Timeout);
+    CHECK(chief.take<CallResponse>(waiting).error() == status::Bad_Timeout);
+    while (!worker.jobs.empty()) {
+        worker.work();
+        users.complete();
+    }
+    CHECK_FALSE(is_there("pat"));
+    CHECK_FALSE(is_there("sam"));
+
+    const auto in_time = add_later(admin, "pat");
+    worker.work();
+    users.complete();
+    CHECK(admin.take<CallResponse>(in_time));
+    CHECK(is_there("pat"));
+    // While the password was hashed.
+    CHECK(users.user_list.add({"sam", {}, 0, {}, {}}, patience, users.random, [] { return false; })
+              .error()
+              .status == status::Bad_Timeout);
+    CHECK_FALSE(is_there("sam"));
+}
+
+TEST_CASE("user management: twenty users who change passwords do not keep logins waiting")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    users.passwords.set_worker(&worker);
+    REQUIRE(users.user_list.add({"chief", {}, 0, {}, {"SecurityAdmin"}}, patience, users.random));
+    std::vector<TestClient> changing;
+    std::vector<std::uint32_t> changes;
+    const auto work_all = [&] {
+        while (!worker.jobs.empty()) {
+            worker.work();
+            users.complete();
+            users.server.handle_completions(users.now);
+        }
+    };
+    const auto begin_login = [&](TestClient& client, const char* name) {
+        REQUIRE(client.create_session());
+        return client.send_activate(client.user(name, patience));
+    };
+    for (int i = 0; i < 20; ++i) {
+        const std::string name = "user" + std::to_string(i);
+        REQUIRE(users.user_list.add({name, {}, 0, {}, {"Operator"}}, patience, users.random));
+        changing.push_back(users.connect());
+        const auto sent = begin_login(changing.back(), name.c_str());
+        work_all();
+        REQUIRE(changing.back().take_activate(sent) == status::Good);
+    }
+    for (TestClient& client : changing) {
+        CallRequest request;
+        for (const auto& [from, to] :
+             {std::pair{patience, "something else"}, std::pair{"something else", patience}}) {
+            CallMethodRequest each;
+            each.object_id = NodeId{0, id::UserManagement};
+            each.method_id = NodeId{0, id::UserManagement_ChangePassword};
+            each.input_arguments = {Variant{String{from}}, Variant{String{to}}};
+            request.methods_to_call.push_back(each);
+        }
+        changes.push_back(client.send(request));
+    }
+    CHECK(worker.jobs.size() == 1);
+    // Each login is the second job at most that the worker does from then on.
+    for (int i = 0; i < 5; ++i) {
+        auto client = users.connect();
+        const auto sent = begin_login(client, "chief");
+        REQUIRE(worker.jobs.size() <= 2);
+        worker.work();
+        users.server.handle_completions(users.now);
+        users.complete();
+        CHECK(client.take_activate(sent) == status::Good);
+    }
+    work_all();
+    for (std::size_t i = 0; i < changing.size(); ++i) {
+        const auto response = changing[i].take<CallResponse>(changes[i]);
+        REQUIRE(response);
+        for (const CallMethodResult& result : response->results) {
+            CHECK(name(result.status_code) == "Good");
+        }
+    }
+}
+
 TEST_CASE("user management: a job that is lost does not stop the others")
 {
     ManualWorker worker;

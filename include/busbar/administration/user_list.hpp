@@ -90,13 +90,18 @@ public:
     // exclude each other, Bad_NotSupported for bits that are none and for a configured user,
     // Bad_OutOfRange for a password that breaks the rules.
 
+    // Those that hash a password, which takes time, ask `is_wanted`, if it is not empty, before
+    // they change anything: Bad_Timeout if it is false.
+
     /// Part 18, 5.2.5: Bad_AlreadyExists, Bad_InvalidArgument for a name that breaks the rules,
     /// Bad_ResourceUnavailable at PasswordRules::max_users.
-    [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random);
+    [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random,
+                                    const std::function<bool()>& is_wanted = {});
     /// Part 18, 5.2.6: Bad_NotFound. Bad_RequestNotAllowed if nobody would be an administrator any
     /// more.
     [[nodiscard]] Checked<void> modify(std::string_view name, const UserChange& change,
-                                       crypto::Random& random);
+                                       crypto::Random& random,
+                                       const std::function<bool()>& is_wanted = {});
     /// Part 18, 5.2.7: Bad_NotFound, Bad_NotSupported for a user with no_delete,
     /// Bad_RequestNotAllowed for the last administrator.
     [[nodiscard]] Checked<void> remove(std::string_view name);
@@ -105,7 +110,8 @@ public:
     [[nodiscard]] Checked<void> change_password(std::string_view name,
                                                 std::string_view old_password,
                                                 std::string_view new_password,
-                                                crypto::Random& random);
+                                                crypto::Random& random,
+                                                const std::function<bool()>& is_wanted = {});
 
 private:
     [[nodiscard]] bool has_administrator_in(const std::vector<User>& users) const;

@@ -87,6 +87,9 @@ public:
     [[nodiscard]] std::span<CallResult> results() { return {results_, items_.size()}; }
     [[nodiscard]] const MethodCaller& caller() const { return *caller_; }
 
+    /// True once nobody waits for the results: the request's timeoutHint has passed (Part 4, 7.32),
+    /// it was cancelled, or its session is over. What has not begun then should not. Any thread.
+    [[nodiscard]] bool is_abandoned() const;
     /// Hands the results to the server. The batch is empty afterwards; more calls do nothing.
     void complete();
     /// Completes with `status`, which must be bad, for each item.

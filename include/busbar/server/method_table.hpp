@@ -40,6 +40,9 @@ public:
     [[nodiscard]] const NodeId& session_id() const { return batch_->caller().session_id; }
     [[nodiscard]] const MethodCaller& caller() const { return batch_->caller(); }
 
+    /// See CallBatch.
+    [[nodiscard]] bool is_abandoned() const { return batch_->is_abandoned(); }
+
     // Each of these ends the call; a second one does nothing.
     void succeed(Array<Variant> outputs = {});
     void fail(StatusCode status);

@@ -56,6 +56,8 @@ public:
 
     // For the source, from any thread.
 
+    /// True once nobody waits for it.
+    [[nodiscard]] bool is_abandoned() const { return state_.load() == State::Abandoned; }
     /// The one call that ends what start() began. A bad `verdict` stands for every item.
     void complete(StatusCode verdict = status::Good);
 

@@ -26,6 +26,11 @@ LogSink& CallBatch::log() const
     return part_->source().log();
 }
 
+bool CallBatch::is_abandoned() const
+{
+    return part_ != nullptr && part_->is_abandoned();
+}
+
 void CallBatch::complete()
 {
     items_ = {};
