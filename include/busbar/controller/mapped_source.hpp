@@ -29,7 +29,8 @@ class MappedCore;
 /// A Variable with labels. One without any is none of a MappedSource's: the AddressSpace keeps it.
 struct MappedVariable {
     NodeId node{};
-    /// Null for a Variable of an unsupported type: it answers Bad_NotSupported to everything.
+    /// Null for a Variable of an unsupported type: it answers Bad_NotSupported to everything, as
+    /// does one with a label for a value that no label can have.
     std::shared_ptr<const ValueShape> shape{};
     /// The label of each leaf of the shape; empty where there is none, and that part keeps what was
     /// written to it last.

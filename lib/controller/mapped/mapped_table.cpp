@@ -5,6 +5,22 @@
 
 namespace busbar::controller::detail {
 
+namespace {
+
+/// False if there is a label for a leaf of a type that no label can have (seed 001, 8.2). A project
+/// with such a mapping is refused; one that is there costs its node alone.
+bool can_have_labels(const ValueShape& shape, const std::vector<std::string>& labels)
+{
+    for (std::size_t i = 0; i < std::min(labels.size(), shape.leaf_count()); ++i) {
+        if (!labels[i].empty() && words_of(shape.leaf_type(i)) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+} // namespace
+
 LeafRange MappedTable::add_leaves(const ValueShape& shape, std::vector<std::string>& labels)
 {
     LeafRange range;
@@ -29,6 +45,9 @@ std::uint64_t MappedTable::add(MappedVariable variable)
 {
     nodes_.push_back(std::move(variable.node));
     Variable added;
+    if (variable.shape != nullptr && !can_have_labels(*variable.shape, variable.labels)) {
+        variable.shape = nullptr;
+    }
     if (variable.shape != nullptr) {
         added.range = add_leaves(*variable.shape, variable.labels);
     }
@@ -55,6 +74,9 @@ std::uint64_t MappedTable::add(MappedMethod method)
     }
     for (MappedArgument& argument : method.arguments) {
         Argument& one = added.arguments.emplace_back();
+        if (argument.shape != nullptr && !can_have_labels(*argument.shape, argument.labels)) {
+            argument.shape = nullptr;
+        }
         if (argument.shape != nullptr) {
             one.range = add_leaves(*argument.shape, argument.labels);
         } else {

@@ -138,7 +138,12 @@ void ValueCheck::check_siblings(const MappedPart& part, const std::string& path)
 void ValueCheck::check_label(const MappedPart& part, const std::string& path,
                              const ValueShape& shape)
 {
-    if (shape.find_leaf(path)) {
+    if (const auto leaf = shape.find_leaf(path)) {
+        const LeafType type = shape.leaf_type(*leaf);
+        if (words_of(type) == 0) {
+            report(ModelCode::NotAssignable, path,
+                   "no label can have a value of type " + std::string{name(type.built_in)});
+        }
         return;
     }
     const auto kept = shape.kept_fields();

@@ -113,6 +113,19 @@ TEST_CASE_METHOD(Fixture, "8.1 Read: an unsupported Variable answers for itself 
     CHECK(read(none).status == status::Bad_NotSupported);
 }
 
+TEST_CASE_METHOD(Fixture, "8.1 Read: a label for a type that has none costs its Variable only",
+                 "[8.1][8.2]")
+{
+    const NodeId guid = add("guid", id::Guid, {"Speed"});
+    source.start();
+    CHECK(book.errors.empty());
+    const auto results = read({guid, speed});
+    REQUIRE(results.size() == 2);
+    CHECK(results[0].status == status::Bad_NotSupported);
+    CHECK(results[1].status == status::Good);
+    CHECK(write({{guid, Variant{Guid{}}}})[0] == status::Bad_NotSupported);
+}
+
 TEST_CASE_METHOD(Fixture, "8.3 Read: parts without a label keep their values", "[8.3]")
 {
     const NodeId part =

@@ -167,6 +167,37 @@ TEST_CASE("9.5 Check: Methods", "[9.5]")
     CHECK(has(project.check().reports, ModelCode::PartRepeated));
 }
 
+TEST_CASE("8.2 Data types: those that no label can have", "[8.2][9.5]")
+{
+    for (const char* type :
+         {"i=14", "i=15", "i=16", "i=17", "i=18", "i=19", "i=20", "i=23", "i=25"}) {
+        CAPTURE(type);
+        CheckFixture project{variable("s=V", {}, "DataType=\"" + std::string{type} + '"')};
+        project.map("V", "Speed");
+        CHECK(has(project.check().reports, ModelCode::NotAssignable));
+    }
+    // As a field, and as an element.
+    const std::string fields =
+        "<UADataType NodeId=\"ns=1;s=T\" BrowseName=\"1:T\"><References>"
+        "<Reference ReferenceType=\"i=45\" IsForward=\"false\">i=22</Reference></References>"
+        "<Definition Name=\"1:T\"><Field Name=\"A\" DataType=\"i=6\"/>"
+        "<Field Name=\"G\" DataType=\"i=14\"/></Definition></UADataType>\n";
+    CheckFixture project{
+        fields + variable("s=V", {}, "DataType=\"ns=1;s=T\"") +
+        variable("s=W", {}, "DataType=\"i=14\" ValueRank=\"1\" ArrayDimensions=\"2\"")};
+    MappedPart field{.kind = MappedPart::Kind::Field, .name = "A", .label = "Speed"};
+    project.models.mapping().variables[project.id("V")].value.parts = {field};
+    CAPTURE(lines(project.check().reports));
+    CHECK_FALSE(has(project.check().reports, ModelCode::NotAssignable));
+    field.name = "G";
+    project.models.mapping().variables[project.id("V")].value.parts = {field};
+    CHECK(has(project.check().reports, ModelCode::NotAssignable));
+    project.models.mapping().variables.clear();
+    project.models.mapping().variables[project.id("W")].value.parts = {
+        {.kind = MappedPart::Kind::Element, .number = 1, .label = "Speed"}};
+    CHECK(has(project.check().reports, ModelCode::NotAssignable));
+}
+
 TEST_CASE("4.2 Check: labels and limits", "[4.2][2.1]")
 {
     ModelLimits limits = rd81opc96_model();
