@@ -116,6 +116,16 @@ run 0 project csv press.busbar
 says_not 'Line.Speed'
 run 0 project csv press.busbar --in table.csv
 run 0 project map press.busbar "ns=1;i=7" Line.Handle Handle
+# A table is added to what there is; what it does not have goes when that is asked for.
+cp press.busbar before
+echo 'NodeId,Part,Label' > header.csv
+run 0 project csv press.busbar --in header.csv
+says '0 labels of the table, 3 in all'
+cmp -s press.busbar before || fail "an empty table has changed the project"
+run 0 project csv press.busbar --in header.csv --replace
+says '0 labels of the table, 0 in all'
+cp before press.busbar
+run 2 project csv press.busbar --replace
 run 0 project export press.busbar http://press.example/Press --yes
 grep -q 'Line.Speed' Press.xml || fail "no mapping was exported"
 # Without mapping in the file, what was there stays (9.4).

@@ -28,6 +28,7 @@ struct ProjectArguments {
     std::uint32_t pbkdf2_iterations{0};
     /// Of a table that is read.
     std::string table;
+    bool replaces{false};
     std::string part;
     std::string label;
 };

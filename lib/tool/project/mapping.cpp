@@ -158,7 +158,8 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
     return say_done(context, safe(words[1]) + " has its array specification");
 }
 
-/// The table on standard output, or into the project in the place of all mapping.
+/// The table on standard output, or into the project: beside what is mapped, or in the place of
+/// all mapping.
 Exit table_of(Context& context, const ProjectArguments& arguments)
 {
     const std::string& path = arguments.words[0];
@@ -174,9 +175,15 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
     if (read.reports.has_errors()) {
         throw Failure{Exit::Failed, arguments.table + ": not taken", "the project is as it was"};
     }
-    models.mapping() = read.mapping;
+    if (arguments.replaces) {
+        models.mapping() = read.mapping;
+    } else {
+        merge(models.mapping(), read.mapping);
+    }
     keep_mapping(context, path, project, models, read.mapping);
-    return say_done(context, std::to_string(controller::count_labels(read.mapping)) + " labels");
+    return say_done(
+        context, std::to_string(controller::count_labels(read.mapping)) + " labels of the table, " +
+                     std::to_string(controller::count_labels(models.mapping())) + " in all");
 }
 
 } // namespace
@@ -191,11 +198,15 @@ void add_mapping(CLI::App& project, Run& run)
                     6, "FILE NODE RANK [DIM]...", specify_array, arguments);
     array->add_option("--part", arguments->part, "of a node that is no array itself");
     array->add_option("--first", arguments->label, "the label of the element [0]");
-    add_offline(project, run, "csv", "Prints the mapping as a table, or takes it from one.", 1, 1,
-                "FILE", table_of, arguments)
-        ->add_option("--in", arguments->table,
-                     "takes all mapping from this table; from a spreadsheet, too")
-        ->type_name("TABLE");
+    auto* csv =
+        add_offline(project, run, "csv", "Prints the mapping as a table, or takes it from one.", 1,
+                    1, "FILE", table_of, arguments);
+    auto* in = csv->add_option("--in", arguments->table,
+                               "adds this table to the mapping; from a spreadsheet, too")
+                   ->type_name("TABLE");
+    csv->add_flag("--replace", arguments->replaces,
+                  "drops the mapping that the table does not have")
+        ->needs(in);
 }
 
 } // namespace busbar::tool::project
