@@ -56,6 +56,8 @@ struct MappedMethod {
     std::string handle{};
     /// Of the InputArguments, from the first on; those behind the last one here have no labels.
     std::vector<MappedArgument> arguments{};
+    /// A Call answers Bad_NotSupported, and nothing is written (seed 001, 2.1, note 4).
+    bool has_outputs{false};
 };
 
 /// How values are collected (9.12).

@@ -65,6 +65,7 @@ enum class ModelCode : std::uint16_t {
     AttributesChanged = 316,
     ArgumentUnknown = 317,
     TypeUnsupported = 318,
+    MethodHasOutputs = 319,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,

@@ -74,6 +74,9 @@ StatusCode Call::check_one(MappedContext& context, const server::CallItem& item)
     if (method == nullptr || method->handle.count == 0) {
         return status::Bad_NotImplemented;
     }
+    if (method->has_outputs) {
+        return status::Bad_NotSupported;
+    }
     return method->is_running ? status::Bad_TooManyOperations : status::Good;
 }
 

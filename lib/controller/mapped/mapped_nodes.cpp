@@ -76,7 +76,8 @@ public:
         MappedMethod mapped;
         mapped.node = id;
         mapped.handle = mapping.handle;
-        const std::vector<Argument> inputs = input_arguments(node);
+        const std::vector<Argument> inputs = arguments_of(node, "InputArguments");
+        mapped.has_outputs = !arguments_of(node, "OutputArguments").empty();
         for (const MappedPart& part : mapping.arguments) {
             Paths paths;
             paths.add(part, {});
@@ -135,17 +136,18 @@ private:
         }
         return std::make_shared<const ValueShape>(std::move(*made));
     }
-    [[nodiscard]] std::vector<Argument> input_arguments(model::NodeIndex method) const
+    [[nodiscard]] std::vector<Argument> arguments_of(model::NodeIndex method,
+                                                     const char* name) const
     {
-        std::vector<Argument> inputs;
+        std::vector<Argument> arguments;
         space_.for_each_child(method, space_.find(NodeId{0, id::HasProperty}), true,
-                              QualifiedName{0, "InputArguments"}, [&](model::NodeIndex property) {
-                                  read_arguments(space_.value(property), inputs);
+                              QualifiedName{0, name}, [&](model::NodeIndex property) {
+                                  read_arguments(space_.value(property), arguments);
                                   return false;
                               });
-        return inputs;
+        return arguments;
     }
-    static void read_arguments(const Variant& value, std::vector<Argument>& inputs)
+    static void read_arguments(const Variant& value, std::vector<Argument>& arguments)
     {
         const auto* const objects = value.array_if<ExtensionObject>();
         if (objects == nullptr) {
@@ -153,7 +155,7 @@ private:
         }
         for (const ExtensionObject& object : *objects) {
             const auto argument = binary::structure_of<Argument>(object);
-            inputs.push_back(argument ? *argument : Argument{});
+            arguments.push_back(argument ? *argument : Argument{});
         }
     }
     void leave_out(const NodeId& id, const std::string& reason)

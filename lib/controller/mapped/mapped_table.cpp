@@ -62,6 +62,7 @@ std::uint64_t MappedTable::add(MappedMethod method)
 {
     nodes_.push_back(std::move(method.node));
     Method added;
+    added.has_outputs = method.has_outputs;
     added.handle.first = static_cast<std::uint32_t>(leaves_.size());
     if (!method.handle.empty()) {
         MappedLeaf leaf;

@@ -60,6 +60,7 @@ public:
         /// Of one leaf, or none.
         LeafRange handle;
         std::vector<Argument> arguments;
+        bool has_outputs{false};
         bool is_running{false};
     };
     static constexpr std::uint32_t not_sampled = UINT32_MAX;

@@ -71,7 +71,7 @@ private:
     void check_types();
     void check_counters();
     [[nodiscard]] ValueDeclaration declaration_of(NodeIndex node) const;
-    [[nodiscard]] std::vector<Argument> arguments_of(NodeIndex method) const;
+    [[nodiscard]] std::vector<Argument> arguments_of(NodeIndex method, const char* name) const;
 
     void report(ModelCode code, const NodeId& id, const std::string& path, std::string_view found)
     {
@@ -151,6 +151,9 @@ void Run::check_methods()
         }
         const NodeIndex node = find(each->first, NodeClass::Method);
         if (node != model::no_node) {
+            if (!arguments_of(node, "OutputArguments").empty()) {
+                report(ModelCode::MethodHasOutputs, each->first, {}, {});
+            }
             check_arguments(each->first, each->second, node);
         }
     }
@@ -158,7 +161,7 @@ void Run::check_methods()
 
 void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node)
 {
-    const std::vector<Argument> arguments = arguments_of(node);
+    const std::vector<Argument> arguments = arguments_of(node, "InputArguments");
     std::vector<bool> is_mapped(arguments.size());
     for (const MappedPart& mapped : method.arguments) {
         const std::string path = "Input[" + std::to_string(mapped.number) + ']';
@@ -178,11 +181,11 @@ void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeInd
     }
 }
 
-std::vector<Argument> Run::arguments_of(NodeIndex method) const
+std::vector<Argument> Run::arguments_of(NodeIndex method, const char* name) const
 {
     std::vector<Argument> arguments;
     space_.for_each_child(
-        method, space_.find(id::HasProperty), true, QualifiedName{0, "InputArguments"},
+        method, space_.find(id::HasProperty), true, QualifiedName{0, name},
         [&](NodeIndex property) {
             const Variant value = space_.value(property);
             const auto* objects = value.array_if<ExtensionObject>();

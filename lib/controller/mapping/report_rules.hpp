@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// Every code, ascending.
-inline constexpr std::array<ReportRule, 61> all_report_rules{{
+inline constexpr std::array<ReportRule, 62> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -100,6 +100,9 @@ inline constexpr std::array<ReportRule, 61> all_report_rules{{
      "The Method has no such InputArgument", "Clear the mapping of it"},
     {ModelCode::TypeUnsupported, ReportResult::Warning, "Mapping", "Node",
      "The product does not support instances of the type", "Take the node out of the model"},
+    {ModelCode::MethodHasOutputs, ReportResult::Error, "Mapping", "Assignment",
+     "A Method with OutputArguments cannot be mapped",
+     "Clear the mapping, or take the OutputArguments out of the model"},
     {ModelCode::TooManyFiles, ReportResult::Error, "Import", "Limits",
      "There are too many information model files", "Delete a namespace"},
     {ModelCode::FilesTooLarge, ReportResult::Error, "Import", "Limits",

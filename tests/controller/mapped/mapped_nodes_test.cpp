@@ -76,6 +76,34 @@ TEST_CASE_METHOD(MappedFixture, "8.3 Mapping: nodes are served by their labels",
     CHECK(plc->get<std::uint16_t>("H") == 1);
 }
 
+TEST_CASE_METHOD(MappedFixture, "2.1 Call: a Method with OutputArguments is refused", "[2.1]")
+{
+    plc->add("H", LabelType::UnsignedWord, std::uint16_t{0});
+    plc->add("In", LabelType::Word, std::int16_t{0});
+    model::AddressSpace& space = server.address_space();
+    model::NewMethod method;
+    method.input_arguments = {{"number", NodeId{0, id::Int16}, -1, {}, {}}};
+    method.output_arguments = {{"result", NodeId{0, id::Int16}, -1, {}, {}}};
+    REQUIRE(space.add_method(named("start"), method));
+    controller::Mapping mapping;
+    mapping.methods[own("start")].handle = "H";
+    mapping.methods[own("start")].arguments = {{.label = "In"}};
+    static_cast<void>(controller::map_nodes(space, types, mapping, source));
+    source.start();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::ObjectsFolder};
+    request.methods_to_call[0].method_id = own("start");
+    request.methods_to_call[0].input_arguments = {Variant{std::int16_t{6}}};
+    const auto sent = client->send(request);
+    complete();
+    const auto response = client->take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(response->results[0].status_code == status::Bad_NotSupported);
+    CHECK(plc->get<std::int16_t>("In") == 0);
+    CHECK(plc->get<std::uint16_t>("H") == 0);
+}
+
 TEST_CASE_METHOD(MappedFixture, "8.3 Buffer memory: its values are Variables", "[8.3]")
 {
     controller::ModuleStatus module{source, server, wall_clock};

@@ -133,22 +133,27 @@ TEST_CASE("9.5 Check: nodes that cannot be mapped", "[9.5]")
     CHECK(code_of(project.id("V")) == ModelCode::RequiredNamespace);
 }
 
+/// Of the Method M: the number First, and an array of open length, Open.
+std::string arguments_of_method(const std::string& browse_name)
+{
+    return "<UAVariable NodeId=\"ns=1;s=" + browse_name + "\" BrowseName=\"" + browse_name +
+           "\" DataType=\"i=296\" "
+           "ValueRank=\"1\" ArrayDimensions=\"2\"><References>"
+           "<Reference ReferenceType=\"i=46\" IsForward=\"false\">ns=1;s=M</Reference>"
+           "<Reference ReferenceType=\"i=40\">i=68</Reference></References><Value>"
+           "<ListOfExtensionObject xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\">"
+           "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
+           "<Name>First</Name><DataType><Identifier>i=6</Identifier></DataType>"
+           "<ValueRank>-1</ValueRank></Argument></Body></ExtensionObject>"
+           "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
+           "<Name>Open</Name><DataType><Identifier>i=6</Identifier></DataType>"
+           "<ValueRank>1</ValueRank></Argument></Body></ExtensionObject>"
+           "</ListOfExtensionObject></Value></UAVariable>";
+}
+
 TEST_CASE("9.5 Check: Methods", "[9.5]")
 {
-    const std::string arguments =
-        "<UAVariable NodeId=\"ns=1;s=In\" BrowseName=\"InputArguments\" DataType=\"i=296\" "
-        "ValueRank=\"1\" ArrayDimensions=\"2\"><References>"
-        "<Reference ReferenceType=\"i=46\" IsForward=\"false\">ns=1;s=M</Reference>"
-        "<Reference ReferenceType=\"i=40\">i=68</Reference></References><Value>"
-        "<ListOfExtensionObject xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\">"
-        "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
-        "<Name>First</Name><DataType><Identifier>i=6</Identifier></DataType>"
-        "<ValueRank>-1</ValueRank></Argument></Body></ExtensionObject>"
-        "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
-        "<Name>Open</Name><DataType><Identifier>i=6</Identifier></DataType>"
-        "<ValueRank>1</ValueRank></Argument></Body></ExtensionObject>"
-        "</ListOfExtensionObject></Value></UAVariable>";
-    CheckFixture project{cell() + method("s=M") + arguments};
+    CheckFixture project{cell() + method("s=M") + arguments_of_method("InputArguments")};
     MethodMapping& mapping = project.models.mapping().methods[project.id("M")];
     mapping.handle = "Start";
     mapping.arguments.push_back({.number = 0, .label = "First"});
@@ -165,6 +170,14 @@ TEST_CASE("9.5 Check: Methods", "[9.5]")
     CHECK(has(project.check().reports, ModelCode::NotAssignable));
     mapping.arguments.back() = {.number = 0, .label = "x"};
     CHECK(has(project.check().reports, ModelCode::PartRepeated));
+}
+
+TEST_CASE("2.1 Check: Methods with OutputArguments", "[2.1]")
+{
+    CheckFixture project{cell() + method("s=M") + arguments_of_method("OutputArguments")};
+    CHECK(project.check().reports.is_empty());
+    project.models.mapping().methods[project.id("M")].handle = "Start";
+    CHECK(has(project.check().reports, ModelCode::MethodHasOutputs));
 }
 
 TEST_CASE("8.2 Data types: those that no label can have", "[8.2][9.5]")
