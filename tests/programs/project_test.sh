@@ -97,6 +97,13 @@ run 0 project import press.busbar press.xml
 run 0 project map press.busbar "ns=1;i=5" Line.Speed
 run 0 project tree press.busbar
 says '1:Speed .*Line.Speed'
+run 0 project tree press.busbar --parts
+says '^ *Handle '
+says '^ *\[0\] '
+run 0 project csv press.busbar --all
+says ',Handle,,,,,,UInt16'
+run 0 project types
+says '^BOOL  *Boolean'
 run 0 project array press.busbar /Objects/1:Forces 1 3 --first 'Line.Force[0]'
 run 0 project csv press.busbar
 says '^"\{0,1\}nsu=http://press.example/Press;i=5"\{0,1\},/Objects/1:Speed,,Line.Speed,'

@@ -74,6 +74,9 @@ struct MappingCheck {
     ModelCounters counters{};
 };
 
+/// The URIs that models of the project require, for MappingCheckOptions::required and NodePlaces.
+[[nodiscard]] BUSBAR_API std::vector<std::string> required_uris(const ModelSet& models);
+
 /// Which of `mapping` cannot be served with the nodes of `space`, and how much there is of
 /// everything: what the [Check] button of the output window does (seed 001, 4.2). Takes time in
 /// proportion to nodes and mapped parts.

@@ -21,6 +21,8 @@
 /// it; of a Method it begins with "Handle", or with "Input" and the number of the argument.
 namespace busbar::controller {
 
+class ModelSet;
+
 struct MappingTableLimits {
     std::size_t max_size{256U << 20U};
     std::size_t max_lines{8'000'000};
@@ -35,6 +37,10 @@ struct MappingTableLimits {
 /// Ordered by namespace and NodeId. With the mapping of all nodes of `mapping` that are in `space`.
 [[nodiscard]] BUSBAR_API std::string write_mapping_table(const model::SpaceReader& space,
                                                          const Mapping& mapping);
+
+/// The same with a line for each part of a node that could have a label (see MappableParts), and a
+/// column Type.
+[[nodiscard]] BUSBAR_API std::string write_mappable_table(const ModelSet& models);
 
 struct ReadMappingTable {
     /// Of the lines without an error.

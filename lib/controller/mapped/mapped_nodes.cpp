@@ -8,6 +8,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "controller/conversion/field_step.hpp"
+#include "controller/mapping/method_arguments.hpp"
 
 namespace busbar::controller {
 
@@ -76,8 +77,8 @@ public:
         MappedMethod mapped;
         mapped.node = id;
         mapped.handle = mapping.handle;
-        const std::vector<Argument> inputs = arguments_of(node, "InputArguments");
-        mapped.has_outputs = !arguments_of(node, "OutputArguments").empty();
+        const std::vector<Argument> inputs = detail::arguments_of(space_, node, "InputArguments");
+        mapped.has_outputs = !detail::arguments_of(space_, node, "OutputArguments").empty();
         for (const MappedPart& part : mapping.arguments) {
             Paths paths;
             paths.add(part, {});
@@ -135,28 +136,6 @@ private:
             }
         }
         return std::make_shared<const ValueShape>(std::move(*made));
-    }
-    [[nodiscard]] std::vector<Argument> arguments_of(model::NodeIndex method,
-                                                     const char* name) const
-    {
-        std::vector<Argument> arguments;
-        space_.for_each_child(method, space_.find(NodeId{0, id::HasProperty}), true,
-                              QualifiedName{0, name}, [&](model::NodeIndex property) {
-                                  read_arguments(space_.value(property), arguments);
-                                  return false;
-                              });
-        return arguments;
-    }
-    static void read_arguments(const Variant& value, std::vector<Argument>& arguments)
-    {
-        const auto* const objects = value.array_if<ExtensionObject>();
-        if (objects == nullptr) {
-            return;
-        }
-        for (const ExtensionObject& object : *objects) {
-            const auto argument = binary::structure_of<Argument>(object);
-            arguments.push_back(argument ? *argument : Argument{});
-        }
     }
     void leave_out(const NodeId& id, const std::string& reason)
     {

@@ -9,6 +9,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "extension_attributes.hpp"
+#include "method_arguments.hpp"
 #include "unsupported_types.hpp"
 #include "value_check.hpp"
 
@@ -71,7 +72,6 @@ private:
     void check_types();
     void check_counters();
     [[nodiscard]] ValueDeclaration declaration_of(NodeIndex node) const;
-    [[nodiscard]] std::vector<Argument> arguments_of(NodeIndex method, const char* name) const;
 
     void report(ModelCode code, const NodeId& id, const std::string& path, std::string_view found)
     {
@@ -151,7 +151,7 @@ void Run::check_methods()
         }
         const NodeIndex node = find(each->first, NodeClass::Method);
         if (node != model::no_node) {
-            if (!arguments_of(node, "OutputArguments").empty()) {
+            if (!detail::arguments_of(space_, node, "OutputArguments").empty()) {
                 report(ModelCode::MethodHasOutputs, each->first, {}, {});
             }
             check_arguments(each->first, each->second, node);
@@ -161,7 +161,7 @@ void Run::check_methods()
 
 void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node)
 {
-    const std::vector<Argument> arguments = arguments_of(node, "InputArguments");
+    const std::vector<Argument> arguments = detail::arguments_of(space_, node, "InputArguments");
     std::vector<bool> is_mapped(arguments.size());
     for (const MappedPart& mapped : method.arguments) {
         const std::string path = "Input[" + std::to_string(mapped.number) + ']';
@@ -179,23 +179,6 @@ void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeInd
             {argument.data_type, argument.value_rank, argument.array_dimensions.span(), true},
             mapped);
     }
-}
-
-std::vector<Argument> Run::arguments_of(NodeIndex method, const char* name) const
-{
-    std::vector<Argument> arguments;
-    space_.for_each_child(
-        method, space_.find(id::HasProperty), true, QualifiedName{0, name},
-        [&](NodeIndex property) {
-            const Variant value = space_.value(property);
-            const auto* objects = value.array_if<ExtensionObject>();
-            for (std::size_t i = 0; objects != nullptr && i < objects->size(); ++i) {
-                const auto decoded = binary::structure_of<Argument>((*objects)[i]);
-                arguments.push_back(decoded ? *decoded : Argument{});
-            }
-            return false;
-        });
-    return arguments;
 }
 
 void Run::check_labels(const NodeId& id, const MappedPart& part, const std::string& path)
@@ -284,6 +267,17 @@ void Run::check_counters()
 
 } // namespace
 
+std::vector<std::string> required_uris(const ModelSet& models)
+{
+    std::vector<std::string> uris;
+    for (const ModelNamespace& each : models.namespaces()) {
+        for (const RequiredModelStatus& required : each.required) {
+            uris.push_back(required.uri);
+        }
+    }
+    return uris;
+}
+
 MappingCheck check_mapping(const model::SpaceReader& space, const Mapping& mapping,
                            const MappingCheckOptions& options)
 {
@@ -293,12 +287,8 @@ MappingCheck check_mapping(const model::SpaceReader& space, const Mapping& mappi
 MappingCheck check_mapping(const ModelSet& models,
                            std::function<std::optional<Problem>(std::string_view)> check_label)
 {
-    MappingCheckOptions options{models.limits(), {}, models.file_size(), std::move(check_label)};
-    for (const ModelNamespace& each : models.namespaces()) {
-        for (const RequiredModelStatus& required : each.required) {
-            options.required.push_back(required.uri);
-        }
-    }
+    const MappingCheckOptions options{models.limits(), required_uris(models), models.file_size(),
+                                      std::move(check_label)};
     return check_mapping(models.space(), models.mapping(), options);
 }
 

@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <utility>
+#include <vector>
 
+#include <busbar/controller/mappable_parts.hpp>
 #include <busbar/controller/mapping_table.hpp>
+#include <busbar/controller/model_set.hpp>
 #include <busbar/model/relative_path.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -15,13 +19,14 @@ using model::NodeIndex;
 
 class TableWriter {
 public:
-    explicit TableWriter(const model::SpaceReader& space) : space_{space}
+    explicit TableWriter(const model::SpaceReader& space, bool has_types = false)
+        : space_{space}, has_types_{has_types}
     {
         for (const std::string_view column : detail::table_columns) {
             text_ += text_.empty() ? "" : ",";
             text_ += column;
         }
-        text_ += "\r\n";
+        text_ += has_types_ ? ",Type\r\n" : "\r\n";
     }
 
     void write(NodeIndex node, const DataMapping& mapping)
@@ -38,6 +43,17 @@ public:
         for (const MappedPart& argument : mapping.arguments) {
             write_part(argument, std::string{detail::input_part} + '[' +
                                      std::to_string(argument.number) + ']');
+        }
+    }
+    /// All that there is to map, with the array specifications of `mapped`, which may be null.
+    void write(NodeIndex node, const std::vector<MappablePart>& parts, const MappedPart* mapped)
+    {
+        begin(node);
+        if (mapped != nullptr) {
+            write_specifications(*mapped, {});
+        }
+        for (const MappablePart& part : parts) {
+            write_line({.label = part.label}, part.path, part.type);
         }
     }
     [[nodiscard]] std::string take() { return std::move(text_); }
@@ -99,7 +115,16 @@ private:
             write_part(inner, part_path(path, inner));
         }
     }
-    void write_line(const MappedPart& part, const std::string& path)
+    void write_specifications(const MappedPart& part, const std::string& path)
+    {
+        if (part.specification.rank != ArraySpecification::none) {
+            write_line({.specification = part.specification}, path);
+        }
+        for (const MappedPart& inner : part.parts) {
+            write_specifications(inner, part_path(path, inner));
+        }
+    }
+    void write_line(const MappedPart& part, const std::string& path, const std::string& type = {})
     {
         text_ += node_;
         detail::add_field(text_, path);
@@ -113,10 +138,11 @@ private:
             text_ += ',';
             text_ += is_specified && dimension != 0 ? std::to_string(dimension) : std::string{};
         }
-        text_ += "\r\n";
+        text_ += has_types_ ? "," + type + "\r\n" : "\r\n";
     }
 
     const model::SpaceReader& space_;
+    bool has_types_;
     std::string text_;
     /// The fields of the node that lines are written of.
     std::string node_;
@@ -144,6 +170,25 @@ std::string write_mapping_table(const model::SpaceReader& space, const Mapping& 
             writer.write(node, variable->second);
         } else if (node != model::no_node) {
             writer.write(node, method->second);
+        }
+    }
+    return writer.take();
+}
+
+std::string write_mappable_table(const ModelSet& models)
+{
+    const model::SpaceReader& space = models.space();
+    std::vector<std::pair<NodeId, NodeIndex>> nodes;
+    space.for_each([&](NodeIndex node) { nodes.emplace_back(space.node_id(node), node); });
+    std::sort(nodes.begin(), nodes.end());
+    TableWriter writer{space, true};
+    MappableParts parts{models};
+    const auto& variables = models.mapping().variables;
+    for (const auto& [id, node] : nodes) {
+        const std::vector<MappablePart> found = parts.of(node);
+        const auto mapped = variables.find(id);
+        if (!found.empty()) {
+            writer.write(node, found, mapped != variables.end() ? &mapped->second.value : nullptr);
         }
     }
     return writer.take();

@@ -29,6 +29,8 @@ struct ProjectArguments {
     /// Of a table that is read.
     std::string table;
     bool replaces{false};
+    /// Also what is not mapped.
+    bool wants_all{false};
     std::string part;
     std::string label;
 };

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
+#include <busbar/controller/label_conversion.hpp>
 #include <busbar/controller/mapping_check.hpp>
 #include <busbar/controller/mapping_table.hpp>
 #include <busbar/controller/project_models.hpp>
@@ -9,6 +11,8 @@
 #include "reports.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
 
 namespace busbar::tool::project {
 
@@ -39,8 +43,9 @@ Mapping mapping_of(Context& context, const ModelSet& models, const std::string& 
     if (read.reports.has_errors() ||
         (read.mapping.variables.empty() && read.mapping.methods.empty())) {
         print_reports(context, read.reports);
-        throw Failure{Exit::Failed, safe(node) + ": not mapped",
-                      "`busbar project tree` lists the nodes, `busbar project csv` the parts"};
+        throw Failure{
+            Exit::Failed, safe(node) + ": not mapped",
+            "`busbar project tree` lists the nodes, `busbar project csv --all` the parts"};
     }
     return read.mapping;
 }
@@ -158,6 +163,74 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
     return say_done(context, safe(words[1]) + " has its array specification");
 }
 
+/// Types that a program declares labels with, see controller::LabelProgram.
+struct DeclaredType {
+    const char* text;
+    backend::LabelType type;
+    backend::TimerPart part{backend::TimerPart::None};
+};
+
+constexpr std::array declared_types{
+    DeclaredType{"BOOL", backend::LabelType::Bit},
+    DeclaredType{"UINT, WORD", backend::LabelType::UnsignedWord},
+    DeclaredType{"UDINT, DWORD", backend::LabelType::UnsignedDoubleWord},
+    DeclaredType{"INT", backend::LabelType::Word},
+    DeclaredType{"DINT", backend::LabelType::DoubleWord},
+    DeclaredType{"REAL", backend::LabelType::Float},
+    DeclaredType{"LREAL", backend::LabelType::Double},
+    DeclaredType{"TIME", backend::LabelType::Time},
+    DeclaredType{"STRING(n)", backend::LabelType::String},
+    DeclaredType{"ARRAY[0..n] OF UTF16_UNIT", backend::LabelType::UnicodeString},
+    DeclaredType{"TIMER, RETENTIVETIMER .S", backend::LabelType::Timer,
+                 backend::TimerPart::Contact},
+    DeclaredType{"TIMER, RETENTIVETIMER .C", backend::LabelType::Timer, backend::TimerPart::Coil},
+    DeclaredType{"TIMER, RETENTIVETIMER .N", backend::LabelType::Timer,
+                 backend::TimerPart::Current},
+    DeclaredType{"LTIMER, LRETENTIVETIMER .N", backend::LabelType::LongTimer,
+                 backend::TimerPart::Current},
+    DeclaredType{"COUNTER .N", backend::LabelType::Counter, backend::TimerPart::Current},
+    DeclaredType{"LCOUNTER .N", backend::LabelType::LongCounter, backend::TimerPart::Current},
+};
+
+/// The row of the tables "Data types of labels" (seed 001, 8.2).
+void add_type(const DeclaredType& declared, Table& table, JsonLine& json)
+{
+    std::string same;
+    std::string checked;
+    const auto add = [&](controller::LeafType leaf, std::string_view name) {
+        const auto found = controller::assignability(leaf, declared.type, declared.part);
+        if (found != controller::Assignability::No) {
+            std::string& list = found == controller::Assignability::Same ? same : checked;
+            list += (list.empty() ? "" : ", ") + std::string{name};
+        }
+    };
+    for (std::size_t type = 1; type <= last_built_in_type; ++type) {
+        add({static_cast<BuiltInType>(type)}, name(static_cast<BuiltInType>(type)));
+    }
+    add({BuiltInType::Int32, true}, "Enumeration");
+    table.add({{declared.text}, {same}, {checked}});
+    json.open_object().member("declaredAs", declared.text).member("same", same);
+    json.member("checked", checked).close_object();
+}
+
+/// What a label is declared as, and the DataTypes of nodes that can be mapped to it.
+Exit list_types(Context& context, const ProjectArguments&)
+{
+    JsonLine json;
+    json.open_array();
+    Table table{{{"DECLARED AS", 26}, {"SAME VALUES", 14}, {"IF IN RANGE", 24}}};
+    for (const DeclaredType& declared : declared_types) {
+        add_type(declared, table, json);
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_array().document());
+    } else {
+        table.print(context.out);
+        context.out.line("The Handle of a Method is a UINT or WORD.");
+    }
+    return Exit::Good;
+}
+
 /// The table on standard output, or into the project: beside what is mapped, or in the place of
 /// all mapping.
 Exit table_of(Context& context, const ProjectArguments& arguments)
@@ -166,7 +239,9 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
     controller::Project project = open_project(path);
     ModelSet models = open_models(project);
     if (arguments.table.empty()) {
-        context.out.write(controller::write_mapping_table(models.space(), models.mapping()));
+        context.out.write(arguments.wants_all
+                              ? controller::write_mappable_table(models)
+                              : controller::write_mapping_table(models.space(), models.mapping()));
         return Exit::Good;
     }
     auto read = controller::read_mapping_table(
@@ -207,6 +282,11 @@ void add_mapping(CLI::App& project, Run& run)
     csv->add_flag("--replace", arguments->replaces,
                   "drops the mapping that the table does not have")
         ->needs(in);
+    csv->add_flag("--all", arguments->wants_all,
+                  "prints a line for each part that could have a label, too")
+        ->excludes(in);
+    add_offline(project, run, "types", "Lists the types of labels and what can be mapped to them.",
+                0, 0, "", list_types, arguments);
 }
 
 } // namespace busbar::tool::project

@@ -1,8 +1,10 @@
 #include <filesystem>
 #include <set>
 
+#include <busbar/controller/mappable_parts.hpp>
 #include <busbar/controller/project_models.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "commands.hpp"
@@ -121,7 +123,10 @@ Exit list_namespaces(Context& context, const ProjectArguments& arguments)
 /// The nodes of the models below Objects, each where it is found first.
 class TreeLister {
 public:
-    explicit TreeLister(const ModelSet& models) : models_{models}, space_{models.space()} {}
+    TreeLister(const ModelSet& models, bool has_parts)
+        : models_{models}, space_{models.space()}, parts_{models}, has_parts_{has_parts}
+    {
+    }
 
     void list(model::NodeIndex node, std::size_t level);
     void print(Context& context)
@@ -137,14 +142,25 @@ private:
     static constexpr std::size_t max_levels = 100;
 
     void add(model::NodeIndex node, std::size_t level);
+    void add_parts(model::NodeIndex node, std::size_t level);
+    void write_facts(model::NodeIndex node);
+    [[nodiscard]] std::string definition_of(model::NodeIndex node) const;
     [[nodiscard]] std::string mapping_of(const NodeId& id) const;
     [[nodiscard]] std::string type_of(model::NodeIndex node) const;
 
     const ModelSet& models_;
     const model::SpaceReader& space_;
+    controller::MappableParts parts_;
+    bool has_parts_;
     std::set<model::NodeIndex> seen_;
     JsonLine json_{std::move(JsonLine{}.open_array())};
-    Table table_{{{"NODE", 24}, {"CLASS"}, {"DATATYPE", 10}, {"NODEID", 12}, {"MAPPING", 12}}};
+    Table table_{{{"NODE", 24},
+                  {"CLASS"},
+                  {"DATATYPE", 10},
+                  {"NODEID", 12},
+                  {"ACCESS", 2},
+                  {"TYPE", 10},
+                  {"MAPPING", 12}}};
 };
 
 std::string TreeLister::mapping_of(const NodeId& id) const
@@ -158,6 +174,16 @@ std::string TreeLister::mapping_of(const NodeId& id) const
     }
     const auto found = mapping.methods.find(id);
     return found != mapping.methods.end() ? several(controller::count_labels(found->second)) : "";
+}
+
+/// "rw", of a Variable.
+std::string access_of(const model::SpaceReader& space, model::NodeIndex node)
+{
+    if (space.node_class(node) != NodeClass::Variable) {
+        return {};
+    }
+    const auto level = static_cast<unsigned>(space.variable(node).access_level);
+    return std::string{(level & 1U) != 0 ? "r" : "-"} + ((level & 2U) != 0 ? "w" : "-");
 }
 
 /// "Int16[3]", as the tool of seed 001 shows it (9.5).
@@ -190,12 +216,59 @@ void TreeLister::add(model::NodeIndex node, std::size_t level)
     const std::string mapping = mapping_of(id);
     json_.open_object().member("level", static_cast<std::int64_t>(level)).member("name", shown);
     json_.member("nodeId", to_string(id)).member("nodeClass", node_class);
-    json_.member("dataType", type).member("mapping", mapping).close_object();
+    json_.member("dataType", type).member("mapping", mapping);
+    write_facts(node);
+    json_.close_object();
     table_.add({{std::string(2 * level, ' ') + safe(shown)},
                 {std::string{node_class}},
                 {safe(type)},
                 {safe(to_string(id))},
+                {access_of(space_, node)},
+                {safe(definition_of(node))},
                 {safe(mapping)}});
+    if (has_parts_) {
+        add_parts(node, level + 1);
+    }
+}
+
+/// What else the tool of seed 001 shows of a node (9.4).
+void TreeLister::write_facts(model::NodeIndex node)
+{
+    json_.member("displayName", space_.display_name(node).text.view());
+    const auto descriptions = space_.texts(node, AttributeId::Description);
+    json_.member("description", descriptions.empty() ? "" : descriptions.front().text.view());
+    json_.member("typeDefinition", definition_of(node));
+    if (space_.node_class(node) == NodeClass::Variable) {
+        const model::VariableAttributes variable = space_.variable(node);
+        json_.member("valueRank", static_cast<std::int64_t>(variable.value_rank));
+        json_.member("accessLevel", static_cast<std::int64_t>(variable.access_level));
+    }
+}
+
+/// Fields, elements, the Handle and arguments, unless the node itself is all that can be mapped.
+void TreeLister::add_parts(model::NodeIndex node, std::size_t level)
+{
+    for (const controller::MappablePart& part : parts_.of(node)) {
+        if (part.path.empty()) {
+            continue;
+        }
+        json_.open_object().member("level", static_cast<std::int64_t>(level));
+        json_.member("part", part.path).member("dataType", part.type);
+        json_.member("mapping", part.label).close_object();
+        table_.add({{std::string(2 * level, ' ') + safe(part.path)},
+                    {""},
+                    {safe(part.type)},
+                    {""},
+                    {""},
+                    {""},
+                    {safe(part.label)}});
+    }
+}
+
+std::string TreeLister::definition_of(model::NodeIndex node) const
+{
+    const model::NodeIndex type = space_.type_definition(node);
+    return type != model::no_node ? std::string{space_.browse_name(type).name.view()} : "";
 }
 
 void TreeLister::list(model::NodeIndex node, std::size_t level)
@@ -218,7 +291,7 @@ void TreeLister::list(model::NodeIndex node, std::size_t level)
 Exit show_tree(Context& context, const ProjectArguments& arguments)
 {
     const ModelSet models = open_models(open_project(arguments.words[0]));
-    TreeLister tree{models};
+    TreeLister tree{models, arguments.wants_all};
     tree.list(models.space().find(id::ObjectsFolder), 0);
     tree.print(context);
     return Exit::Good;
@@ -258,7 +331,10 @@ void add_models(CLI::App& project, Run& run)
     add_offline(project, run, "namespaces", "Lists the namespaces and what they require.", 1, 1,
                 "FILE", list_namespaces, arguments);
     add_offline(project, run, "tree", "Lists the nodes of the models and what is mapped.", 1, 1,
-                "FILE", show_tree, arguments);
+                "FILE", show_tree, arguments)
+        ->add_flag("--parts", arguments->wants_all,
+                   "also elements (\"[0]\"), fields (\".A\", \"[0].A\"), and of Methods \"Handle\" "
+                   "and \"Input[0]\"");
 }
 
 } // namespace busbar::tool::project

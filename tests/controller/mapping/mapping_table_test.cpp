@@ -1,3 +1,4 @@
+#include <busbar/controller/mappable_parts.hpp>
 #include <busbar/controller/mapping_table.hpp>
 
 #include "mapping_fixture.hpp"
@@ -165,6 +166,40 @@ TEST_CASE("9.5 Table: what is no table, or too large", "[9.5]")
     limits = {};
     limits.max_part_levels = 2;
     CHECK(project.error_in(head + "ns=1;s=A,,.a.b.c,x\n", limits) == "505 line 2");
+}
+
+TEST_CASE("9.4 Table: all that there is to map, mapped or not", "[9.4][9.5]")
+{
+    const std::string structure =
+        "<UADataType NodeId=\"ns=1;s=S\" BrowseName=\"1:S\"><References>"
+        "<Reference ReferenceType=\"i=45\" IsForward=\"false\">i=22</Reference></References>"
+        "<Definition Name=\"1:S\"><Field Name=\"A\" DataType=\"i=6\"/>"
+        "<Field Name=\"G\" DataType=\"i=14\"/></Definition></UADataType>\n";
+    ModelFixture project;
+    project.import(file("urn:t", cell() + structure + variable("s=One") + method("s=Start") +
+                                     variable("s=Guid", {}, "DataType=\"i=14\"") +
+                                     variable("s=Two", {},
+                                              "DataType=\"ns=1;s=S\" ValueRank=\"1\" "
+                                              "ArrayDimensions=\"2\"")));
+    project.map("One", "Line.One");
+    const std::string text = write_mappable_table(project.models);
+    const std::string with_type = head.substr(0, head.size() - 2) + ",Type\r\n";
+    CHECK(text == with_type + "nsu=urn:t;s=One,/Objects/1:One,,Line.One,,,,,Int32\r\n"
+                              "nsu=urn:t;s=Start,/Objects/1:Cell/1:Start,Handle,,,,,,UInt16\r\n"
+                              "nsu=urn:t;s=Two,/Objects/1:Two,[0].A,,,,,,Int32\r\n"
+                              "nsu=urn:t;s=Two,/Objects/1:Two,[1].A,,,,,,Int32\r\n");
+    const ReadMappingTable read = read_mapping_table(text, project.models.space());
+    CHECK(read.reports.is_empty());
+    CHECK(read.mapping == project.models.mapping());
+
+    // A label that cannot be there is shown, too.
+    project.map("Guid", "Line.Guid");
+    MappableParts parts{project.models};
+    const auto found = parts.of(project.models.space().find(project.id("Guid")));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].label == "Line.Guid");
+    CHECK(found[0].type.empty());
+    CHECK(parts.of(project.models.space().find(project.id("Cell"))).empty());
 }
 
 } // namespace mapping_table_test

@@ -1,0 +1,149 @@
+#include <busbar/controller/mappable_parts.hpp>
+
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include <busbar/controller/model_set.hpp>
+#include <busbar/controller/value_shape.hpp>
+
+#include "method_arguments.hpp"
+#include "table_columns.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+/// Labels and array specifications of a value by the paths of its parts.
+struct MappedPaths {
+    MappedPaths(const MappedPart* value, const std::string& prefix)
+    {
+        if (value != nullptr) {
+            collect(*value, {}, prefix);
+        }
+    }
+
+    void collect(const MappedPart& part, const std::string& path, const std::string& prefix)
+    {
+        if (!part.label.empty()) {
+            labels.emplace_back(prefix + path, part.label);
+        }
+        if (part.specification.rank != ArraySpecification::none) {
+            arrays.push_back({path, part.specification.rank, part.specification.dimensions});
+        }
+        for (const MappedPart& inner : part.parts) {
+            collect(inner, part_path(path, inner), prefix);
+        }
+    }
+
+    std::vector<std::pair<std::string, std::string>> labels;
+    std::vector<MappingArray> arrays;
+};
+
+std::string type_text(LeafType type)
+{
+    return type.is_enumeration ? "Enumeration" : std::string{name(type.built_in)};
+}
+
+/// The parts of one node while they are found.
+class Lister {
+public:
+    Lister(const model::SpaceReader& space, const binary::DynamicTypes& types,
+           const ModelLimits& limits)
+        : space_{space}, types_{types}, limits_{limits.max_elements, limits.max_structure_levels,
+                                                limits.max_elements}
+    {
+    }
+
+    void add_value(const ValueDeclaration& declaration, const MappedPart* mapped,
+                   const std::string& prefix)
+    {
+        const MappedPaths paths{mapped, prefix};
+        std::unordered_map<std::string, std::string> labels{paths.labels.begin(),
+                                                            paths.labels.end()};
+        if (const auto shape = ValueShape::of(space_, types_, declaration, paths.arrays, limits_)) {
+            for (std::size_t i = 0; i < shape->leaf_count(); ++i) {
+                if (words_of(shape->leaf_type(i)) != 0) {
+                    MappablePart part{
+                        prefix + shape->leaf_path(i), type_text(shape->leaf_type(i)), {}};
+                    if (auto label = labels.extract(part.path)) {
+                        part.label = std::move(label.mapped());
+                    }
+                    parts_.push_back(std::move(part));
+                }
+            }
+        }
+        for (const auto& [path, label] : paths.labels) {
+            if (labels.contains(path)) {
+                parts_.push_back({path, {}, label});
+            }
+        }
+    }
+    void add(MappablePart part) { parts_.push_back(std::move(part)); }
+    [[nodiscard]] std::vector<MappablePart> take() { return std::move(parts_); }
+
+private:
+    const model::SpaceReader& space_;
+    const binary::DynamicTypes& types_;
+    ShapeLimits limits_;
+    std::vector<MappablePart> parts_;
+};
+
+const MappedPart* argument_of(const MethodMapping* method, std::size_t number)
+{
+    if (method != nullptr) {
+        for (const MappedPart& argument : method->arguments) {
+            if (argument.number == number) {
+                return &argument;
+            }
+        }
+    }
+    return nullptr;
+}
+
+void add_method(Lister& lister, const model::SpaceReader& space, model::NodeIndex node,
+                const MethodMapping* mapped)
+{
+    if (!detail::arguments_of(space, node, "OutputArguments").empty()) {
+        return;
+    }
+    lister.add({std::string{detail::handle_part}, std::string{name(BuiltInType::UInt16)},
+                mapped != nullptr ? mapped->handle : std::string{}});
+    const std::vector<Argument> inputs = detail::arguments_of(space, node, "InputArguments");
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        const std::string prefix = std::string{detail::input_part} + '[' + std::to_string(i) + ']';
+        lister.add_value(
+            {inputs[i].data_type, inputs[i].value_rank, inputs[i].array_dimensions.span(), true},
+            argument_of(mapped, i), prefix);
+    }
+}
+
+} // namespace
+
+MappableParts::MappableParts(const ModelSet& models)
+    : models_{models}, places_{models.space(), required_uris(models)}
+{
+}
+
+std::vector<MappablePart> MappableParts::of(model::NodeIndex node)
+{
+    const model::SpaceReader& space = models_.space();
+    if (places_.of(node) != NodePlace::Mappable) {
+        return {};
+    }
+    Lister lister{space, types_.of(space), models_.limits()};
+    const Mapping& mapping = models_.mapping();
+    if (space.node_class(node) == NodeClass::Method) {
+        const auto found = mapping.methods.find(space.node_id(node));
+        add_method(lister, space, node, found != mapping.methods.end() ? &found->second : nullptr);
+        return lister.take();
+    }
+    const auto found = mapping.variables.find(space.node_id(node));
+    const model::VariableAttributes attributes = space.variable(node);
+    lister.add_value(
+        {space.data_type_id(node), attributes.value_rank, attributes.array_dimensions, false},
+        found != mapping.variables.end() ? &found->second.value : nullptr, {});
+    return lister.take();
+}
+
+} // namespace busbar::controller
