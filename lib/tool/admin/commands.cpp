@@ -104,6 +104,7 @@ void print_certificates(Context& context, const std::vector<CertificateRow>& row
         const crypto::CertificateSubject subject = crypto::subject_of(certificate);
         const std::string hosts = joined(certificate.host_names());
         json.open_object().member("list", list).member("commonName", subject.common_name);
+        json.member("subject", certificate.subject());
         json.member("organization", subject.organization).member("domain", hosts);
         json.member("validFrom", certificate.valid_from());
         json.member("validTo", certificate.valid_to());

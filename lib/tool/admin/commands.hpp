@@ -45,7 +45,7 @@ struct AdminArguments {
     bool only_changed{false};
     std::string subject;
     std::vector<std::string> hosts;
-    unsigned days{365};
+    unsigned days{7'305}; // twenty years
     unsigned seconds{2};
     std::string reason;
     bool restarts{false};

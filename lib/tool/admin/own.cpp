@@ -1,10 +1,15 @@
+#include <algorithm>
+#include <array>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <busbar/crypto/own_certificate.hpp>
 #include <busbar/crypto/random.hpp>
 
 #include "commands.hpp"
 #include "remote.hpp"
+#include "tool/connection/url.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 
@@ -91,14 +96,63 @@ Exit install(Context& context, Connection& connection, const AdminArguments& arg
     return report(context, "installed " + certificates->front().thumbprint_text());
 }
 
-/// "CN=Name/O=Works" of a certificate.
+/// "CN=Name/O=Works" of a certificate, with all that CreateSelfSignedCertificate takes.
 std::string subject_name(const crypto::CertificateSubject& subject)
 {
-    std::string name = "CN=\"" + subject.common_name + "\"";
-    if (!subject.organization.empty()) {
-        name += "/O=\"" + subject.organization + "\"";
+    using crypto::CertificateSubject;
+    static constexpr std::array<std::pair<const char*, std::string CertificateSubject::*>, 7> all{{
+        {"CN", &CertificateSubject::common_name},
+        {"O", &CertificateSubject::organization},
+        {"OU", &CertificateSubject::organizational_unit},
+        {"L", &CertificateSubject::locality},
+        {"S", &CertificateSubject::state},
+        {"C", &CertificateSubject::country},
+        {"DC", &CertificateSubject::domain_component},
+    }};
+    std::string text;
+    for (const auto& [name, member] : all) {
+        if (!(subject.*member).empty()) {
+            text += (text.empty() ? "" : "/") + std::string{name} + "=\"" + subject.*member + "\"";
+        }
     }
-    return name;
+    return text;
+}
+
+bool is_loopback(const std::string& host)
+{
+    return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+/// The names and addresses of the certificate, and the one by which we are connected: it may be
+/// new.
+std::vector<std::string> hosts_of_now(const crypto::Certificate& before,
+                                      const std::string& connected)
+{
+    std::vector<std::string> hosts = before.host_names();
+    if (!is_loopback(connected) &&
+        std::find(hosts.begin(), hosts.end(), connected) == hosts.end()) {
+        hosts.insert(hosts.begin(), connected);
+    }
+    return hosts;
+}
+
+/// "NxOpcUaServer@192.0.2.50" has the address of now behind the @ (seed 000, 3-2-5).
+void renew_address(std::string& common_name, const crypto::CertificateSubject& names)
+{
+    const std::size_t at = common_name.rfind('@');
+    const auto is_among = [](const std::vector<std::string>& list, const std::string& one) {
+        return std::find(list.begin(), list.end(), one) != list.end();
+    };
+    if (at == std::string::npos) {
+        return;
+    }
+    const std::string old = common_name.substr(at + 1);
+    crypto::CertificateSubject parsed;
+    crypto::add_host(parsed, old);
+    if (!parsed.ip_addresses.empty() && !names.ip_addresses.empty() &&
+        !is_among(names.ip_addresses, old)) {
+        common_name.replace(at + 1, std::string::npos, names.ip_addresses.front());
+    }
 }
 
 Exit regenerate(Context& context, Connection& connection, const AdminArguments& arguments)
@@ -108,10 +162,13 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
               "Clients have to trust the new certificate. Replace " + before.thumbprint_text() +
                   "?");
     crypto::CertificateSubject names;
-    for (const std::string& host :
-         arguments.hosts.empty() ? before.host_names() : arguments.hosts) {
+    for (const std::string& host : arguments.hosts.empty()
+                                       ? hosts_of_now(before, host_of(context.options.url))
+                                       : arguments.hosts) {
         crypto::add_host(names, host);
     }
+    crypto::CertificateSubject kept = crypto::subject_of(before);
+    renew_address(kept.common_name, names);
     const auto strings = [](const std::vector<std::string>& texts) {
         Array<String> list;
         list.clear();
@@ -123,15 +180,20 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
     const std::string what = "making a new certificate";
     call(connection, configuration, child_of(connection, configuration, "DeleteCertificate"),
          {Variant{NodeId{}}, Variant{rsa}}, what);
-    const std::string subject =
-        arguments.subject.empty() ? subject_name(crypto::subject_of(before)) : arguments.subject;
-    const auto outputs =
-        call(connection, configuration,
-             child_of(connection, configuration, "CreateSelfSignedCertificate"),
-             {Variant{NodeId{}}, Variant{rsa}, Variant{String{subject}}, strings(names.dns_names),
-              strings(names.ip_addresses), Variant{static_cast<std::uint16_t>(arguments.days)},
-              Variant{std::uint16_t{0}}},
-             what);
+    const std::string subject = arguments.subject.empty() ? subject_name(kept) : arguments.subject;
+    const auto outputs = with_hint(
+        [&] {
+            return call(connection, configuration,
+                        child_of(connection, configuration, "CreateSelfSignedCertificate"),
+                        {Variant{NodeId{}}, Variant{rsa}, Variant{String{subject}},
+                         strings(names.dns_names), strings(names.ip_addresses),
+                         Variant{static_cast<std::uint16_t>(arguments.days)},
+                         Variant{std::uint16_t{0}}},
+                        what);
+        },
+        status::Bad_InvalidArgument,
+        "a subject is CN=Name/O=Works/OU=Line/L=Town/S=State/C=JP: a value with / or , stands in "
+        "quotation marks, and C is a country of two letters");
     apply(connection);
     const auto* const der = outputs.empty() ? nullptr : outputs.front().get_if<ByteString>();
     const auto made =

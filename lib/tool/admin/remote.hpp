@@ -11,6 +11,7 @@
 
 #include <busbar/core/variant.hpp>
 #include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/secret.hpp>
 #include <busbar/types/configuration.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
@@ -28,6 +29,17 @@ namespace busbar::tool::admin {
 /// The outputs of a Method; throws Failure, which says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
                           const std::vector<Variant>& inputs, const std::string& what);
+/// What `function` returns. A Failure of it by `status` gets another hint.
+template <typename Function>
+auto with_hint(Function&& function, StatusCode status, const std::string& hint)
+{
+    try {
+        return function();
+    } catch (Failure& failure) {
+        failure.hint = failure.status == status ? hint : failure.hint;
+        throw;
+    }
+}
 /// The value of a Variable; null if the server refuses it.
 [[nodiscard]] Variant read(Connection& connection, const NodeId& variable);
 /// The child with this name; null if there is none, or if this user may not see it.
@@ -64,6 +76,13 @@ struct TrustListNodes {
 /// What the list holds.
 [[nodiscard]] TrustListDataType read_trust_list(Connection& connection,
                                                 const TrustListNodes& nodes);
+/// AddUser. A name or password that is refused is told with the server's rules.
+void add_user(Connection& connection, const std::string& name, const crypto::Secret& password,
+              std::uint32_t bits, const std::string& description);
+/// ModifyUser with what is to change; `password` may be null.
+void change_user(Connection& connection, const std::string& name, const crypto::Secret* password,
+                 std::optional<std::uint32_t> bits);
+
 /// The certificates that the server refused.
 [[nodiscard]] std::vector<crypto::Certificate> rejected(Connection& connection);
 /// Those that can be read.

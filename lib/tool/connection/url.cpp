@@ -86,4 +86,10 @@ std::string complete_url(const std::string& text)
     return url;
 }
 
+std::string host_of(const std::string& url)
+{
+    const auto parsed = channel::EndpointUrl::parse(url);
+    return parsed ? parsed->host : std::string{};
+}
+
 } // namespace busbar::tool

@@ -13,4 +13,7 @@ namespace busbar::tool {
 /// is none, which says what is wrong with it.
 [[nodiscard]] std::string complete_url(const std::string& text);
 
+/// The host of a complete URL.
+[[nodiscard]] std::string host_of(const std::string& url);
+
 } // namespace busbar::tool
