@@ -168,6 +168,20 @@ await ends_with 4 --user chief --password-file chief admin cert show "$url" # no
 as_admin 0 admin cert show "$url"
 says "Press 4"
 grep -q -e "$before" out && fail "the certificate is the old one"
+# The next one has the subject of the one before, and lasts for twenty years.
+as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4@192.0.2.50/O=Works/L=Kyoto/C=JP" \
+    --days 365 --host 192.0.2.50 --host "$host" --yes
+await ends_with 4 --user chief --password-file chief admin cert show "$url"
+as_admin 1 admin cert regenerate "$url" --subject "CN=X/C=DEU" --yes
+says "country of two letters"
+as_admin 0 admin cert regenerate "$url" --host 192.0.2.51 --host "$host" --yes
+await ends_with 4 --user chief --password-file chief admin cert show "$url"
+as_admin 0 --json admin cert show "$url"
+says 'CN=Press 4@192.0.2.51'
+says 'L=Kyoto'
+says 'C=JP'
+years=$(($(sed -n 's/.*"valid[A-Za-z]*":"\([0-9]*\)-.*"valid[A-Za-z]*":"\([0-9]*\)-.*/\2 - \1/p' out)))
+[ "$years" -eq 20 ] || fail "the certificate is for $years years: $(cat out)"
 as_admin 0 admin cert request "$url" request.der
 [ -s request.der ] || fail "there is no request"
 
@@ -216,6 +230,10 @@ logged 'with the code' && fail "the code is shown again"
 grep -q -r -F -e "$(cat code)" new && fail "the code is kept"
 run 4 --user setup --password-file chief --trust admin status "$url"
 run 0 --user setup --password-file code --trust admin status "$url"
+# One that was cut short after the user was added can be run again.
+run 1 --user setup --password-file code --trust admin user add "$url" "$(printf %0300d 0)" --new-password-file chief
+says "A user's name has"
+run 0 --user setup --password-file code --trust admin user add "$url" chief --new-password-file pat
 run 0 --user setup --password-file code --trust admin setup "$url" chief --new-password-file chief
 await logged 'the setup is over'
 await ends_with 4 --user setup --password-file code --trust admin status "$url"

@@ -1,3 +1,5 @@
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include <busbar/types/data_types.hpp>
@@ -14,6 +16,22 @@ namespace busbar::tool::admin {
 
 namespace {
 
+/// False if the server has it already.
+template <typename Function>
+bool unless_there(Function&& function)
+{
+    try {
+        function();
+        return true;
+    } catch (const Failure& failure) {
+        if (failure.status != status::Bad_EntryExists &&
+            failure.status != status::Bad_AlreadyExists) {
+            throw;
+        }
+        return false;
+    }
+}
+
 /// We are trusted for good before the setup is over: then strangers are strangers again.
 void trust_us(Context& context, Connection& connection)
 {
@@ -24,14 +42,21 @@ void trust_us(Context& context, Connection& connection)
         return;
     }
     const TrustListNodes nodes = trust_list(connection, false);
-    try {
+    unless_there([&] {
         call(connection, nodes.object, nodes.add,
              {Variant{ByteString{own->certificates.front().der()}}, Variant{true}},
              "trusting our certificate");
-    } catch (const Failure& failure) {
-        if (failure.status != status::Bad_EntryExists) {
-            throw;
-        }
+    });
+}
+
+/// A setup that was cut short has left the user, who is no administrator: he gets this password.
+void add_or_change(Connection& connection, const std::string& name, const crypto::Secret& password,
+                   const std::string& description)
+{
+    const bool is_added =
+        unless_there([&] { add_user(connection, name, password, std::uint32_t{0}, description); });
+    if (!is_added) {
+        change_user(connection, name, &password, std::nullopt);
     }
 }
 
@@ -40,16 +65,15 @@ Exit set_up(Context& context, Connection& connection, const AdminArguments& argu
     const std::string& name = arguments.words.front();
     const crypto::Secret password = new_password(context, name, arguments.new_password_file);
     trust_us(context, connection);
-    call(connection, standard(id::UserManagement), standard(id::UserManagement_AddUser),
-         {Variant{String{name}}, Variant{String{password.text()}}, Variant{std::uint32_t{0}},
-          Variant{String{arguments.description}}},
-         "adding " + safe(name));
+    add_or_change(connection, name, password, arguments.description);
     // The last one makes an administrator, which ends the setup.
     for (const std::uint32_t role :
          {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
         const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{name}};
-        call(connection, standard(role), child_of(connection, standard(role), "AddIdentity"),
-             {Variant{ExtensionObject::from(rule)}}, "giving " + safe(name) + " the roles");
+        unless_there([&] {
+            call(connection, standard(role), child_of(connection, standard(role), "AddIdentity"),
+                 {Variant{ExtensionObject::from(rule)}}, "giving " + safe(name) + " the roles");
+        });
     }
     return report(context, safe(name) + " administers the server from now on; the code is void");
 }

@@ -15,6 +15,67 @@
 
 namespace busbar::tool::admin {
 
+namespace {
+
+/// What the server wants of names and passwords, as far as it tells (Part 18, 5.2.2).
+std::string rules_of(Connection& connection)
+{
+    const Variant length = read(connection, standard(id::UserManagement_PasswordLength));
+    const Variant text = read(connection, standard(id::UserManagement_PasswordRestrictions));
+    std::string rules;
+    if (const auto* const object = length.get_if<ExtensionObject>()) {
+        if (const auto* const range = object->get_if<Range>()) {
+            rules = "a password has " + std::to_string(static_cast<int>(range->low)) + " to " +
+                    std::to_string(static_cast<int>(range->high)) + " characters";
+        }
+    }
+    const auto* const told = text.get_if<LocalizedText>();
+    return rules + (told != nullptr ? "; " + safe(told->text.view()) : std::string{});
+}
+
+/// Carries out what may break the server's rules, which its status does not tell.
+template <typename Function>
+void by_rules(Connection& connection, Function&& function)
+{
+    try {
+        function();
+    } catch (Failure& failure) {
+        if (failure.status == status::Bad_InvalidArgument ||
+            failure.status == status::Bad_OutOfRange) {
+            failure.hint = rules_of(connection);
+        } else if (failure.status == status::Bad_ResourceUnavailable) {
+            failure.hint = "the server has as many users as it may have, or cannot write them down";
+        }
+        throw;
+    }
+}
+
+} // namespace
+
+void add_user(Connection& connection, const std::string& name, const crypto::Secret& password,
+              std::uint32_t bits, const std::string& description)
+{
+    by_rules(connection, [&] {
+        call(connection, standard(id::UserManagement), standard(id::UserManagement_AddUser),
+             {Variant{String{name}}, Variant{String{password.text()}}, Variant{bits},
+              Variant{String{description}}},
+             "adding " + safe(name));
+    });
+}
+
+void change_user(Connection& connection, const std::string& name, const crypto::Secret* password,
+                 std::optional<std::uint32_t> bits)
+{
+    by_rules(connection, [&] {
+        call(connection, standard(id::UserManagement), standard(id::UserManagement_ModifyUser),
+             {Variant{String{name}}, Variant{password != nullptr},
+              Variant{String{password != nullptr ? password->text() : std::string_view{}}},
+              Variant{bits.has_value()}, Variant{bits.value_or(0)}, Variant{false},
+              Variant{String{}}},
+             "changing " + safe(name));
+    });
+}
+
 namespace users {
 namespace {
 
@@ -88,25 +149,10 @@ Exit add(Context& context, Connection& connection, const AdminArguments& argumen
 {
     const std::string& name = arguments.words.front();
     const crypto::Secret password = new_password(context, name, arguments.new_password_file);
-    on_users(connection, id::UserManagement_AddUser,
-             {Variant{String{name}}, Variant{String{password.text()}},
-              Variant{arguments.must_change ? must_change : std::uint32_t{0}},
-              Variant{String{arguments.description}}},
-             "adding " + safe(name));
+    add_user(connection, name, password, arguments.must_change ? must_change : std::uint32_t{0},
+             arguments.description);
     return report(context,
                   "added " + safe(name) + "; roles are given by `busbar admin role grant`");
-}
-
-/// ModifyUser with what is to change.
-void modify(Connection& connection, const std::string& name,
-            const std::optional<crypto::Secret>& password, std::optional<std::uint32_t> bits)
-{
-    on_users(connection, id::UserManagement_ModifyUser,
-             {Variant{String{name}}, Variant{password.has_value()},
-              Variant{String{password ? password->text() : std::string_view{}}},
-              Variant{bits.has_value()}, Variant{bits.value_or(0)}, Variant{false},
-              Variant{String{}}},
-             "changing " + safe(name));
 }
 
 /// The user's configuration with a bit set or taken.
@@ -115,7 +161,7 @@ void set_bit(Connection& connection, const std::string& name, std::uint32_t bit,
     for (const UserManagementDataType& user : users_of(connection)) {
         if (user.user_name.view() == name) {
             const auto bits = static_cast<std::uint32_t>(user.user_configuration);
-            return modify(connection, name, std::nullopt, is_set ? bits | bit : bits & ~bit);
+            return change_user(connection, name, nullptr, is_set ? bits | bit : bits & ~bit);
         }
     }
     throw Failure{status::Bad_NotFound, safe(name), "see `busbar admin user list`"};
@@ -136,8 +182,8 @@ Exit enable(Context& context, Connection& connection, const AdminArguments& argu
 Exit set_password(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const std::string& name = arguments.words.front();
-    modify(connection, name, new_password(context, name, arguments.new_password_file),
-           std::nullopt);
+    const crypto::Secret password = new_password(context, name, arguments.new_password_file);
+    change_user(connection, name, &password, std::nullopt);
     return report(context, "changed the password of " + safe(name));
 }
 
