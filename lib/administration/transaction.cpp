@@ -149,7 +149,9 @@ Checked<void> Transaction::write(FileTransaction& change, std::string_view appli
 Checked<Transaction::Changed> Transaction::apply(std::string_view application_uri)
 {
     Changed changed;
+    std::vector<crypto::TrustList> before;
     for (const NewList& each : lists_) {
+        before.push_back(groups_[each.group].store->trust_list(clock_.now()));
         changed.groups.push_back(each.group);
     }
     FileTransaction change{*files_.files, transaction_folder};
@@ -159,8 +161,12 @@ Checked<Transaction::Changed> Transaction::apply(std::string_view application_ur
         }
         return refuse(std::move(written).error());
     }
-    for (const std::size_t group : changed.groups) {
-        ++groups_[group].version;
+    for (std::size_t i = 0; i < lists_.size(); ++i) {
+        const NewList& each = lists_[i];
+        ++groups_[each.group].version;
+        busbar::detail::attempt([&] { // what is changed is so whoever hears of it
+            groups_[each.group].store->tell_changes(before[i], each.list);
+        });
     }
     if (own_) {
         // Gives the new key its name; a later load does it otherwise.

@@ -342,22 +342,37 @@ void TrustListFile::add_certificate(MethodCall call)
     if (const auto refused = crypto::check_trust_list(alone, needs_.clock.now(), group().purpose)) {
         return refuse_call(call, *refused);
     }
-    if (const auto added = store.add(crypto::StoreList::Trusted, der); !added) {
+    if (auto added = trust(*certificate); !added) {
         return refuse_call(call, added.error());
     }
-    busbar::detail::attempt([&] { // what is trusted is so wherever else it is
-        static_cast<void>(
-            store.remove(crypto::StoreList::Rejected, certificate->thumbprint_text()));
-    });
     ++group().version;
     tell(call, nullptr);
     tell_changed();
     call.succeed();
 }
 
+/// One that was rejected is moved, so that the log has one change.
+Checked<void> TrustListFile::trust(const crypto::Certificate& certificate)
+{
+    crypto::CertificateStore& store = *group().store;
+    const std::string thumbprint = certificate.thumbprint_text();
+    const auto has = [&](crypto::StoreList list) {
+        const auto entries = store.list(list);
+        return std::any_of(entries.begin(), entries.end(), [&](const crypto::StoreEntry& entry) {
+            return entry.thumbprint == thumbprint;
+        });
+    };
+    if (has(crypto::StoreList::Rejected) && !has(crypto::StoreList::Trusted)) {
+        return store.move(thumbprint, crypto::StoreList::Rejected, crypto::StoreList::Trusted);
+    }
+    auto added = store.add(crypto::StoreList::Trusted, certificate.der());
+    return added ? Checked<void>{} : refuse(std::move(added).error());
+}
+
 Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bool is_trusted)
 {
-    crypto::TrustList list = group().store->trust_list(needs_.clock.now());
+    const crypto::TrustList before = group().store->trust_list(needs_.clock.now());
+    crypto::TrustList list = before;
     const bool was_sound =
         !crypto::check_trust_list(list, needs_.clock.now(), group().purpose).has_value();
     std::erase(is_trusted ? list.trusted : list.issuers, certificate);
@@ -375,7 +390,11 @@ Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bo
     const crypto::TrustListParts parts{is_trusted, is_trusted, !is_trusted, !is_trusted};
     auto done = prepare_files(change);
     done = done ? group().store->stage(list, parts, change, group().folder) : done;
-    return done ? commit_files(change) : done;
+    done = done ? commit_files(change) : done;
+    if (done) {
+        group().store->tell_changes(before, list);
+    }
+    return done;
 }
 
 /// Part 12, 7.8.2.7. In force at once.

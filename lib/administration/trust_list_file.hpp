@@ -73,6 +73,8 @@ private:
     [[nodiscard]] bool make_room(const Holder& holder, std::size_t bytes);
     /// Good if the list may be changed at once, without a transaction.
     [[nodiscard]] StatusCode check_single_change() const;
+    /// Adds it to the trusted ones, or moves it there from the rejected ones.
+    [[nodiscard]] Checked<void> trust(const crypto::Certificate& certificate);
     /// Removes it from the list, with the revocation lists of a CA.
     [[nodiscard]] Checked<void> take_out(const crypto::Certificate& certificate, bool is_trusted);
     /// Refused unless `refusal` is null.

@@ -192,7 +192,43 @@ void tell_change(LogSink& log, RecordKind of_certificate, const std::string& wha
     tell(log, record);
 }
 
+/// Tells of what `some` has and `others` has not.
+template <typename Entry>
+void tell_missing(const detail::StoreLists& lists, LogSink& log, StoreList list,
+                  const std::vector<Entry>& some, const std::vector<Entry>& others, bool is_added)
+{
+    for (const Entry& each : some) {
+        const bool is_there = std::any_of(others.begin(), others.end(), [&](const Entry& other) {
+            return std::ranges::equal(other.der(), each.der());
+        });
+        const auto file = is_there ? std::nullopt : parse(each.der());
+        if (file) {
+            const EntryKind kind =
+                file->certificate() != nullptr ? EntryKind::Certificate : EntryKind::RevocationList;
+            const StoreEntry entry = detail::entry_of({&lists.home(list, kind), &*file});
+            tell_change(
+                log, is_added ? RecordKind::CertificateAdded : RecordKind::CertificateRemoved,
+                (is_added ? "added to " : "removed from ") + name_of(list), *file, entry, list);
+        }
+    }
+}
+
 } // namespace
+
+void CertificateStore::tell_changes(const TrustList& before, const TrustList& after) const
+{
+    const auto tell = [&](const TrustList& some, const TrustList& others, bool is_added) {
+        const auto tell_one = [&](StoreList list, const auto& mine, const auto& theirs) {
+            tell_missing(*lists_, *log_, list, mine, theirs, is_added);
+        };
+        tell_one(StoreList::Trusted, some.trusted, others.trusted);
+        tell_one(StoreList::Trusted, some.trusted_crls, others.trusted_crls);
+        tell_one(StoreList::Issuers, some.issuers, others.issuers);
+        tell_one(StoreList::Issuers, some.issuer_crls, others.issuer_crls);
+    };
+    tell(before, after, false);
+    tell(after, before, true);
+}
 
 Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::byte> contents)
 {

@@ -1,3 +1,4 @@
+#include "crypto/revoking.hpp"
 #include "trust_list_fixture.hpp"
 
 namespace trust_list_test {
@@ -139,6 +140,50 @@ TEST_CASE_METHOD(Lists, "trust list: certificates come and go one by one")
     CHECK(status_of(admin, add_certificate, {der, Variant{true}}) == "Good");
     CHECK(std::count(log.records.begin(), log.records.end(),
                      "TrustListUpdated Good /admin 192.0.2.1 TrustListId ObjectId MethodId") == 1);
+}
+
+TEST_CASE_METHOD(Lists, "trust list: each change is told once, by what it is")
+{
+    auto admin = log_in();
+    log.keeps_records = true;
+    const auto told = [&] {
+        std::vector<std::string> lines;
+        for (const std::string& line : std::exchange(log.records, {})) {
+            if (line.starts_with("Certificate") || line.starts_with("RevocationList")) {
+                lines.push_back(line.substr(0, line.find(" Good")));
+            }
+        }
+        return lines;
+    };
+    using Told = std::vector<std::string>;
+    applications.reject(stranger(), today);
+    static_cast<void>(told());
+    const Variant der{ByteString{stranger().der()}};
+    CHECK(status_of(admin, add_certificate, {der, Variant{true}}) == "Good");
+    CHECK(told() == Told{"CertificateMoved"});
+    CHECK(status_of(admin, remove_certificate,
+                    {Variant{String{stranger().thumbprint_text()}}, Variant{true}}) == "Good");
+    CHECK(told() == Told{"CertificateRemoved"});
+
+    const Issued ca = issue(authority("Works CA"), key_number(2));
+    TrustListDataType data;
+    data.specified_lists = 15;
+    data.trusted_certificates = {ByteString{own_client().der()}, ByteString{stranger().der()}};
+    data.issuer_certificates = {ByteString{ca.certificate.der()}};
+    data.issuer_crls = {ByteString{revoke(ca).der()}};
+    auto handle = open(admin, writing);
+    write_all(admin, handle, data);
+    CHECK(status_of(admin, close_and_update, {Variant{handle}}) == "Good");
+    CHECK(told().empty());
+    CHECK(apply(admin) == "Good");
+    CHECK(told() == Told{"CertificateAdded", "CertificateAdded", "RevocationListAdded"});
+    data.issuer_certificates = {};
+    data.issuer_crls = {};
+    handle = open(admin, writing);
+    write_all(admin, handle, data);
+    CHECK(status_of(admin, close_and_update, {Variant{handle}}) == "Good");
+    CHECK(apply(admin) == "Good");
+    CHECK(told() == Told{"CertificateRemoved", "RevocationListRemoved"});
 }
 
 TEST_CASE_METHOD(Lists, "trust list: an issuer that is needed stays")

@@ -123,6 +123,10 @@ public:
     [[nodiscard]] Checked<void> stage(const TrustList& wanted, const TrustListParts& parts,
                                       FileTransaction& change, std::string_view folder = {});
 
+    /// Tells the log, as add() and remove() do, of each certificate and revocation list in which
+    /// the lists `after` differ from `before`: once what stage() laid down is committed.
+    void tell_changes(const TrustList& before, const TrustList& after) const;
+
     [[nodiscard]] Storage& storage() const { return *storage_; }
 
 private:
