@@ -159,6 +159,34 @@ as_admin 1 admin trust remove "$url" "$stranger" --yes
 run 4 --pki other --user chief --password-file chief --trust admin status "$url"
 as_admin 0 admin trust add "$url" stranger.der
 
+# A CA and its revocation list, of which there is one at a time.
+if command -v openssl > /dev/null; then
+    openssl req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 30 \
+        -subj "/CN=Works CA" -addext "keyUsage=critical,keyCertSign,cRLSign" 2> /dev/null
+    printf '[ca]\ndefault_ca = d\n[d]\ndatabase = index\ndefault_md = sha256\n' > ca.cnf
+    : > index
+    for days in 20 25; do
+        openssl ca -config ca.cnf -gencrl -crldays $days -keyfile ca.key -cert ca.pem \
+            -out ca$days.crl 2> /dev/null
+    done
+    as_admin 1 admin trust add "$url" ca20.crl
+    says "add its issuer first"
+    as_admin 0 admin trust add "$url" ca.pem --issuer
+    as_admin 0 admin trust add "$url" ca20.crl
+    as_admin 0 admin trust add "$url" ca25.crl
+    as_admin 0 admin trust list "$url"
+    says "^issuers .*Works CA"
+    says "^issuers crl .*Works CA .*0 revoked"
+    [ "$(grep -c '^issuers crl' out)" -eq 1 ] || fail "there are two revocation lists of one CA"
+    crl=$(sed -n 's/^issuers crl .* \([0-9A-F]*\)$/\1/p' out)
+    as_admin 1 admin trust remove "$url" "$crl" # nobody says yes
+    as_admin 0 admin trust remove "$url" "$crl" --yes
+    as_admin 0 admin trust list "$url"
+    grep -q "^issuers crl" out && fail "the revocation list is there still"
+    ca=$(sed -n 's/^issuers .* \([0-9A-F]*\)$/\1/p' out)
+    as_admin 0 admin trust remove "$url" "$ca" --yes
+fi
+
 # Another certificate, while it runs. It names what we connect to, or we would refuse it.
 host=${url#opc.tcp://}
 host=${host%:*}

@@ -91,6 +91,12 @@ std::string joined(const std::vector<std::string>& texts)
 
 void print_certificates(Context& context, const std::vector<CertificateRow>& rows)
 {
+    print_trust(context, rows, {});
+}
+
+void print_trust(Context& context, const std::vector<CertificateRow>& rows,
+                 const std::vector<RevocationRow>& revocations)
+{
     JsonLine json;
     json.open_array();
     Table table{{{"LIST"},
@@ -116,6 +122,20 @@ void print_certificates(Context& context, const std::vector<CertificateRow>& row
                    {to_string(certificate.valid_to()).substr(0, 10),
                     certificate.valid_to() < now ? Style::Bad : Style::Plain},
                    {certificate.thumbprint_text()}});
+    }
+    for (const auto& [list, revoked] : revocations) {
+        const DateTime next = revoked.next_update();
+        json.open_object().member("list", list + " crl").member("issuer", revoked.issuer());
+        json.member("revoked", static_cast<std::int64_t>(revoked.size()));
+        json.member("thisUpdate", revoked.this_update()).member("nextUpdate", next);
+        json.member("thumbprint", revoked.thumbprint_text()).close_object();
+        table.add({{list + " crl"},
+                   {safe(revoked.issuer())},
+                   {""},
+                   {std::to_string(revoked.size()) + " revoked"},
+                   {next.is_null() ? "" : to_string(next).substr(0, 10),
+                    !next.is_null() && next < now ? Style::Bad : Style::Plain},
+                   {revoked.thumbprint_text()}});
     }
     if (context.options.is_json) {
         context.out.line(json.close_array().document());

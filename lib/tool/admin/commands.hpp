@@ -37,6 +37,7 @@ struct AdminArguments {
     /// [URL] and whatever the subcommand names.
     std::vector<std::string> words;
     bool is_of_users{false};
+    bool is_issuer{false};
     /// Asks nothing.
     bool is_sure{false};
     std::string new_password_file;
@@ -102,6 +103,13 @@ struct CertificateRow {
     std::string list;
     crypto::Certificate certificate;
 };
+/// A revocation list; `list` is "trusted" or "issuers", by whose issuer it lies with.
+struct RevocationRow {
+    std::string list;
+    crypto::RevocationList revocations;
+};
+void print_trust(Context& context, const std::vector<CertificateRow>& rows,
+                 const std::vector<RevocationRow>& revocations);
 void print_certificates(Context& context, const std::vector<CertificateRow>& rows);
 /// The one of `rows` whose thumbprint begins like this; throws Failure if that is none or several.
 [[nodiscard]] const CertificateRow& find(const std::vector<CertificateRow>& rows,

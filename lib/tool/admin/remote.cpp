@@ -1,10 +1,12 @@
 #include "remote.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <busbar/administration/configured_users.hpp>
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/reader.hpp>
+#include <busbar/binary/writer.hpp>
 #include <busbar/client/methods.hpp>
 #include <busbar/client/view.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -137,6 +139,8 @@ TrustListNodes trust_list(Connection& connection, bool of_users)
         NodeId* const known = name == "Open"                ? &nodes.open
                               : name == "Close"             ? &nodes.close
                               : name == "Read"              ? &nodes.read
+                              : name == "Write"             ? &nodes.write
+                              : name == "CloseAndUpdate"    ? &nodes.close_and_update
                               : name == "AddCertificate"    ? &nodes.add
                               : name == "RemoveCertificate" ? &nodes.remove
                                                             : nullptr;
@@ -174,6 +178,37 @@ TrustListDataType read_trust_list(Connection& connection, const TrustListNodes& 
         throw Failure{reader.status(), what};
     }
     return data;
+}
+
+/// Part 12, 7.8.2.5: the list is written into a transaction, which ApplyChanges puts in force.
+void write_trust_list(Connection& connection, const TrustListNodes& nodes,
+                      const TrustListDataType& data, const std::string& what)
+{
+    constexpr std::uint8_t for_writing = 6; // and erased
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    encode(writer, data);
+    const std::vector<std::byte> bytes = sink.take(writer.written());
+    const auto opened = call(connection, nodes.object, nodes.open, {Variant{for_writing}}, what);
+    const Variant handle = opened.empty() ? Variant{} : opened.front();
+    const NodeId configuration = standard(id::ServerConfiguration);
+    try {
+        const std::span<const std::byte> all{bytes};
+        for (std::size_t at = 0; at < all.size(); at += static_cast<std::size_t>(piece_size)) {
+            const std::size_t size = std::min<std::size_t>(piece_size, all.size() - at);
+            call(connection, nodes.object, nodes.write,
+                 {handle, Variant{ByteString{all.subspan(at, size)}}}, what);
+        }
+        call(connection, nodes.object, nodes.close_and_update, {handle}, what);
+        call(connection, configuration, standard(id::ServerConfiguration_ApplyChanges), {}, what);
+    } catch (const Failure&) {
+        try {
+            call(connection, configuration, standard(id::ServerConfiguration_CancelChanges), {},
+                 what);
+        } catch (const Failure&) { // the transaction is over already
+        }
+        throw;
+    }
 }
 
 std::vector<crypto::Certificate> certificates_of(const Array<ByteString>& ders)

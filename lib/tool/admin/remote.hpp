@@ -68,6 +68,8 @@ struct TrustListNodes {
     NodeId open;
     NodeId close;
     NodeId read;
+    NodeId write;
+    NodeId close_and_update;
     NodeId add;
     NodeId remove;
 };
@@ -76,6 +78,10 @@ struct TrustListNodes {
 /// What the list holds.
 [[nodiscard]] TrustListDataType read_trust_list(Connection& connection,
                                                 const TrustListNodes& nodes);
+/// Has the server take the lists of `data` that its specifiedLists names, at once; throws Failure,
+/// and nothing has changed.
+void write_trust_list(Connection& connection, const TrustListNodes& nodes,
+                      const TrustListDataType& data, const std::string& what);
 /// AddUser. A name or password that is refused is told with the server's rules.
 void add_user(Connection& connection, const std::string& name, const crypto::Secret& password,
               std::uint32_t bits, const std::string& description);
