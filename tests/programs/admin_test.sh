@@ -154,6 +154,11 @@ stranger=$(sed 's/.*"list":"rejected"[^}]*"thumbprint":"\([0-9A-F]*\)".*/\1/' ou
 as_admin 0 admin trust move "$url" "$stranger"
 run 0 --pki other --user chief --password-file chief --trust admin status "$url"
 as_admin 0 admin trust export "$url" "$stranger" stranger.der
+as_admin 0 admin trust export "$url" twin.der "$stranger"
+cmp -s stranger.der twin.der || fail "the order of FILE and THUMBPRINT matters"
+run 0 cert show stranger.der
+says "$stranger"
+run 2 cert show chief
 as_admin 0 admin trust remove "$url" "$stranger" --yes
 as_admin 1 admin trust remove "$url" "$stranger" --yes
 run 4 --pki other --user chief --password-file chief --trust admin status "$url"

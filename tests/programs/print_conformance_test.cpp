@@ -37,6 +37,11 @@ TEST_CASE("what a configuration claims is printed, and what it lacks")
     CHECK(json.find(R"("name":"MethodClient",)") != std::string::npos);
 }
 
+TEST_CASE("a controller that is to be set up makes claims, too")
+{
+    CHECK(conformance("[users]\nsetup = true").find("SecurityPolicyBasic256Sha256")->is_claimed);
+}
+
 TEST_CASE("a host whose clock follows a time service supports time synchronization",
           "[unit:Time Sync - Support]")
 {

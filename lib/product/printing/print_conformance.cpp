@@ -135,6 +135,11 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
     if (config.server.application_uri.empty()) {
         config.server.application_uri = "urn:busbar:controller";
     }
+    if (config.users.has_setup) { // the user of the setup, and whom that adds
+        for (server::EndpointConfig& endpoint : config.server.endpoints) {
+            endpoint.allows_user_name = true;
+        }
+    }
     config.server.identity = passing_identity(config, now);
     config.server.program = program_of(config, has_time_sync);
     const auto plc = expect(controller::Plc::create(config.plc, config.image));

@@ -197,12 +197,23 @@ Exit remove(Context& context, Connection& connection, const AdminArguments& argu
     return report(context, "removed " + what);
 }
 
+bool names_one(const std::vector<CertificateRow>& rows, const std::string& word)
+{
+    const std::string wanted = crypto::spelled_thumbprint(word);
+    return !wanted.empty() && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
+        return row.certificate.thumbprint_text().starts_with(wanted);
+    });
+}
+
 Exit export_certificate(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const auto rows = rows_of(connection, arguments.is_of_users, true);
-    const CertificateRow& row = find(rows, arguments.words[0]);
+    // As `busbar cert export` has it, or the other way round.
+    const bool is_file_first = names_one(rows, arguments.words[1]);
+    const CertificateRow& row = find(rows, arguments.words[is_file_first ? 1 : 0]);
     const auto der = row.certificate.der();
-    write_file(arguments.words[1], {reinterpret_cast<const char*>(der.data()), der.size()});
+    write_file(arguments.words[is_file_first ? 0 : 1],
+               {reinterpret_cast<const char*>(der.data()), der.size()});
     return report(context, "exported " + row.certificate.thumbprint_text());
 }
 
@@ -226,7 +237,7 @@ void add_trust(CLI::App& admin, Run& run)
     auto* removed = group.add("remove", "Takes a certificate or a revocation list out.", 1,
                               "THUMBPRINT", remove);
     removed->add_flag("--yes", arguments.is_sure, "do not ask");
-    group.add("export", "Writes a certificate to a DER file.", 2, "THUMBPRINT FILE",
+    group.add("export", "Writes a certificate to a DER file.", 2, "FILE THUMBPRINT",
               export_certificate);
     for (auto* command : admin.get_subcommand("trust")->get_subcommands({})) {
         command->add_flag("--users", arguments.is_of_users,

@@ -193,8 +193,42 @@ std::string thumbprint_of(Pki& pki, const CertArguments& arguments)
     return own->certificates.front().thumbprint_text();
 }
 
+void print_lines(Context& context, const std::string& text)
+{
+    constexpr std::size_t value_column = 14;
+    std::istringstream lines{text};
+    for (std::string line; std::getline(lines, line);) {
+        context.out.line(wrap(line, context.out.columns(), value_column));
+    }
+}
+
+/// Of a file, which need not be in any list.
+Exit show_file(Context& context, const std::string& path)
+{
+    const std::vector<std::byte> contents = read(path);
+    const auto certificate = crypto::Certificate::parse_file(contents);
+    const auto revocations = crypto::RevocationList::parse_file(contents);
+    if (!certificate && !revocations) {
+        throw Failure{Exit::Usage, path + ": no certificate and no revocation list",
+                      "expected one, as DER or PEM"};
+    }
+    const std::string text = certificate ? crypto::certificate_text(*certificate)
+                                         : crypto::revocation_list_text(*revocations);
+    if (context.options.is_json) {
+        JsonLine json;
+        context.out.line(
+            json.open_object().member("file", path).member("text", text).close_object().document());
+    } else {
+        print_lines(context, text);
+    }
+    return Exit::Good;
+}
+
 Exit show(Context& context, Pki& pki, const CertArguments& arguments)
 {
+    if (is_file(arguments.certificate)) {
+        return show_file(context, arguments.certificate);
+    }
     const std::string thumbprint = thumbprint_of(pki, arguments);
     const Found found = find(pki, thumbprint);
     if (context.options.is_json) {
@@ -203,11 +237,7 @@ Exit show(Context& context, Pki& pki, const CertArguments& arguments)
     }
     std::string text = expect(pki.store().show(thumbprint), thumbprint);
     text += "File:         " + safe(pki.folder() + "/" + found.entry.file);
-    constexpr std::size_t value_column = 14;
-    std::istringstream lines{text};
-    for (std::string line; std::getline(lines, line);) {
-        context.out.line(wrap(line, context.out.columns(), value_column));
-    }
+    print_lines(context, text);
     return Exit::Good;
 }
 
