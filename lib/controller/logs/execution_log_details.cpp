@@ -161,9 +161,20 @@ Items log_published(const Record& record, DateTime)
 
 // Of the category AUTH.
 
+/// The message of the list in seed 000, 7-1-6 *2 that means the same.
+StatusCode application_error(StatusCode status)
+{
+    if (status == status::Bad_CertificateChainIncomplete) {
+        return status::Bad_CertificateUntrusted;
+    }
+    return status == status::Bad_CertificateRevocationUnknown
+               ? StatusCode{status::Bad_CertificateIssuerRevocationUnknown}
+               : status;
+}
+
 Items log_application_error(const Record& record, DateTime)
 {
-    return {{"Application", tabbed({"ERROR", status_text(record.status)})}};
+    return {{"Application", tabbed({"ERROR", status_text(application_error(record.status))})}};
 }
 
 /// The application is who it claims to be when the session is its own, which the first activation

@@ -247,7 +247,9 @@ void read_users(const TomlTable& table, ControllerConfig& config)
         config.server.issuer.authority_url = users.tokens->rules.issuer;
     }
     if (users.has_setup && !is_nobody(users)) {
-        table.refuse("setup", "found it beside other users, expected one or the other");
+        table.refuse("setup",
+                     "found it beside accounts, anonymous users, certificates or tokens, expected "
+                     "setup alone: users are then added online");
     }
 }
 

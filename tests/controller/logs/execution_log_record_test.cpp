@@ -162,6 +162,11 @@ TEST_CASE("What stands for authentication of applications (7-1-6)")
           "AUTH 1 Application|ERROR|BadCertificateRevoked");
     CHECK(items_of(plain(RecordKind::SessionRefused).with(status::Bad_TooManySessions)) ==
           Items{"AUTH 1 Application|ERROR|BadTooManySessions"});
+    // Those that the manual does not have are told as what they mean.
+    CHECK(refused(status::Bad_CertificateChainIncomplete) ==
+          "AUTH 1 Application|ERROR|BadCertificateUntrusted");
+    CHECK(refused(status::Bad_CertificateRevocationUnknown) ==
+          "AUTH 1 Application|ERROR|BadCertificateIssuerRevocationUnknown");
     CHECK(items_of(plain(RecordKind::LoginRefused)
                        .by("pat")
                        .with(status::Bad_ApplicationSignatureInvalid)) ==
