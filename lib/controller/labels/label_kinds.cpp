@@ -50,9 +50,9 @@ constexpr std::array timer_rows{
     TimerRow{"LCOUNTER", LabelType::LongCounter, ElementaryType::Udint},
 };
 
-/// Function devices, the step relay and the index register. J1\X0 and U0\G0 besides: no other
-/// device's name begins with these letters.
-constexpr std::array<std::string_view, 5> unsampled_devices{"FX", "FY", "FD", "S", "Z"};
+/// Function devices and the step relay (seed 001, 8.3). J1\X0 and U0\G0 besides: no other device's
+/// name begins with these letters.
+constexpr std::array<std::string_view, 4> unsampled_devices{"FX", "FY", "FD", "S"};
 
 bool is_letter(char c)
 {
