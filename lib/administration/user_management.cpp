@@ -316,12 +316,16 @@ bool UserManagement::may_start(Job& job)
 void UserManagement::finish(Job& job, const Checked<void>& done)
 {
     MethodCall& call = job.call;
-    if (job.tries_password && (done || done.error().status == status::Bad_IdentityTokenInvalid)) {
-        server::RunningServer{server_}.password_tried(job.holder.session, done.has_value());
-    }
+    const server::RunningServer running{server_};
     if (!done) {
+        if (job.tries_password && done.error().status == status::Bad_IdentityTokenInvalid) {
+            running.password_tried(job.holder.session, false);
+        }
         tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
         return call.fail(done.error().status);
+    }
+    if (job.tries_password) {
+        busbar::detail::attempt([&] { running.password_tried(job.holder.session, true); });
     }
     tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
     call.succeed();

@@ -222,9 +222,19 @@ CallRequest removing_user()
     return World::on_users(id::UserManagement_RemoveUser, {text("pat")});
 }
 
+CallRequest changing_password(const char* from, const char* to)
+{
+    return World::on_users(id::UserManagement_ChangePassword, {text(from), text(to)});
+}
+
 std::vector<Row> user_rows()
 {
     return {
+        {"ChangePassword",
+         [](World&) { return changing_password(World::password, World::other_password); },
+         [](World& world) {
+             world.need(changing_password(World::other_password, World::password));
+         }},
         {"AddUser", [](World&) { return adding_user(); },
          [](World& world) { world.need(removing_user()); }},
         {"ModifyUser",
@@ -363,6 +373,12 @@ std::vector<Row> file_rows()
              return World::on_file("a", "Open", {Variant{reading}});
          },
          remove_files},
+        {"Open of a file to write",
+         [](World& world) {
+             need_file(world);
+             return World::on_file("a", "Open", {Variant{writing}});
+         },
+         remove_files},
         {"Close of a file that was written",
          [=](World& world) {
              need_file(world);
@@ -488,12 +504,12 @@ bool fail_once(World& world, const Row& row, std::size_t k)
     return has_failed;
 }
 
-/// How many allocations failed of the first `most`: each one, or every fifth unless the effort is
+/// How many allocations failed of the first `most`: each one, or every seventh unless the effort is
 /// full.
 std::size_t fail_each(const Row& row, ManualWorker* worker, std::size_t most)
 {
     World world{worker};
-    const std::size_t step = is_full_effort() ? row.step : std::max<std::size_t>(row.step, 5);
+    const std::size_t step = is_full_effort() ? row.step : std::max<std::size_t>(row.step, 7);
     std::size_t count = 0;
     for (std::size_t k = 1; k <= most && fail_once(world, row, k); k += step) {
         ++count;
