@@ -49,17 +49,17 @@ std::uint32_t options_of(const server::PasswordRules& rules)
 /// What the options cannot say, and what no other node says of names.
 LocalizedText restrictions_of(const server::PasswordRules& rules)
 {
-    std::string text = "Not the user's name";
-    if (!rules.password_characters.empty()) {
-        text += "; none but these characters: " + rules.password_characters;
-    }
-    text += ". A user's name has " + std::to_string(rules.min_name_length) + " to " +
-            std::to_string(rules.max_name_length) + " characters";
+    std::string text = "A user's name has " + std::to_string(rules.min_name_length) + " to " +
+                       std::to_string(rules.max_name_length) + " characters";
     if (!rules.name_characters.empty()) {
         text += ", none but these: " + rules.name_characters;
     }
     for (const std::string& name : rules.reserved_names) {
         text += (&name == rules.reserved_names.data() ? ", and is none of: " : ", ") + name;
+    }
+    text += ". A password is not the user's name";
+    if (!rules.password_characters.empty()) {
+        text += "; none but these characters: " + rules.password_characters;
     }
     return LocalizedText{String{"en"}, String{text}};
 }

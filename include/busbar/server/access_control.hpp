@@ -94,8 +94,7 @@ public:
     /// or a server without a Waker: on the server's thread, which waits meanwhile. The worker must
     /// have finished before the store is destroyed.
     [[nodiscard]] virtual Worker* worker() { return nullptr; }
-    /// True for a user whose password is a random code that cannot be found by guessing. Failures
-    /// with it lock out the client's certificate that they came with, and no other.
+    /// True for a random code: failures with it lock out the certificate they came with, no other.
     [[nodiscard]] virtual bool has_code(std::string_view /*name*/) const { return false; }
     /// What an anonymous user may do, where the endpoint allows one at all: read, unless the store
     /// says otherwise.

@@ -32,8 +32,7 @@ struct MethodCaller {
     MessageSecurityMode security_mode{MessageSecurityMode::None};
     std::string address{};
     std::string audit_entry_id{};
-    /// The timestamp of the request's header.
-    DateTime action_time{};
+    DateTime action_time{}; // of the request's header
 };
 
 /// One Method to carry out.
@@ -87,8 +86,8 @@ public:
     [[nodiscard]] std::span<CallResult> results() { return {results_, items_.size()}; }
     [[nodiscard]] const MethodCaller& caller() const { return *caller_; }
 
-    /// True once nobody waits for the results: the request's timeoutHint has passed (Part 4, 7.32),
-    /// it was cancelled, or its session is over. What has not begun then should not. Any thread.
+    /// True once nobody waits for the results: timeoutHint (Part 4, 7.32), Cancel, end of the
+    /// session. What has not begun then should not. Any thread.
     [[nodiscard]] bool is_abandoned() const;
     /// Hands the results to the server. The batch is empty afterwards; more calls do nothing.
     void complete();

@@ -14,7 +14,6 @@ namespace busbar::server {
 
 /// One call of a Method, which a function answers by one of succeed, fail and refuse, on any
 /// thread, at once or later. Destroyed without that, it answers Bad_InternalError.
-///
 /// What the other members give is valid until then.
 class BUSBAR_API MethodCall {
 public:
@@ -39,8 +38,6 @@ public:
     [[nodiscard]] const UserIdentity& user() const { return batch_->caller().user; }
     [[nodiscard]] const NodeId& session_id() const { return batch_->caller().session_id; }
     [[nodiscard]] const MethodCaller& caller() const { return batch_->caller(); }
-
-    /// See CallBatch.
     [[nodiscard]] bool is_abandoned() const { return batch_->is_abandoned(); }
 
     // Each of these ends the call; a second one does nothing.

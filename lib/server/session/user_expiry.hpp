@@ -1,8 +1,7 @@
 #pragma once
 
-#include <string_view>
-
 #include <busbar/core/clock.hpp>
+#include <busbar/core/extension_object.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/server_config.hpp>
 

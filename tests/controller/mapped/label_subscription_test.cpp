@@ -88,7 +88,7 @@ TEST_CASE("8.3 High-speed sampling: a simulated PLC's refusals (1941H, 1945H, 19
         MappedErrorCode code;
     };
     const Row row = GENERATE(Row{{.max_sampled_points = 8'191}, "", MappedErrorCode::TooManyPoints},
-                             Row{{}, "Z3", MappedErrorCode::UnsampledDevice},
+                             Row{{}, "FD3", MappedErrorCode::UnsampledDevice},
                              Row{{.can_sample = false}, "", MappedErrorCode::SamplingUnsupported});
     // Declarations have no addresses of a PLC's own.
     controller::Program program = LabelWorld::program_of("", "X : INT;");
