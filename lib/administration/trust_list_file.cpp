@@ -35,8 +35,8 @@ constexpr std::uint8_t mode_write_and_erase = 6;
 
 } // namespace
 
-TrustListFile::TrustListFile(TrustListNeeds needs, std::size_t group)
-    : needs_{std::move(needs)}, group_{group}
+TrustListFile::TrustListFile(const TrustListNeeds& needs, std::size_t group)
+    : needs_{needs}, group_{group}
 {
 }
 

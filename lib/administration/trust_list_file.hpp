@@ -28,7 +28,7 @@ struct TrustListNeeds {
 /// it is and written into the transaction.
 class TrustListFile {
 public:
-    TrustListFile(TrustListNeeds needs, std::size_t group);
+    TrustListFile(const TrustListNeeds& needs, std::size_t group);
 
     void attach(model::NodeIndex node);
     /// Somebody writes it.

@@ -243,7 +243,7 @@ std::shared_ptr<UserManagement::Job> UserManagement::take_next()
     auto next = std::find_if(jobs_.begin(), jobs_.end(),
                              [&](const auto& job) { return job->user != last_user_; });
     next = next == jobs_.end() ? jobs_.begin() : next;
-    const std::shared_ptr<Job> job = std::move(*next);
+    std::shared_ptr<Job> job = std::move(*next);
     jobs_.erase(next);
     std::swap(last_user_, job->user);
     return job;

@@ -86,15 +86,15 @@ public:
     bool is_activated{false};
     /// Once it is over.
     SessionEnd end{SessionEnd::Terminated};
-    /// Of the CloseSession that ended it.
-    RequestMark end_mark{};
     /// Its Subscriptions have not all heard whose it is now.
     bool is_user_untold{false};
+    /// How often it was given to a user.
+    std::uint32_t user_changes{0};
+    /// Of the CloseSession that ended it.
+    RequestMark end_mark{};
     UserIdentity user;
     /// The same as the UserStore gave it, without the roles of rules.
     UserIdentity granted;
-    /// How often it was given to a user.
-    std::uint32_t user_changes{0};
     /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
     std::vector<std::string> users;
     /// When the user becomes an anonymous one (see user_expiry.hpp).
