@@ -392,7 +392,9 @@ Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bo
     done = done ? group().store->stage(list, parts, change, group().folder) : done;
     done = done ? commit_files(change) : done;
     if (done) {
-        group().store->tell_changes(before, list);
+        busbar::detail::attempt([&] { // what is taken out is so whoever hears of it
+            group().store->tell_changes(before, list);
+        });
     }
     return done;
 }

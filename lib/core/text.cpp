@@ -101,6 +101,20 @@ void append_escaped(std::string& text, unsigned char byte)
     text += digits[byte & 15U];
 }
 
+/// "\u202E", for a sequence of two or three bytes.
+void append_code_point(std::string& text, std::string_view sequence)
+{
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    unsigned code = static_cast<unsigned char>(sequence[0]) & (sequence.size() == 2 ? 0x1FU : 0xFU);
+    for (const char byte : sequence.substr(1)) {
+        code = (code << 6U) | (static_cast<unsigned char>(byte) & 0x3FU);
+    }
+    text += "\\u";
+    for (const unsigned shift : {12U, 8U, 4U, 0U}) {
+        text += digits[(code >> shift) & 15U];
+    }
+}
+
 } // namespace
 
 std::string to_string(const QualifiedName& name)
@@ -116,7 +130,11 @@ std::string printable(std::string_view text, std::size_t max_bytes)
     std::string result;
     while (!text.empty() && result.size() < max_bytes) {
         const std::size_t size = detail::readable_sequence(text);
-        if (size == 0) {
+        const std::size_t whole = size == 0 ? detail::utf8_sequence(text) : size;
+        if (whole > 1 && size == 0) {
+            append_code_point(result, text.substr(0, whole));
+            text.remove_prefix(whole);
+        } else if (size == 0) {
             append_escaped(result, static_cast<unsigned char>(text[0]));
             text.remove_prefix(1);
         } else {

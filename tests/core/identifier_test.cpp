@@ -178,7 +178,7 @@ TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][t
     CHECK(printable("a\x1b[2Jb\n") == "a\\x1B[2Jb\\x0A");
     CHECK(printable("\xc3(") == "\\xC3(");
     CHECK(printable("\xed\xa0\x80") == "\\xED\\xA0\\x80");
-    CHECK(printable("\xe2\x80\xaetxt.exe") == "\\xE2\\x80\\xAEtxt.exe"); // read from right to left
+    CHECK(printable("\xe2\x80\xaetxt.exe") == "\\u202Etxt.exe"); // read from right to left
     CHECK(printable(std::string(300, 'x'), 10) == "xxxxxxxxxx...");
 }
 

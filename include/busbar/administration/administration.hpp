@@ -68,8 +68,8 @@ struct AdministrationParts {
     /// net::ServerLoop::hand_over): the shutdown has not begun when this is called, in a callback
     /// of the server's, and if there is none after all the server goes on.
     std::function<void(const RestartWish& wish)> replace{};
-    /// Whether `replace` would work, asked before a client is told that it will; the problem goes to
-    /// the log, its status to the client. Empty: it would.
+    /// Whether `replace` would work, asked before a client is told that it will; the problem goes
+    /// to the log, its status to the client. Empty: it would.
     std::function<Configured<void>()> may_replace{};
     /// ResetToServerDefaults (Part 12, 7.10.13), not without `certificates` and `stop`: forgets all
     /// that administrators changed, whole or not at all, before `stop` is called. On the server's
