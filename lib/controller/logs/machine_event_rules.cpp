@@ -258,6 +258,8 @@ void MachineEventRules::end(const Record& record)
     switch (record.kind) {
     case RecordKind::ExecutionLogSaved:
         return end_one(log_save_failed);
+    case RecordKind::ServerStarted:
+        return end_all(EventEnd::Restart);
     case RecordKind::ServerRunning:
         return end_one(setting_error);
     case RecordKind::CertificateUpdated:

@@ -233,7 +233,14 @@ TEST_CASE_METHOD(EventWorld, "A fatal error stands until a restart (9-2-2, 44180
           Texts{});
     happen(RecordKind::ServerRunning);
     CHECK(log->plc_error() == PlcError{EventLevel::MinorFault, 0x44180000});
-    restart();
+    SECTION("of the controller")
+    {
+        restart();
+    }
+    SECTION("of the server, while the machine runs")
+    {
+        happen(RecordKind::ServerStarted);
+    }
     CHECK_FALSE(log->plc_error());
 }
 
