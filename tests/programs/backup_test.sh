@@ -175,7 +175,11 @@ grep -q "$own" out && fail "the certificate of the server was not cleared"
 
 # And back, but for the certificate.
 as chief 0 admin restore "$url" press.backup --yes
-restart
+says 'follows in some seconds'
+# Nobody has to do anything for the restart.
+await logged '^starting again'
+new_url() { url=$(sed -n '/^starting again/,$s/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log); [ -n "$url" ]; }
+await new_url
 as chief 0 admin verify "$url" press.backup
 as chief 0 admin setting list "$url" --changed
 says 'limits.sessions *30 '

@@ -110,7 +110,7 @@ mode = "SignAndEncrypt"
 [users]
 anonymous = "read"
 END
-refused "listening" --config secure.toml
+refused "cannot listen on" --config secure.toml
 [ -n "$(ls first/own/private)" ] || fail "it listens before it has a key"
 stop
 # What has not begun to serve ends at once, and well.

@@ -33,8 +33,8 @@ constexpr std::array layers = {
     Layer{"controller", " core binary types crypto channel model nodes server backend controller "},
     Layer{"product", " core binary types crypto channel model nodes server administration client "
                      "backend storage net controller product "},
-    Layer{"tool", " core binary types crypto channel model nodes server client backend storage net "
-                  "controller tool "},
+    Layer{"tool", " core binary types crypto channel model nodes server administration client "
+                  "backend storage net controller tool "},
 };
 /// These have threads, clocks and exceptions.
 constexpr std::array<std::string_view, 4> outer_layers = {"net", "controller", "product", "tool"};

@@ -174,6 +174,13 @@ void RunningController::listen_as_told()
     }
 }
 
+void RunningController::restart_replaced()
+{
+    if (looks_until_restart_ > 0 && --looks_until_restart_ == 0) {
+        start_again({.reason = "the controller's memory was replaced"});
+    }
+}
+
 void RunningController::register_with_discovery_server(const ControllerConfig& config)
 {
     if (config.discovery.url.empty() || !config.machine.is_used) {
@@ -219,7 +226,13 @@ Requests RunningController::requests()
             },
         .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
         .hardware = [this](HardwareEvent event) { loop_.post([this, event] { happen(event); }); },
-        .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); },
+        .memory_replaced =
+            [this] {
+                loop_.post([this] {
+                    machine_->memory_replaced();
+                    looks_until_restart_ = 2; // whoever replaced it is told before
+                });
+            },
         .may_restart = [this] { return may_restart(); },
         .check_listeners =
             [this](const ControllerConfig& next) { return check_listeners(standing_of(next)); },
@@ -530,7 +543,10 @@ bool RunningController::run()
         return lookout_period;
     }};
     const Ticker attempts{[this] {
-        loop_.post([this] { listen_as_told(); });
+        loop_.post([this] {
+            listen_as_told();
+            restart_replaced();
+        });
         return listening_period;
     }};
     loop_.run(current_->server());

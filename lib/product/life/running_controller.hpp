@@ -72,6 +72,9 @@ private:
                           std::span<const FurtherListener> last);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
+    /// Some seconds after the machine's memory was replaced: what runs is not of it (seed 000,
+    /// 8-3).
+    void restart_replaced();
     void register_with_discovery_server(const ControllerConfig& config);
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
@@ -131,6 +134,8 @@ private:
     std::vector<FurtherListener> elsewhere_;
     /// That is for administrators at this machine only: nobody else is served.
     bool is_halted_{false};
+    /// How often it tries to listen until then; 0: no restart is due.
+    int looks_until_restart_{0};
     std::optional<storage::FolderStorage> kept_folder_;
     std::optional<TakenOverFiles> kept_;
     CurrentValidator clients_;

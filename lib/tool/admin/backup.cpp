@@ -26,7 +26,8 @@ using busbar::detail::Json;
 /// What no backup has.
 constexpr std::size_t max_backup = 256U << 20U;
 constexpr std::size_t max_command = 65'536;
-constexpr const char* restart_is_due = "it counts after a restart of the controller, which is due";
+constexpr const char* restart_is_due =
+    "it counts after a restart of the controller, which is due and follows in some seconds";
 
 RemoteTransfer transfer_of(Connection& connection)
 {
