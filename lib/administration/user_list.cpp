@@ -450,8 +450,10 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
                                         const std::function<bool()>& is_wanted)
 {
     const bool is_of_program = is_configured(name);
-    const std::optional<User> known =
-        is_of_program ? User{.password_hash = passwords_->password_hash(name)} : find(name);
+    std::optional<User> known = is_of_program ? std::optional{User{}} : find(name);
+    if (is_of_program) {
+        known->password_hash = passwords_->password_hash(name);
+    }
     const auto is_right = [&](const User& user) {
         return crypto::verify_password(old_password, user.password_hash);
     };

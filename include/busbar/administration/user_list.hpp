@@ -32,9 +32,9 @@ inline constexpr std::uint32_t must_change_password = 8;
 
 /// A user with a password.
 struct User {
-    std::string name;
+    std::string name{};
     /// See crypto::hash_password.
-    std::string password_hash;
+    std::string password_hash{};
     /// user_bit.
     std::uint32_t configuration{0};
     std::string description;

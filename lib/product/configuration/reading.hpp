@@ -42,9 +42,9 @@ struct Reading {
 /// What of a TakenOver is used instead of what is there.
 struct Substitutes {
     /// Files that count as read.
-    SourceFiles::Texts files;
+    SourceFiles::Texts files{};
     /// For a project that is there but cannot be read any more; empty: there is no other.
-    std::string project;
+    std::string project{};
     /// Instead of any project that is there.
     bool takes_other_project{false};
 };
