@@ -124,11 +124,11 @@ Result<Certificate> Certificate::parse_file(std::span<const std::byte> contents)
     }
     unsigned char* der = nullptr;
     const int size = i2d_X509(x509.get(), &der);
+    const detail::DerPointer owned{der};
     if (size <= 0) {
         return fail(status::Bad_CertificateInvalid);
     }
     auto result = parse(std::as_bytes(std::span{der, static_cast<std::size_t>(size)}));
-    OPENSSL_free(der);
     return result;
 }
 

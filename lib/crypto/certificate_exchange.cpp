@@ -19,12 +19,12 @@ Result<Certificate> copy_of(X509* x509)
 {
     unsigned char* der = nullptr;
     const int size = i2d_X509(x509, &der);
+    const detail::DerPointer owned{der};
     if (size <= 0) {
         return fail(status::Bad_CertificateInvalid);
     }
     auto certificate =
         Certificate::parse(std::as_bytes(std::span{der, static_cast<std::size_t>(size)}));
-    OPENSSL_free(der);
     return certificate;
 }
 

@@ -68,12 +68,12 @@ Bytes to_der(std::span<const std::byte> signature)
     }
     unsigned char* der = nullptr;
     const int size = i2d_ECDSA_SIG(numbers.get(), &der);
+    const detail::DerPointer owned{der};
     Bytes bytes;
     if (size > 0) {
         const auto* first = reinterpret_cast<const std::byte*>(der);
         bytes.assign(first, first + size);
     }
-    OPENSSL_free(der);
     return bytes;
 }
 

@@ -25,6 +25,11 @@ struct FreeWith {
     }
 };
 
+/// What an i2d function has made: `owned{der}`, right after it, frees that whatever is thrown.
+struct FreeDer {
+    void operator()(unsigned char* der) const { OPENSSL_free(der); }
+};
+using DerPointer = std::unique_ptr<unsigned char, FreeDer>;
 using Bio = std::unique_ptr<BIO, FreeWith<BIO_free_all>>;
 using Pkey = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 using PkeyContext = std::unique_ptr<EVP_PKEY_CTX, FreeWith<EVP_PKEY_CTX_free>>;

@@ -237,12 +237,12 @@ Checked<void> Reader::add_certificate(const PKCS12_SAFEBAG* bag)
     const detail::X509Pointer x509{PKCS12_SAFEBAG_get1_cert(bag)};
     unsigned char* der = nullptr;
     const int size = x509 ? i2d_X509(x509.get(), &der) : -1;
+    const detail::DerPointer owned{der};
     if (size <= 0) {
         return refuse(damaged("a certificate in it"));
     }
     auto certificate =
         Certificate::parse(std::as_bytes(std::span{der, static_cast<std::size_t>(size)}));
-    OPENSSL_free(der);
     if (!certificate) {
         return refuse(damaged("a certificate in it"));
     }

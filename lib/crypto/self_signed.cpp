@@ -130,13 +130,13 @@ Result<Certificate> create_self_signed(const PrivateKey& key, const CertificateS
     unsigned char* der = nullptr;
     const int size =
         x509 && fill(x509.get(), key, subject, *names) ? i2d_X509(x509.get(), &der) : -1;
+    const detail::DerPointer owned{der};
     ERR_clear_error();
     if (size <= 0) {
         return fail(status::Bad_InvalidArgument);
     }
     auto certificate =
         Certificate::parse(std::as_bytes(std::span{der, static_cast<std::size_t>(size)}));
-    OPENSSL_free(der);
     return certificate;
 }
 

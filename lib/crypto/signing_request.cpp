@@ -66,13 +66,13 @@ Result<std::vector<std::byte>> create_signing_request(const PrivateKey& key,
     const int size = request && fill(request.get(), key, subject, *names)
                          ? i2d_X509_REQ(request.get(), &der)
                          : -1;
+    const detail::DerPointer owned{der};
     ERR_clear_error();
     if (size <= 0) {
         return fail(status::Bad_InvalidArgument);
     }
     const auto bytes = std::as_bytes(std::span{der, static_cast<std::size_t>(size)});
     std::vector<std::byte> result{bytes.begin(), bytes.end()};
-    OPENSSL_free(der);
     return result;
 }
 
