@@ -112,7 +112,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session's name is a text, whatever its c
     };
     for (const Case& each :
          {Case{"panel", "panel"}, Case{"", ""}, Case{"  ", ""}, Case{"\xff\xfe", "\\xFF\\xFE"},
-          Case{"\xe2\x80\xaepanel", "\\xE2\\x80\\xAEpanel"},
+          Case{"\xe2\x80\xaepanel", "\\u202Epanel"},
           Case{std::string(255, 'n') + "\xe6\xb0\xb4", std::string(255, 'n')}}) {
         INFO(each.shown);
         TestClient client = connect();

@@ -182,6 +182,7 @@ Configured<void> Generation::check_models(const ControllerConfig& next) const
         server::ServerEnvironment environment = around_.environment;
         environment.log = &no_log;
         server::ServerConfig config;
+        config.endpoints.clear();
         config.endpoints.emplace_back().allows_anonymous = true;
         auto scratch = expect(server::Server::create(config, environment));
         SourceFiles sources;
