@@ -10,6 +10,7 @@
 
 #include "limit_keys.hpp"
 #include "mode_guard.hpp"
+#include "product/store/taken_over.hpp"
 #include "setting_keys.hpp"
 #include "setting_overlay.hpp"
 
@@ -202,6 +203,7 @@ void forget_changes(const std::string& path)
     }
     storage::FolderStorage folder{place};
     expect(administration::SettingList{folder, Settings::file_name, {}}.forget());
+    TakenOverFiles{folder}.forget_settings();
 }
 
 } // namespace busbar::product

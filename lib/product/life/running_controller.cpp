@@ -299,7 +299,6 @@ Configured<void> RunningController::may_restart()
     }
 }
 
-/// What is wrong is told once: it will be the same the next time.
 void RunningController::keep()
 {
     const std::string& place = current_->config().certificates.folder;

@@ -75,9 +75,10 @@ public:
     OtherSettings& operator=(const OtherSettings&) = delete;
     ~OtherSettings()
     {
-        if (!is_used_ && before_) {
-            static_cast<void>(put(*before_));
+        if (is_used_) {
+            return;
         }
+        static_cast<void>(before_ ? put(*before_) : folder_.remove(Settings::file_name));
     }
     void use() { is_used_ = true; }
 

@@ -138,6 +138,12 @@ Configured<void> TakenOverFiles::keep(const TakenOver& all)
         });
 }
 
+void TakenOverFiles::forget_settings()
+{
+    static_cast<void>(storage_->remove(storage_path(folder, settings_name)));
+    known_.erase(std::string{settings_name});
+}
+
 std::string TakenOverFiles::part(std::string_view name)
 {
     const auto bytes = read_file(*storage_, storage_path(folder, name), max_part_size);

@@ -39,6 +39,8 @@ public:
 
     /// The problem is one of the Storage; what was kept before stays then.
     [[nodiscard]] Configured<void> keep(const TakenOver& all);
+    /// Settings that were dropped on purpose do not come back.
+    void forget_settings();
     /// Nothing if the controller never ran. A part that is damaged counts as one that is not there.
     [[nodiscard]] std::optional<TakenOver> read();
 
