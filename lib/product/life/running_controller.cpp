@@ -10,6 +10,7 @@
 #include <busbar/client/registration.hpp>
 #include <busbar/server/running_server.hpp>
 
+#include "listening.hpp"
 #include "product/configuration/toml_reader.hpp"
 #include "product/machine/ticker.hpp"
 #include "startup.hpp"
