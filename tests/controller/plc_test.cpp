@@ -237,6 +237,36 @@ TEST_CASE("acknowledge takes bit 0 and sets what it is for")
     CHECK(machine["State"] == Variant{std::uint8_t{6}});
 }
 
+TEST_CASE("logic of a runtime runs instead of the programs, which it may run")
+{
+    struct Doubling final : PlcLogic {
+        explicit Doubling(Plc& of) : plc{of} {}
+        void scan(DateTime now, Duration elapsed) override
+        {
+            last = now;
+            if (runs_programs) {
+                plc.run_programs(elapsed);
+            }
+            plc.image()->memory().value<std::int32_t>(0) *= 2;
+        }
+        Plc& plc;
+        DateTime last{};
+        bool runs_programs{false};
+    };
+    PlcConfig config;
+    config.variables = {variable("Count", BuiltInType::Int32, std::int64_t{3})};
+    config.programs = {program(PlcProgramKind::Increment, "Count")};
+    Machine machine{config};
+    Doubling doubling{*machine.plc};
+    machine.plc->use(doubling);
+    machine.run(1);
+    CHECK(machine["Count"] == Variant{std::int32_t{6}});
+    CHECK(doubling.last == machine.now);
+    doubling.runs_programs = true;
+    machine.run(1);
+    CHECK(machine["Count"] == Variant{std::int32_t{14}});
+}
+
 TEST_CASE("what clients write is there for the programs of the same scan")
 {
     PlcConfig config;

@@ -24,7 +24,22 @@ class PlcStep;
 class PlcWatch;
 } // namespace detail
 
-/// A simulated PLC: variables in a process image and small programs that move them.
+/// What moves a PLC's variables.
+class BUSBAR_API PlcLogic {
+public:
+    PlcLogic() = default;
+    PlcLogic(const PlcLogic&) = delete;
+    PlcLogic& operator=(const PlcLogic&) = delete;
+    virtual ~PlcLogic() = default;
+
+    /// Called in each scan, after what clients wrote was taken in and before it is published, by
+    /// the thread that scans: it must not wait. `elapsed` is the time since the scan before.
+    virtual void scan(DateTime now, Duration elapsed) = 0;
+};
+
+/// A PLC as a server shows it: variables in a process image, what moves them in each scan, and
+/// events. What moves them are the small programs of the configuration, which simulate a PLC, or
+/// logic of a runtime.
 ///
 /// It has no clock: whoever calls scan() says what time it is. scan(), halt() and the task's side
 /// of image() belong to one thread at a time; they never wait, allocate or free. The rest is for
@@ -44,9 +59,14 @@ public:
     Plc& operator=(const Plc&) = delete;
     ~Plc();
 
-    /// One cycle: takes in what clients wrote, runs the programs, publishes. `now` becomes the
-    /// source timestamp; `elapsed` is the time since the scan before.
+    /// Runs this instead of the configuration's programs. Before the first scan; `logic` must
+    /// outlive the last one.
+    void use(PlcLogic& logic) { logic_ = &logic; }
+    /// One cycle: takes in what clients wrote, runs the logic, looks for events, publishes. `now`
+    /// becomes the source timestamp; `elapsed` is the time since the scan before.
     void scan(DateTime now, Duration elapsed);
+    /// The programs of the configuration, once. For logic, within a scan.
+    void run_programs(Duration elapsed);
     /// The PLC stops until the next scan, see ProcessImage::halt.
     void halt() { image_->halt(); }
 
@@ -79,6 +99,7 @@ public:
 private:
     Plc();
 
+    PlcLogic* logic_{nullptr};
     std::vector<Variable> variables_;
     /// The handles, sorted by name.
     std::vector<std::uint32_t> by_name_;

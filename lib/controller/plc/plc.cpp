@@ -25,13 +25,10 @@ Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, const Prog
 void Plc::scan(DateTime now, Duration elapsed)
 {
     image_->begin_scan();
-    const bool is_reset = is_reset_requested_.exchange(false);
-    for (detail::PlcStep& step : steps_) {
-        if (is_reset && step.is_counter()) {
-            step.reset();
-        } else {
-            step.run(elapsed);
-        }
+    if (logic_ != nullptr) {
+        logic_->scan(now, elapsed);
+    } else {
+        run_programs(elapsed);
     }
     occurrences_.clear();
     for (std::uint32_t i = 0; i < watches_.size(); ++i) {
@@ -40,6 +37,18 @@ void Plc::scan(DateTime now, Duration elapsed)
         }
     }
     image_->publish(now);
+}
+
+void Plc::run_programs(Duration elapsed)
+{
+    const bool is_reset = is_reset_requested_.exchange(false);
+    for (detail::PlcStep& step : steps_) {
+        if (is_reset && step.is_counter()) {
+            step.reset();
+        } else {
+            step.run(elapsed);
+        }
+    }
 }
 
 std::size_t Plc::counter_count() const
