@@ -4,6 +4,19 @@
 
 namespace busbar::product {
 
+namespace {
+
+void set_names(server::ServerConfig& server, const ProductNames& names)
+{
+    server.build.manufacturer_name = names.manufacturer;
+    server.build.software_version = names.version;
+    if (!names.product_uri.empty()) {
+        server.product_uri = names.product_uri;
+    }
+}
+
+} // namespace
+
 Reading read_sources(const Origin& origin, Substitutes substitutes)
 {
     Reading reading;
@@ -16,9 +29,10 @@ Reading read_sources(const Origin& origin, Substitutes substitutes)
             preset = project->preset;
         }
     }
-    const auto complete = [project = reading.project,
-                           port = origin.port](ControllerConfig& config,
-                                               const administration::SettingValues& changes) {
+    const auto complete = [project = reading.project, port = origin.port,
+                           names = origin.names](ControllerConfig& config,
+                                                 const administration::SettingValues& changes) {
+        set_names(config.server, names);
         if (project != nullptr) {
             project->apply(config, changes);
         }

@@ -5,22 +5,15 @@
 #include <optional>
 #include <string>
 
+#include <busbar/product/configuration.hpp>
+
 #include "config.hpp"
 #include "product/model/kept_project.hpp"
 #include "settings.hpp"
 
 namespace busbar::product {
 
-/// Where a controller's configuration comes from.
-struct Origin {
-    /// Empty: the built-in one.
-    std::string file;
-    // What the command line says instead of it, and of a project.
-    std::optional<std::uint16_t> port;
-    std::string preset;
-    /// The folder of a project of model mode; empty: there is none.
-    std::string project;
-};
+using Origin = Configuration;
 
 /// The effective configuration: what is in force is made here and nowhere else, for a start as for
 /// each change of a running controller. Later ones count:

@@ -5,6 +5,8 @@
 #include <ctime>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "product/configuration/reload.hpp"
 #include "product/machine/machine_items.hpp"
 #include "product/machine/program_change.hpp"
@@ -38,18 +40,16 @@ std::int32_t local_utc_offset(DateTime now)
                : 0;
 }
 
-/// What the task does after each scan, on its thread. All must outlive it.
-void follow_scans(controller::PlcTask& task, Plant& plant, Administered& administered,
-                  Machine* machine, LogSink& log)
+/// What is done after each scan, by the thread that scans. All must outlive it.
+std::function<void(DateTime)> following_scans(const Plant& plant, Administered& administered,
+                                              Machine* machine)
 {
-    task.after_scan(
-        [&plant, &administered, machine](DateTime time) {
-            plant.raise(time);
-            if (machine != nullptr && machine->has_changed_files()) {
-                administered.refresh_files();
-            }
-        },
-        &log);
+    return [&plant, &administered, machine](DateTime time) {
+        plant.raise(time);
+        if (machine != nullptr && machine->has_changed_files()) {
+            administered.refresh_files();
+        }
+    };
 }
 
 } // namespace
@@ -57,9 +57,10 @@ void follow_scans(controller::PlcTask& task, Plant& plant, Administered& adminis
 Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
                        const Requests& requests)
     : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
-      config_{complete(std::move(reading.config), around)}, plant_{config_}, project_{std::move(
-                                                                                 reading.project)},
-      administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
+      config_{complete(std::move(reading.config), around)}, plant_{config_, around.runtime},
+      project_{std::move(reading.project)}, administered_{config_, settings_->files(),
+                                                          *around.environment.wall_clock,
+                                                          log_of(around)},
       admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
       worker_{64, &around.lines}, channel_worker_{64, &around.lines}, live_{server_, administered_,
                                                                             config_,
@@ -75,9 +76,10 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
     publish(requests);
     admission_.check_passwords_on(worker_);
     if (config_.labels.program == nullptr) {
+        after_scan_ = following_scans(plant_, administered_, around.machine);
         task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
                       config_.realtime_priority);
-        follow_scans(*task_, plant_, administered_, around.machine, around.lines);
+        task_->after_scan(after_scan_, &around.lines);
     }
 }
 
@@ -96,7 +98,7 @@ void Generation::publish(const Requests& requests)
             .server = server_,
             .mapping = published.mapping,
             .project = *project_->project(),
-            .labels = around_.labels->labels(),
+            .labels = around_.labels,
             .utc_offset_minutes = config_.labels.utc_offset.value_or(local_utc_offset(clock.now())),
             .clock = clock,
             .log = administered_.log(),
@@ -107,7 +109,13 @@ void Generation::publish(const Requests& requests)
 void Generation::start()
 {
     if (task_) {
-        task_->start();
+        has_own_task_ = plant_.loaded().start([this](DateTime now, Duration elapsed) {
+            plant_.plc().scan(now, elapsed);
+            busbar::detail::guarded(around_.lines, "after a scan", [&] { after_scan_(now); });
+        });
+        if (!has_own_task_) {
+            task_->start();
+        }
     }
     if (mapped_) {
         mapped_->start();
@@ -119,7 +127,10 @@ void Generation::halt()
     if (mapped_) {
         mapped_->stop();
     }
-    if (task_) {
+    if (std::exchange(has_own_task_, false)) {
+        plant_.loaded().stop();
+        plant_.plc().halt();
+    } else if (task_) {
         task_->stop();
     }
 }
@@ -262,10 +273,10 @@ void Generation::print_welcome() const
         std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
                     static_cast<int>(code->size()), code->text().data());
     }
-    const LabelPlant* const labels = around_.labels;
-    const int priority = task_               ? task_->realtime_priority()
-                         : labels != nullptr ? labels->task_priority()
-                                             : 0;
+    std::optional<int> priority = task_ ? task_->realtime_priority() : around_.label_priority;
+    if (has_own_task_) {
+        priority.reset();
+    }
     const std::string text = welcome_text(config_, plant_.visible_variables(),
                                           around_.environment.wall_clock->now(), priority);
     std::fputs(text.c_str(), stdout);
@@ -274,7 +285,7 @@ void Generation::print_welcome() const
 
 void Generation::print_statistics() const
 {
-    if (!task_) {
+    if (!task_ || task_->statistics().scans == 0) {
         return;
     }
     const auto microseconds = [](Duration time) {

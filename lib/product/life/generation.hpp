@@ -2,13 +2,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <busbar/administration/administration.hpp>
+#include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/net/worker_thread.hpp>
+#include <busbar/product/runtime.hpp>
 #include <busbar/server/server.hpp>
 
 #include "product/access/administered.hpp"
@@ -20,7 +23,6 @@
 #include "product/machine/machine_backup.hpp"
 #include "product/machine/machine_files.hpp"
 #include "product/machine/plant.hpp"
-#include "product/model/label_plant.hpp"
 #include "product/model/mapped_model.hpp"
 #include "product/store/taken_over.hpp"
 
@@ -31,10 +33,13 @@ struct Surroundings {
     /// Without log, validator, users and roles, which are the generation's own.
     server::ServerEnvironment environment;
     LogSink& lines;
+    Runtime& runtime;
     /// Null if there is none.
     Machine* machine;
-    /// Null without a project of model mode.
-    LabelPlant* labels;
+    /// Of a project of model mode; null without one.
+    std::shared_ptr<backend::LabelBackend> labels;
+    /// What the system granted to the task of the labels' PLC.
+    int label_priority;
     /// Where it listens.
     std::uint16_t port;
 };
@@ -118,6 +123,8 @@ private:
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;
+    /// What is done after each scan, by the thread that scans.
+    std::function<void(DateTime time)> after_scan_;
     // Before the Administration, which they outlive.
     std::optional<MachineFiles> memory_files_;
     std::optional<MachineBackup> backup_;
@@ -133,6 +140,8 @@ private:
     std::optional<MappedModel> mapped_;
     /// None if the PLC is that of the labels.
     std::optional<controller::PlcTask> task_;
+    /// The runtime's own task scans instead.
+    bool has_own_task_{false};
 };
 
 } // namespace busbar::product

@@ -2,15 +2,14 @@
 
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
-#include <busbar/controller/plc_task.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/product/controller.hpp>
 
 #include "product/access/hash_password.hpp"
 #include "product/access/identity.hpp"
@@ -18,8 +17,10 @@
 #include "product/configuration/default_config.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/configuration/settings.hpp"
+#include "product/configuration/toml_reader.hpp"
+#include "product/machine/simulated_runtime.hpp"
 #include "product/printing/prints.hpp"
-#include "start.hpp"
+#include "startup.hpp"
 
 namespace busbar::product {
 
@@ -36,14 +37,6 @@ int regenerate_certificate(ControllerConfig config)
                 "after a restart\n",
                 made.thumbprint_text().c_str());
     return 0;
-}
-
-/// Until the server's loop ends cleanly by these signals, nothing has to be finished first.
-void end_at_once_on_signals()
-{
-    for (const int number : {SIGTERM, SIGINT}) {
-        std::signal(number, [](int) { std::_Exit(0); });
-    }
 }
 
 constexpr int usage_exit = 2;
@@ -67,7 +60,7 @@ int end_early(const CLI::App& app, const CLI::ParseError& error)
     return usage_exit;
 }
 
-int run(int argc, char** argv)
+int run(int argc, char** argv, Runtime& runtime)
 {
     Origin origin;
     bool wants_hash = false;
@@ -125,14 +118,7 @@ int run(int argc, char** argv)
     if (wants_certificate) {
         return regenerate_certificate(read_sources(origin).config);
     }
-    // All threads but the PLC's, which so goes before them (G8).
-    controller::PlcTask::keep_priority();
-    net::give_way();
-    bool starts = true;
-    while (starts) {
-        end_at_once_on_signals();
-        starts = start(origin)->run();
-    }
+    expect(expect(Controller::create(std::move(origin), runtime))->run());
     return 0;
 }
 
@@ -140,8 +126,14 @@ int run(int argc, char** argv)
 
 int run_program(int argc, char** argv)
 {
+    SimulatedRuntime runtime;
+    return run_program(argc, argv, runtime);
+}
+
+int run_program(int argc, char** argv, Runtime& runtime)
+{
     try {
-        return run(argc, argv);
+        return run(argc, argv, runtime);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "busbar-controller: %s\n", error.what());
         return 1;

@@ -52,8 +52,10 @@ Unexpected<Problem> cannot_listen(const FurtherListener& listener)
 
 } // namespace
 
-RunningController::RunningController(Origin origin, Beginning beginning)
-    : origin_{std::move(origin)}, has_terminal_{has_terminal()}
+RunningController::RunningController(Origin origin, Beginning beginning, Runtime& runtime,
+                                     LogSink& log, const ControllerOptions& options)
+    : origin_{std::move(origin)}, runtime_{runtime}, log_{log},
+      takes_signals_{options.takes_signals}, greets_{options.greets}, has_terminal_{has_terminal()}
 {
     Reading& reading = beginning.reading;
     ControllerConfig& config = reading.config;
@@ -66,7 +68,10 @@ RunningController::RunningController(Origin origin, Beginning beginning)
             loop_.post([this, is_in] { machine_->medium_is(is_in); });
         });
     }
-    if (reading.project != nullptr) {
+    if (reading.project != nullptr && runtime_.labels() == nullptr) {
+        if (!runtime_.is_simulated()) {
+            throw ConfigError{origin_.project, "found a project, and this PLC has no labels"};
+        }
         labels_.emplace(config, clock_);
     }
 #ifdef BUSBAR_KEY_LOG
@@ -77,6 +82,7 @@ RunningController::RunningController(Origin origin, Beginning beginning)
     standing_ = standing_of(config);
     make_missing_certificate(config, clock_.now(), machine_ ? machine_->log() : log_);
     listen(config, beginning.last ? beginning.last->listeners : std::vector<FurtherListener>{});
+    runtime_use_.emplace(runtime_, static_cast<RuntimeHost&>(*this));
     current_ =
         std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
     clients_.use(current_->clients());
@@ -211,33 +217,61 @@ Surroundings RunningController::surroundings()
 #ifdef BUSBAR_KEY_LOG
     environment.key_log = key_log_.get();
 #endif
-    return {environment, log_, machine_ ? &*machine_ : nullptr, labels_ ? &*labels_ : nullptr,
-            port_};
+    return {.environment = environment,
+            .lines = log_,
+            .runtime = runtime_,
+            .machine = machine_ ? &*machine_ : nullptr,
+            .labels = labels_ ? labels_->labels() : runtime_.labels(),
+            .label_priority = labels_ ? labels_->task_priority() : 0,
+            .port = port_};
 }
 
 Requests RunningController::requests()
 {
-    return {
-        .stop = [this] { loop_.stop(); },
-        .restart = [this](const administration::RestartWish& wish) { restart(wish); },
-        .renewed =
-            [this] {
-                renewed();
-                changed(&controller::LifeCycle::certificate_renewed);
-            },
-        .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
-        .hardware = [this](HardwareEvent event) { loop_.post([this, event] { happen(event); }); },
-        .memory_replaced =
-            [this] {
-                loop_.post([this] {
-                    machine_->memory_replaced();
-                    looks_until_restart_ = 2; // whoever replaced it is told before
-                });
-            },
-        .may_restart = [this] { return may_restart(); },
-        .check_listeners =
-            [this](const ControllerConfig& next) { return check_listeners(standing_of(next)); },
-        .settings_changed = [this] { loop_.post([this] { keep(); }); }};
+    return {.stop = [this] { loop_.stop(); },
+            .restart = [this](const administration::RestartWish& wish) { restart(wish); },
+            .renewed =
+                [this] {
+                    renewed();
+                    changed(&controller::LifeCycle::certificate_renewed);
+                },
+            .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
+            .hardware = [this](HardwareEvent event) { happen(event); },
+            .memory_replaced =
+                [this] {
+                    loop_.post([this] {
+                        machine_->memory_replaced();
+                        looks_until_restart_ = 2; // whoever replaced it is told before
+                    });
+                },
+            .may_restart = [this] { return may_restart(); },
+            .check_listeners =
+                [this](const ControllerConfig& next) { return check_listeners(standing_of(next)); },
+            .settings_changed = [this] { loop_.post([this] { keep(); }); }};
+}
+
+void RunningController::happen(HardwareEvent event)
+{
+    loop_.post([this, event] { follow(event); });
+}
+
+void RunningController::power_going()
+{
+    loop_.post([this] {
+        if (machine_) {
+            machine_->power_going();
+        }
+    });
+}
+
+void RunningController::reload()
+{
+    loop_.post([this] { read_again(); });
+}
+
+std::optional<controller::PlcError> RunningController::plc_error() const
+{
+    return machine_ ? machine_->event_log().plc_error() : std::nullopt;
 }
 
 /// Not in a callback of the server's, and of the server that serves then.
@@ -252,9 +286,9 @@ void RunningController::changed(Machine::Change change)
 }
 
 /// Clients may see why, and an administrator may have it start again.
-void RunningController::happen(HardwareEvent event)
+void RunningController::follow(HardwareEvent event)
 {
-    if (machine_->happen(event)) {
+    if (machine_ && machine_->happen(event)) {
         log_.write(LogLevel::Error, "controller",
                    "the hardware has the OPC UA server halt, until a restart");
         server::RunningServer{current_->server()}.change_state(
@@ -355,8 +389,10 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     clients_.use(current_->clients());
     renewed();
     keep();
-    leaving_.back()->print_statistics();
-    current_->print_welcome();
+    if (greets_) {
+        leaving_.back()->print_statistics();
+        current_->print_welcome();
+    }
 }
 
 /// Nothing but where it listens, and so that both can be open at the same time. A registration has
@@ -506,6 +542,11 @@ void RunningController::hang_up()
         loop_.stop();
         return;
     }
+    read_again();
+}
+
+void RunningController::read_again()
+{
     try_to([this] {
         if (machine_ && download()) {
             return;
@@ -527,13 +568,17 @@ bool RunningController::run()
         labels_->start();
     }
     start();
-    loop_.stop_on_signals([this] {
-        if (machine_) {
-            machine_->power_going();
-        }
-    });
-    loop_.on_hangup([this] { hang_up(); });
-    current_->print_welcome();
+    if (takes_signals_) {
+        loop_.stop_on_signals([this] {
+            if (machine_) {
+                machine_->power_going();
+            }
+        });
+        loop_.on_hangup([this] { hang_up(); });
+    }
+    if (greets_) {
+        current_->print_welcome();
+    }
     if (machine_ && !is_halted_) {
         machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
     }
@@ -554,9 +599,11 @@ bool RunningController::run()
     if (machine_) {
         machine_->shut_down();
     }
-    current_->print_statistics();
-    std::puts(starts_again_ ? "starting again" : "stopped");
-    std::fflush(stdout);
+    if (greets_) {
+        current_->print_statistics();
+        std::puts(starts_again_ ? "starting again" : "stopped");
+        std::fflush(stdout);
+    }
     return starts_again_;
 }
 

@@ -10,6 +10,7 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/product/controller.hpp>
 #include <busbar/storage/folder_storage.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
@@ -19,9 +20,22 @@
 #include "product/access/current_validator.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
+#include "product/model/label_plant.hpp"
 #include "product/store/taken_over.hpp"
 
 namespace busbar::product {
+
+/// A runtime knows its host as long as this lives.
+class RuntimeUse {
+public:
+    RuntimeUse(Runtime& runtime, RuntimeHost& host) : runtime_{runtime} { runtime_.begin(host); }
+    RuntimeUse(const RuntimeUse&) = delete;
+    RuntimeUse& operator=(const RuntimeUse&) = delete;
+    ~RuntimeUse() { runtime_.end(); }
+
+private:
+    Runtime& runtime_;
+};
 
 /// What of a configuration stays while servers come and go, beside the machine.
 struct Standing {
@@ -49,20 +63,28 @@ struct Beginning {
 
 /// A controller while it runs: its listeners, its machine with life and logs, and the Generation
 /// that serves, of which another one takes the place at a restart and a download.
-class RunningController {
+class RunningController final : private RuntimeHost {
 public:
     /// Listens, and makes the first generation. Where it is told to listen it may not be able to:
     /// then it listens where it did last, or for administrators at this machine, and goes where it
     /// is told to once it can; but not one that never ran and has no machine's program. Throws
-    /// ConfigError.
-    RunningController(Origin origin, Beginning beginning);
+    /// ConfigError. `runtime` and `log` must outlive it.
+    RunningController(Origin origin, Beginning beginning, Runtime& runtime, LogSink& log,
+                      const ControllerOptions& options);
     RunningController(const RunningController&) = delete;
     RunningController& operator=(const RunningController&) = delete;
 
     /// Serves until it is stopped. True if it is to start again, with everything anew.
     [[nodiscard]] bool run();
+    /// Has run() end. Any thread.
+    void stop() { loop_.stop(); }
+    /// As SIGHUP. Any thread.
+    void reload() override;
 
 private:
+    void happen(HardwareEvent event) override;
+    void power_going() override;
+    [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
     /// Has `config` say where it listens.
     void listen(ControllerConfig& config, std::span<const FurtherListener> last);
     /// At all of these or at none; the port of the first.
@@ -79,8 +101,10 @@ private:
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
     void hang_up();
+    /// Users, trust lists, settings and programs, and puts in force what can be.
+    void read_again();
     void renewed();
-    void happen(HardwareEvent event);
+    void follow(HardwareEvent event);
     /// The machine's life learns of it.
     void changed(Machine::Change change);
     /// Soon, and not at all if there is nothing to replace the server with: the log says why.
@@ -119,7 +143,10 @@ private:
     void try_to(FunctionRef<void()> change);
 
     Origin origin_;
-    net::StderrLog log_{LogLevel::Debug};
+    Runtime& runtime_;
+    LogSink& log_;
+    bool takes_signals_;
+    bool greets_;
     net::SystemWallClock clock_;
     crypto::SystemRandom random_;
     net::ServerLoop loop_{log_};
@@ -127,7 +154,7 @@ private:
     std::unique_ptr<net::KeyLogFile> key_log_;
 #endif
     std::optional<Machine> machine_;
-    /// With a project of model mode.
+    /// With a project of model mode, if the runtime has no labels of its own.
     std::optional<LabelPlant> labels_;
     std::uint16_t port_{0};
     /// Where it listens until it can where it is told to; empty: it does that.
@@ -142,6 +169,7 @@ private:
     /// The current generation's, for the discovery server.
     std::optional<channel::ApplicationIdentity> identity_;
     Standing standing_;
+    std::optional<RuntimeUse> runtime_use_;
     /// Those before the current one, which clients have not left yet.
     std::vector<std::unique_ptr<Generation>> leaving_;
     std::unique_ptr<Generation> current_;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/function_ref.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 #include "product/configuration/toml_text.hpp"
@@ -93,9 +94,12 @@ private:
     bool is_used_{false};
 };
 
+/// Makes a controller of what it begins with.
+using Make = FunctionRef<std::unique_ptr<RunningController>(Beginning beginning)>;
+
 std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin,
                                             const TakenOver& last, Storage& folder,
-                                            const std::string& refusal)
+                                            const std::string& refusal, Make make)
 {
     Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
     if (way.takes_files) {
@@ -105,8 +109,7 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
     if (way.takes_settings && last.settings) {
         settings.emplace(folder, *last.settings);
     }
-    auto controller = std::make_unique<RunningController>(
-        origin, Beginning{read(origin, std::move(substitutes)), last, refusal});
+    auto controller = make({read(origin, std::move(substitutes)), last, refusal});
     if (settings) {
         settings->use();
     }
@@ -115,8 +118,13 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
 
 } // namespace
 
-std::unique_ptr<RunningController> start(const Origin& origin)
+std::unique_ptr<RunningController> start(const Origin& origin, Runtime& runtime, LogSink& log,
+                                         const ControllerOptions& options)
 {
+    const auto make = [&](Beginning beginning) {
+        return std::make_unique<RunningController>(origin, std::move(beginning), runtime, log,
+                                                   options);
+    };
     storage::FolderStorage folder{kept_in(origin)};
     auto last = TakenOverFiles{folder}.read();
     if (last && !origin.file.empty() && !last->files.contains(origin.file)) {
@@ -124,15 +132,14 @@ std::unique_ptr<RunningController> start(const Origin& origin)
     }
     try {
         Substitutes substitutes{.project = last ? last->project : std::string{}};
-        return std::make_unique<RunningController>(
-            origin, Beginning{read(origin, std::move(substitutes)), last, {}});
+        return make({read(origin, std::move(substitutes)), last, {}});
     } catch (const ConfigError& error) {
         if (!last) {
             throw;
         }
         for (const Way& way : ways) {
             try {
-                return start_by(way, origin, *last, folder, error.what());
+                return start_by(way, origin, *last, folder, error.what(), make);
             } catch (const ConfigError&) {
                 // The next way takes something else, and the first reason is what matters.
             }

@@ -14,6 +14,7 @@ namespace busbar::product {
 /// "settings.json.refused".
 ///
 /// Throws ConfigError if that makes none either, or if it never ran.
-[[nodiscard]] std::unique_ptr<RunningController> start(const Origin& origin);
+[[nodiscard]] std::unique_ptr<RunningController>
+start(const Origin& origin, Runtime& runtime, LogSink& log, const ControllerOptions& options);
 
 } // namespace busbar::product

@@ -44,8 +44,15 @@ void set_names(ControllerConfig& config)
     if (server.application_uri.empty()) {
         server.application_uri = "urn:" + machine + ":busbar:controller";
     }
-    server.build = {"Busbar", BUSBAR_VERSION, BUSBAR_VERSION,
-                    parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{})};
+    server::BuildDescription& build = server.build;
+    if (build.manufacturer_name.empty()) {
+        build.manufacturer_name = "Busbar";
+    }
+    if (build.software_version.empty()) {
+        build.software_version = BUSBAR_VERSION;
+    }
+    build.build_number = BUSBAR_VERSION;
+    build.build_date = parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{});
     server.program = program_of(config, net::is_clock_synchronized());
     server.host_names = present_hosts(config);
 }

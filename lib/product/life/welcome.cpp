@@ -46,10 +46,13 @@ std::string certificate_lines(const ControllerConfig& config, DateTime now)
 }
 
 /// What lets the PLC's scans begin in time, or how to have it.
-std::string task_text(const ControllerConfig& config, int granted)
+std::string task_text(const ControllerConfig& config, std::optional<int> granted)
 {
-    if (granted != 0) {
-        return "  plc: the task runs at real-time priority " + std::to_string(granted) + "\n";
+    if (!granted) {
+        return "";
+    }
+    if (*granted != 0) {
+        return "  plc: the task runs at real-time priority " + std::to_string(*granted) + "\n";
     }
     const std::string ordinary = "  plc: the task runs at ordinary priority, ahead of the server; ";
     if (config.realtime_priority == 0) {
@@ -62,7 +65,7 @@ std::string task_text(const ControllerConfig& config, int granted)
 } // namespace
 
 std::string welcome_text(const ControllerConfig& config, std::size_t variables, DateTime now,
-                         int task_priority)
+                         std::optional<int> task_priority)
 {
     const server::ServerConfig& server = config.server;
     if (!config.machine.is_used) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include <busbar/core/date_time.hpp>
@@ -10,8 +11,9 @@
 namespace busbar::product {
 
 /// What people read when the controller is ready: how to reach it, who may log in, what is left to
-/// do. `config` is complete, `task_priority` what the system granted to the PLC's task.
+/// do. `config` is complete, `task_priority` what the system granted to the PLC's task; nothing if
+/// that is a runtime's own.
 [[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
-                                       DateTime now, int task_priority);
+                                       DateTime now, std::optional<int> task_priority);
 
 } // namespace busbar::product

@@ -4,21 +4,10 @@
 #include <functional>
 
 #include <busbar/model/address_space.hpp>
+#include <busbar/product/runtime.hpp>
 #include <busbar/server/method_table.hpp>
 
 namespace busbar::product {
-
-/// What only a machine's hardware knows. Here it is told by whoever simulates it.
-enum class HardwareEvent : std::uint8_t {
-    MajorFault,
-    PartialFault,
-    PartialServerFault, // of the OPC UA server
-    MinorFault,
-    MinorServerFault,
-    Watchdog,
-    MediumOut, // somebody is going to take it: its power switch was pressed
-    MediumIn,
-};
 
 /// The Object "Hardware" in a machine's folder, with the Method Simulate. Its argument is "major
 /// fault", "partial fault", "partial fault of the server", "minor fault", "minor fault of the

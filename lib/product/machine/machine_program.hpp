@@ -10,6 +10,7 @@
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/published_program.hpp>
+#include <busbar/product/runtime.hpp>
 #include <busbar/server/server.hpp>
 
 #include "machine_view.hpp"
@@ -28,8 +29,10 @@ public:
     explicit MachineProgram(const ControllerConfig& config);
 
     /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
-    /// program's variables. Throws ConfigError.
-    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
+    /// program's variables, of which `runtime`, which must outlive it, may have some. Throws
+    /// ConfigError.
+    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server,
+                                                            Runtime& runtime);
     /// The nodes of seed 000, 6-2-1, after make_plc(), and what stands in the machine's log, which
     /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
     /// Throws ConfigError.

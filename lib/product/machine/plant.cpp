@@ -11,8 +11,11 @@
 
 namespace busbar::product {
 
-Plant::Plant(const ControllerConfig& config) : config_{config}
+Plant::Plant(const ControllerConfig& config, Runtime& runtime) : config_{config}, runtime_{runtime}
 {
+    if (!config.plc.programs.empty() && !runtime.is_simulated()) {
+        throw ConfigError{"plc.program", "found one, which only a simulated PLC has"};
+    }
     if (config.machine.program) {
         program_.emplace(config);
     }
@@ -26,8 +29,10 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
         load_models(server, config_.nodesets, sources, log);
         return; // the PLC is a machine of its own, of which clients see what is mapped
     }
-    plc_ = program_ ? program_->make_plc(server)
+    plc_ = program_ ? program_->make_plc(server, runtime_)
                     : expect(controller::Plc::create(config_.plc, config_.image));
+    loaded_ = expect(runtime_.load(*plc_, config_.machine.program.get()));
+    plc_->use(*loaded_);
     source_.emplace(plc_->image());
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(*source_);
@@ -39,7 +44,7 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     load_models(server, config_.nodesets, sources, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");
-    if (program_ && config_.machine.simulates_hardware) {
+    if (program_ && config_.machine.simulates_hardware && runtime_.is_simulated()) {
         expect(publish_hardware(space, folder, methods_, server.add_source(methods_),
                                 std::move(hardware)),
                "the hardware");

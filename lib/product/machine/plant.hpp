@@ -7,6 +7,7 @@
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
+#include <busbar/product/runtime.hpp>
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/process_image.hpp>
 
@@ -16,12 +17,12 @@
 
 namespace busbar::product {
 
-/// The simulated PLC and what serves it. Must outlive the server that it is published in. On the
-/// server's thread, but for raise().
+/// The PLC with the program that a runtime runs in it, and what serves it. Must outlive the server
+/// that it is published in. On the server's thread, but for raise().
 class Plant {
 public:
-    /// Throws ConfigError. `config` must outlive it.
-    explicit Plant(const ControllerConfig& config);
+    /// Throws ConfigError. Both must outlive it.
+    Plant(const ControllerConfig& config, Runtime& runtime);
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
     /// and information models beside them. `machine_log` is there if the configuration has a
@@ -45,11 +46,16 @@ public:
     }
     /// Tells of the events of a scan, by the thread that scans.
     void raise(DateTime time) const { events_->raise(time); }
+    /// What the runtime has made of the program; from publish() on, but not with a program of
+    /// labels.
+    [[nodiscard]] LoadedProgram& loaded() { return *loaded_; }
 
 private:
     const ControllerConfig& config_;
+    Runtime& runtime_;
     std::optional<MachineProgram> program_;
     std::unique_ptr<controller::Plc> plc_;
+    std::unique_ptr<LoadedProgram> loaded_;
     std::optional<server::ImageSource> source_;
     server::MethodTable methods_;
     std::optional<controller::PlcEvents> events_;

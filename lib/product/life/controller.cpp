@@ -1,0 +1,125 @@
+#include <busbar/product/controller.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <mutex>
+#include <utility>
+
+#include <busbar/controller/plc_task.hpp>
+#include <busbar/net/system.hpp>
+
+#include "running_controller.hpp"
+#include "start.hpp"
+#include "startup.hpp"
+
+namespace busbar::product {
+
+namespace {
+
+/// Until the server's loop ends cleanly by these signals, nothing has to be finished first.
+void end_at_once_on_signals()
+{
+    for (const int number : {SIGTERM, SIGINT}) {
+        std::signal(number, [](int) { std::_Exit(0); });
+    }
+}
+
+} // namespace
+
+Configured<void> check(const Configuration& configuration)
+{
+    try {
+        static_cast<void>(read_sources(configuration));
+        return {};
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
+}
+
+struct Controller::Parts {
+    Parts(Configuration where, Runtime& plc, const ControllerOptions& wanted)
+        : configuration{std::move(where)}, runtime{plc}, options{wanted}
+    {
+        if (options.log == nullptr) {
+            options.log = &lines;
+        }
+    }
+
+    /// While there is none, signals end the process at once.
+    [[nodiscard]] Configured<std::unique_ptr<RunningController>> make()
+    {
+        if (options.takes_signals) {
+            end_at_once_on_signals();
+        }
+        try {
+            return start(configuration, runtime, *options.log, options);
+        } catch (const ConfigError& error) {
+            return Unexpected{error.problem()};
+        }
+    }
+
+    Configuration configuration;
+    Runtime& runtime;
+    ControllerOptions options;
+    net::StderrLog lines{LogLevel::Debug};
+    std::mutex mutex; // of the two below
+    std::unique_ptr<RunningController> running;
+    bool stops{false};
+};
+
+Controller::Controller(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
+Controller::~Controller() = default;
+
+Configured<std::unique_ptr<Controller>>
+Controller::create(Configuration configuration, Runtime& runtime, const ControllerOptions& options)
+{
+    // All threads but the PLC's, which so goes before them (G8).
+    controller::PlcTask::keep_priority();
+    net::give_way();
+    auto parts = std::make_unique<Parts>(std::move(configuration), runtime, options);
+    auto made = parts->make();
+    if (!made) {
+        return Unexpected{std::move(made).error()};
+    }
+    parts->running = *std::move(made);
+    return std::unique_ptr<Controller>{new Controller{std::move(parts)}};
+}
+
+Configured<void> Controller::run()
+{
+    while (parts_->running->run()) {
+        {
+            const std::lock_guard lock{parts_->mutex};
+            parts_->running.reset(); // lets go of its logs first
+        }
+        auto next = parts_->make();
+        if (!next) {
+            return Unexpected{std::move(next).error()};
+        }
+        const std::lock_guard lock{parts_->mutex};
+        parts_->running = *std::move(next);
+        if (parts_->stops) {
+            parts_->running->stop();
+        }
+    }
+    return {};
+}
+
+void Controller::stop()
+{
+    const std::lock_guard lock{parts_->mutex};
+    parts_->stops = true;
+    if (parts_->running != nullptr) {
+        parts_->running->stop();
+    }
+}
+
+void Controller::reload()
+{
+    const std::lock_guard lock{parts_->mutex};
+    if (parts_->running != nullptr) {
+        parts_->running->reload();
+    }
+}
+
+} // namespace busbar::product

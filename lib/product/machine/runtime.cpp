@@ -1,0 +1,24 @@
+#include <busbar/product/runtime.hpp>
+
+namespace busbar::product {
+
+bool LoadedProgram::start(const Cycle&)
+{
+    return false;
+}
+
+void LoadedProgram::added(const controller::ProgramImageAddition&) {}
+
+void Runtime::begin(RuntimeHost&) {}
+
+std::span<std::byte> Runtime::memory_of(const controller::GlobalVariable&)
+{
+    return {};
+}
+
+std::shared_ptr<backend::LabelBackend> Runtime::labels()
+{
+    return nullptr;
+}
+
+} // namespace busbar::product

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <busbar/product/runtime.hpp>
+
+namespace busbar::product {
+
+/// The runtime of busbar-controller: its PLC does what the configuration says ([[plc.program]]),
+/// and clients may play its hardware.
+class SimulatedRuntime final : public Runtime {
+public:
+    [[nodiscard]] Configured<std::unique_ptr<LoadedProgram>>
+    load(controller::Plc& plc, const controller::Program* program) override;
+    [[nodiscard]] bool is_simulated() const override { return true; }
+};
+
+} // namespace busbar::product

@@ -1,0 +1,213 @@
+#include <catch2/catch.hpp>
+
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <thread>
+
+#include <busbar/core/log.hpp>
+#include <busbar/product/controller.hpp>
+
+#include "support/temporary_folder.hpp"
+
+namespace runtime_test {
+
+using namespace busbar;
+using namespace busbar::product;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// What a runtime was asked for, in order. Any thread.
+class Story {
+public:
+    void add(std::string what)
+    {
+        const std::lock_guard lock{mutex_};
+        all_.push_back(std::move(what));
+        changed_.notify_all();
+    }
+    void wait_for(const std::string& what)
+    {
+        std::unique_lock lock{mutex_};
+        changed_.wait(lock, [&] { return std::ranges::count(all_, what) > 0; });
+    }
+    [[nodiscard]] std::vector<std::string> all() const
+    {
+        const std::lock_guard lock{mutex_};
+        return all_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<std::string> all_;
+};
+
+class ToldProgram final : public LoadedProgram {
+public:
+    ToldProgram(Story& story, bool has_task, double& level)
+        : story_{story}, has_task_{has_task}, level_{level}
+    {
+    }
+    ~ToldProgram() override { story_.add("unloaded"); }
+
+    bool start(const Cycle& cycle) override
+    {
+        story_.add("started");
+        if (has_task_) {
+            cycle(DateTime::from_unix_seconds(1'000), 10ms);
+        }
+        return has_task_;
+    }
+    void stop() override { story_.add("stopped"); }
+    void scan(DateTime, Duration) override
+    {
+        level_ += 1;
+        if (!std::exchange(has_scanned_, true)) {
+            story_.add("scanned");
+        }
+    }
+
+private:
+    Story& story_;
+    bool has_task_;
+    double& level_;
+    bool has_scanned_{false};
+};
+
+class ToldRuntime final : public Runtime {
+public:
+    void begin(RuntimeHost& host) override
+    {
+        host_ = &host;
+        story.add("begin");
+    }
+    void end() override { story.add("end"); }
+    std::span<std::byte> memory_of(const controller::GlobalVariable& variable) override
+    {
+        return variable.name == "Level" ? std::as_writable_bytes(std::span{&level, 1})
+                                        : std::span<std::byte>{};
+    }
+    Configured<std::unique_ptr<LoadedProgram>> load(controller::Plc& plc,
+                                                    const controller::Program* program) override
+    {
+        if (!plc.find("Level")) {
+            return misconfigured("Level", "there is none");
+        }
+        story.add(program != nullptr ? "loaded " + program->variables.front().name : "loaded");
+        return std::make_unique<ToldProgram>(story, has_task, level);
+    }
+
+    Story story;
+    RuntimeHost* host_{nullptr};
+    bool has_task{false};
+    double level{41};
+};
+
+/// A folder with a configuration that anybody may use at this machine.
+struct Place {
+    Configuration file(const std::string& name, const std::string& more)
+    {
+        const auto path = [this](const std::string& in) { return (folder.path / in).string(); };
+        std::ofstream{path("p.st")} << "{attribute 'publish' := 'publish only'}\n"
+                                       "VAR_GLOBAL\n Level : LREAL; Other : INT;\nEND_VAR\n";
+        std::ofstream{path(name)} << "[server]\naddress = \"127.0.0.1\"\nport = 0\n"
+                                     "[certificates]\nfolder = \""
+                                  << path("pki")
+                                  << "\"\n[users]\nanonymous = \"write\"\n"
+                                     "[[endpoint]]\npolicy = \"None\"\nmode = \"None\"\n"
+                                  << more;
+        return {.file = path(name)};
+    }
+    std::string machine() const
+    {
+        const std::string at = folder.path.string();
+        return "[machine]\nprogram = \"" + at + "/p.st\"\nstate = \"" + at +
+               "/state\"\nmedium = \"" + at + "/medium\"\n";
+    }
+
+    test::TemporaryFolder folder;
+    NullLog log;
+    ControllerOptions options{.log = &log, .takes_signals = false, .greets = false};
+};
+
+} // namespace
+
+TEST_CASE("a runtime's program runs in the controller's task, in the runtime's memory")
+{
+    Place place;
+    ToldRuntime runtime;
+    {
+        auto controller =
+            Controller::create(place.file("c.toml", place.machine()), runtime, place.options);
+        REQUIRE(controller);
+        std::thread serving{[&] { CHECK((*controller)->run()); }};
+        runtime.story.wait_for("scanned");
+        CHECK_FALSE(runtime.host_->plc_error());
+        (*controller)->stop();
+        serving.join();
+    }
+    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "started",
+                                                          "scanned", "unloaded", "end"});
+    CHECK(runtime.level > 41);
+}
+
+TEST_CASE("a runtime's own task scans instead of the controller's and is stopped with it")
+{
+    Place place;
+    ToldRuntime runtime;
+    runtime.has_task = true;
+    {
+        auto controller =
+            Controller::create(place.file("c.toml", place.machine()), runtime, place.options);
+        REQUIRE(controller);
+        (*controller)->stop(); // before run(), which ends at once then
+        CHECK((*controller)->run());
+    }
+    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "started",
+                                                          "scanned", "stopped", "unloaded", "end"});
+    CHECK(runtime.level == 42);
+}
+
+TEST_CASE("what a runtime refuses to load makes no controller")
+{
+    Place place;
+    ToldRuntime runtime;
+    const auto controller = Controller::create(
+        place.file("c.toml", "[[plc.variable]]\nname = \"Height\"\ntype = \"Double\"\n"), runtime,
+        place.options);
+    REQUIRE_FALSE(controller);
+    CHECK(controller.error().where == "Level");
+    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "end"});
+}
+
+TEST_CASE("a runtime that is no simulation takes no simulated programs and no project")
+{
+    Place place;
+    ToldRuntime runtime;
+    const std::string level = "[[plc.variable]]\nname = \"Level\"\ntype = \"Double\"\n";
+    const auto simulated = Controller::create(
+        place.file("c.toml", level + "[[plc.program]]\nkind = \"increment\"\ntarget = \"Level\"\n"),
+        runtime, place.options);
+    REQUIRE_FALSE(simulated);
+    CHECK(simulated.error().where == "plc.program");
+
+    Configuration mapped = place.file("d.toml", level);
+    mapped.project = (place.folder.path / "project").string();
+    const auto project = Controller::create(mapped, runtime, place.options);
+    REQUIRE_FALSE(project);
+    CHECK(project.error().where == mapped.project);
+}
+
+TEST_CASE("a configuration can be checked without a controller")
+{
+    Place place;
+    CHECK(check(place.file("c.toml", place.machine())));
+    const auto wrong = check(place.file("d.toml", "[limits]\nsessions = \"many\"\n"));
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().where.find("d.toml:12") != std::string::npos);
+}
+
+} // namespace runtime_test
