@@ -29,7 +29,13 @@ run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/consumer -B ${test}/build
 run(${CMAKE_COMMAND} --build ${test}/build)
 run(${test}/build/consumer)
 if(EXISTS ${prefix}/bin/busbar)
-  run(${prefix}/bin/busbar --help)
+  # A PLC maker's controller around his own runtime, beside the installed tool.
+  set(vendor ${SOURCE_DIR}/../../examples/vendor_runtime)
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${vendor} -B ${test}/vendor
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${flags})
+  run(${CMAKE_COMMAND} --build ${test}/vendor)
+  run(sh ${SOURCE_DIR}/../programs/acceptance/vendor_test.sh ${test}/vendor/vendor-runtime
+    ${prefix}/bin/busbar ${vendor})
 endif()
 
 if(PKG_CONFIG)

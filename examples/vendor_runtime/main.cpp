@@ -1,0 +1,139 @@
+// A controller of a PLC maker's own: all that busbar-controller does, around a runtime of his
+// instead of the simulated PLC. Here that is a tank whose level a task of its own controls; its
+// variables stay where the runtime has them. usage: vendor-runtime --config tank.toml, and all
+// other options of busbar-controller
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <busbar/net/system.hpp>
+#include <busbar/product/program.hpp>
+#include <busbar/product/runtime.hpp>
+
+using namespace busbar;
+using product::HardwareEvent;
+
+namespace {
+
+/// The memory of the user's program, as tank.st declares it.
+struct Tank {
+    double level{20.0}; // %
+    double set_point{50.0};
+    std::uint8_t is_pumping{0};
+    std::uint8_t is_leaking{0};
+
+    [[nodiscard]] std::span<std::byte> find(std::string_view name)
+    {
+        const auto bytes = [](auto& value) { return std::as_writable_bytes(std::span{&value, 1}); };
+        if (name == "Level") {
+            return bytes(level);
+        }
+        if (name == "SetPoint") {
+            return bytes(set_point);
+        }
+        if (name == "Pumping") {
+            return bytes(is_pumping);
+        }
+        return name == "Leaking" ? bytes(is_leaking) : std::span<std::byte>{};
+    }
+};
+
+/// Another one takes its place at each download.
+class TankProgram final : public product::LoadedProgram {
+public:
+    TankProgram(Tank& tank, product::RuntimeHost& host) : tank_{tank}, host_{host} {}
+    ~TankProgram() override { TankProgram::stop(); }
+
+    /// The maker's task, here a thread; without this one the controller's own would scan.
+    bool start(const Cycle& cycle) override
+    {
+        ends_ = false;
+        task_ = std::thread{[this, cycle] { run(cycle); }};
+        return true;
+    }
+    void stop() override
+    {
+        {
+            const std::lock_guard lock{mutex_};
+            ends_ = true;
+        }
+        changed_.notify_all();
+        if (task_.joinable()) {
+            task_.join();
+        }
+    }
+    /// What clients wrote is in the tank's memory when this begins; what is there when it ends,
+    /// they see.
+    void scan(DateTime, Duration elapsed) override
+    {
+        const double seconds = std::chrono::duration<double>(elapsed).count();
+        tank_.is_pumping = tank_.level < tank_.set_point ? 1 : 0;
+        tank_.level += seconds * ((tank_.is_pumping != 0 ? 8.0 : 0.0) - 2.0 -
+                                  (tank_.is_leaking != 0 ? 4.0 : 0.0));
+        tank_.level = std::max(tank_.level, 0.0);
+        if (tank_.is_leaking != 0 && !was_leaking_) {
+            host_.happen(HardwareEvent::MinorFault);
+        }
+        was_leaking_ = tank_.is_leaking != 0;
+    }
+
+private:
+    void run(const Cycle& cycle)
+    {
+        constexpr std::chrono::milliseconds period{10};
+        auto next = std::chrono::steady_clock::now();
+        std::unique_lock lock{mutex_};
+        while (!ends_) {
+            lock.unlock();
+            cycle(clock_.now(), period);
+            lock.lock();
+            next += period;
+            changed_.wait_until(lock, next, [this] { return ends_; });
+        }
+    }
+
+    Tank& tank_;
+    product::RuntimeHost& host_;
+    net::SystemWallClock clock_;
+    bool was_leaking_{false};
+    std::mutex mutex_; // of the flag
+    std::condition_variable changed_;
+    bool ends_{false};
+    std::thread task_;
+};
+
+class TankRuntime final : public product::Runtime {
+public:
+    void begin(product::RuntimeHost& host) override { host_ = &host; }
+
+    [[nodiscard]] std::span<std::byte>
+    memory_of(const controller::GlobalVariable& variable) override
+    {
+        return tank_.find(variable.name);
+    }
+    [[nodiscard]] Configured<std::unique_ptr<product::LoadedProgram>>
+    load(controller::Plc& plc, const controller::Program*) override
+    {
+        for (const char* const name : {"Level", "SetPoint", "Pumping", "Leaking"}) {
+            if (!plc.find(name)) {
+                return misconfigured(name,
+                                     "the program has no such variable, which the tank needs");
+            }
+        }
+        return std::make_unique<TankProgram>(tank_, *host_);
+    }
+
+private:
+    Tank tank_;
+    product::RuntimeHost* host_{nullptr};
+};
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    TankRuntime runtime;
+    return product::run_program(argc, argv, runtime);
+}
