@@ -1,7 +1,9 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -10,8 +12,9 @@
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "product/configuration/limit_keys.hpp"
-#include "product/configuration/limits_section.hpp"
 #include "product/configuration/memory_section.hpp"
+#include "product/configuration/presets.hpp"
+#include "product/configuration/setting_keys.hpp"
 #include "product/printing/print_capacities.hpp"
 #include "product/printing/print_limits.hpp"
 
@@ -103,26 +106,68 @@ TEST_CASE("each limit that clients are held to has a key")
     CHECK(product::key_of("max_nothing").empty());
 }
 
-TEST_CASE("each key of the limits sets what it says, within its range")
+TEST_CASE("each row of the table of limits is in each of its uses")
 {
     const auto with = [](const product::LimitKey& key, std::int64_t value) {
         return "[" + std::string{key.table} + "]\n" + std::string{key.name} + " = " +
                std::to_string(value) + "\n";
     };
     const product::ControllerConfig otherwise = parse("");
+    const auto settings = product::controller_settings(product::parse_table("", "plant.toml"));
     for (const product::LimitKey& key : product::limit_keys()) {
+        const std::string name = product::setting_name(key);
         const std::int64_t value = key.get(otherwise);
-        INFO(key.table << "." << key.name << ": " << value);
+        INFO(name << ": " << value);
+        CHECK(product::find_limit(name) == &key);
+        // A key of the file with its range.
         CHECK(value >= key.least);
         CHECK(value <= key.most);
         CHECK(key.get(parse(with(key, value))) == value);
-        const std::int64_t another = value > key.least ? value - 1 : value + 1;
-        product::ControllerConfig changed = otherwise;
-        key.set(changed, another);
-        CHECK(key.get(changed) == another);
         CHECK_THROWS_WITH(parse(with(key, key.most + 1)),
                           Catch::Contains("plant.toml:2: " + std::string{key.name} + ": found "));
         CHECK_THROWS_WITH(parse(with(key, key.least - 1)), Catch::Contains("expected a number"));
+        // The member is its own: nobody else's number changes with it.
+        const std::int64_t another = value > key.least ? value - 1 : value + 1;
+        product::ControllerConfig changed = otherwise;
+        key.set(changed, another);
+        for (const product::LimitKey& each : product::limit_keys()) {
+            CHECK(each.get(changed) == (&each == &key ? another : each.get(otherwise)));
+        }
+        // A setting.
+        const auto setting = std::ranges::find(settings, name, &administration::Setting::name);
+        REQUIRE((setting != settings.end()) == key.is_setting);
+        if (key.is_setting) {
+            CHECK(setting->otherwise == Variant{value});
+            CHECK(setting->range->low == static_cast<double>(key.least));
+            CHECK(setting->range->high == static_cast<double>(key.most));
+            CHECK(setting->unit == key.unit);
+            CHECK(setting->is_security == key.is_security);
+            CHECK(product::is_live(name) == key.is_live);
+        }
+        // What it costs, the document of capacities and presets.
+        if (!key.cost.empty()) {
+            CHECK("limits." + product::key_of(key.cost) == name);
+            CHECK(words_of(describe_limits(changed), std::string{key.cost})[1] ==
+                  std::to_string(another));
+        }
+        const std::string capacities = product::describe_capacities(changed);
+        CHECK((capacities.find("`" + product::key_of(key.cost) + "`") != std::string::npos) ==
+              (key.capacity.place != 0));
+        if (key.figure.place != 0) {
+            CHECK(product::preset_json(*product::find_preset("nj501"))
+                      .find("\"" + std::string{key.figure.name} + "\":") != std::string::npos);
+        }
+    }
+}
+
+TEST_CASE("documents have each place once")
+{
+    for (const auto document : {&product::LimitKey::capacity, &product::LimitKey::figure}) {
+        std::set<int> places;
+        for (const product::LimitKey* const key : product::limits_in(document)) {
+            CHECK(places.insert((key->*document).place).second);
+        }
+        CHECK(places.size() > 20);
     }
 }
 

@@ -11,6 +11,7 @@
 #include "endpoint_section.hpp"
 #include "files_section.hpp"
 #include "labels_section.hpp"
+#include "limit_keys.hpp"
 #include "limits_section.hpp"
 #include "machine_section.hpp"
 #include "memory_section.hpp"
@@ -72,7 +73,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
     if (!config.address.empty() && !is_any_address(config.address)) {
         table.fail("address", "an IPv4 or IPv6 address of this machine, or \"\" for all of them");
     }
-    config.port = static_cast<std::uint16_t>(table.integer("port", config.port, 0, 65'535));
+    read_numbers(table, "server", config);
     config.host_names = table.texts("host_names");
     for (const std::string& host : config.host_names) {
         if (!is_host(host)) {
@@ -109,16 +110,15 @@ void read_reverse_connect(const TomlTable& table, ControllerConfig& config)
     }
 }
 
-/// Part 4, 5.5.5.1: registered anew after ten minutes at the latest.
-void read_discovery(const TomlTable& table, DiscoveryConfig& config)
+void read_discovery(const TomlTable& table, ControllerConfig& all)
 {
     table.allow({"url", "interval_s", "allow_none", "server"});
+    read_numbers(table, "discovery", all);
+    DiscoveryConfig& config = all.discovery;
     config.url = table.text("url", "");
     if (!config.url.empty() && !channel::EndpointUrl::parse(config.url)) {
         table.fail("url", "opc.tcp://host:port of the discovery server");
     }
-    config.interval =
-        std::chrono::seconds{table.integer("interval_s", config.interval.count(), 10, 600)};
     config.allows_none = table.flag("allow_none", false);
 }
 
@@ -155,7 +155,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_preset(root, config);
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
-    read_discovery(root.table("discovery"), config.discovery);
+    read_discovery(root.table("discovery"), config);
     config.server.network_servers = read_network_servers(root.table("discovery"));
     read_certificates(root.table("certificates"), config);
     config.files = read_files(root, config.certificates);

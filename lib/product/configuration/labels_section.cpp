@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "limit_keys.hpp"
 #include "product/machine/program_file.hpp"
 
 namespace busbar::product {
@@ -18,20 +19,14 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
 
 void read_labels(const TomlTable& table, ControllerConfig& config)
 {
-    constexpr std::int64_t most_points = 16'000'000;
     constexpr std::int64_t most_minutes = 24 * 60;
     table.allow(
         {"program", "access_unit", "waiting", "sampling", "sampled_points", "utc_offset_minutes"});
     LabelConfig& labels = config.labels;
     labels.program_file = table.text("program", "");
     auto& options = labels.options;
-    options.access_unit =
-        static_cast<std::uint32_t>(table.integer("access_unit", 0, 0, most_points));
-    options.max_waiting = static_cast<std::size_t>(
-        table.integer("waiting", static_cast<std::int64_t>(options.max_waiting), 1, 100'000));
+    read_numbers(table, "labels", config);
     options.can_sample = table.flag("sampling", options.can_sample);
-    options.max_sampled_points = static_cast<std::uint32_t>(
-        table.integer("sampled_points", options.max_sampled_points, 1, most_points));
     if (table.has("utc_offset_minutes")) {
         labels.utc_offset = static_cast<std::int32_t>(
             table.integer("utc_offset_minutes", 0, -most_minutes, most_minutes));

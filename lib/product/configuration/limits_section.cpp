@@ -62,13 +62,6 @@ void allow_keys(const TomlTable& table, std::string_view path)
     table.allow(allowed);
 }
 
-void read_key(const TomlTable& table, const LimitKey& key, ControllerConfig& config)
-{
-    if (table.has(key.name)) {
-        key.set(config, table.integer(key.name, 0, key.least, key.most));
-    }
-}
-
 /// The operations of a request are an array, too, and one too many must not be too long for one.
 void check_operations(const TomlTable& table, const LimitKey& key, ControllerConfig& config)
 {
@@ -192,20 +185,6 @@ void check_text(const TomlTable& entry, const controller::PlcVariable& variable,
 
 } // namespace
 
-std::string key_of(std::string_view limit)
-{
-    constexpr std::string_view root = "limits";
-    for (const LimitKey& key : limit_keys()) {
-        if (key.limit == limit && key.table == root) {
-            return std::string{key.name};
-        }
-        if (key.limit == limit) {
-            return std::string{key.table.substr(root.size() + 1)} + "." + std::string{key.name};
-        }
-    }
-    return {};
-}
-
 void read_preset(const TomlTable& root, ControllerConfig& config)
 {
     const TomlTable table = root.table("limits");
@@ -219,16 +198,11 @@ void read_preset(const TomlTable& root, ControllerConfig& config)
                                    "\", expected one of the two: a preset has the limits of a "
                                    "product");
     }
-    const auto preset = find_preset(name);
-    if (!preset) {
+    const Preset* const preset = find_preset(name);
+    if (preset == nullptr) {
         table.fail("preset", std::string{preset_names});
     }
-    config.server.limits = preset->limits;
-    config.certificates.limits = preset->store;
-    config.certificates.subject = preset->subject;
-    config.users.password_rules = preset->passwords;
-    config.machine.publishing = preset->publishing;
-    config.machine.types = preset->types;
+    preset->take(config);
 }
 
 void read_limits(const TomlTable& root, ControllerConfig& config)
@@ -236,15 +210,11 @@ void read_limits(const TomlTable& root, ControllerConfig& config)
     for (const std::string_view path : limit_tables) {
         const TomlTable table = table_of(root, path);
         allow_keys(table, path);
-        for (const LimitKey& key : limit_keys()) {
-            if (key.table == path) {
-                read_key(table, key, config);
-            }
-        }
+        read_numbers(table, path, config);
     }
     const TomlTable limits = root.table("limits");
     for (const LimitKey& key : limit_keys()) {
-        if (key.limit.starts_with(operations)) {
+        if (key.cost.starts_with(operations)) {
             check_operations(limits, key, config);
         }
     }

@@ -7,11 +7,7 @@ namespace busbar::product {
 /// What array_length can be raised to.
 inline constexpr std::int64_t most_elements = 16'777'216;
 
-/// The key of [limits] that sets a limit, by the limit's name in server::MemoryRow:
-/// "subscriptions.items"; empty if none does.
-[[nodiscard]] std::string key_of(std::string_view limit);
-/// `preset` or `memory` of [limits], before all else: limits, and with a preset those of
-/// certificates and rules of passwords.
+/// `preset` or `memory` of [limits], before all else.
 void read_preset(const TomlTable& root, ControllerConfig& config);
 /// The rest of [limits], and [users.passwords].
 void read_limits(const TomlTable& root, ControllerConfig& config);

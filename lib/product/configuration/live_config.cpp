@@ -4,6 +4,8 @@
 
 #include <busbar/server/running_server.hpp>
 
+#include "limit_keys.hpp"
+
 namespace busbar::product {
 
 LiveConfig::LiveConfig(server::Server& server, const Administered& administered,
@@ -21,12 +23,18 @@ server::ServerConfig LiveConfig::next(const ControllerConfig& config) const
     administered_.offer_passwords(offered.server.endpoints);
 
     server::ServerConfig next = server_.config();
+    ControllerConfig running;
+    running.server.limits = next.limits;
     next.application_name = config.server.application_name;
     next.endpoints = std::move(offered.server.endpoints);
-    const server::ServerLimits now = next.limits;
-    next.limits = config.server.limits;
-    next.limits.transport = now.transport;
-    next.limits.max_assembly = now.max_assembly;
+    ControllerConfig taken;
+    taken.server.limits = config.server.limits;
+    for (const LimitKey& key : limit_keys()) {
+        if (!key.is_live && !key.cost.empty()) {
+            key.set(taken, key.get(running));
+        }
+    }
+    next.limits = std::move(taken.server.limits);
     return next;
 }
 

@@ -3,19 +3,12 @@
 #include <utility>
 
 #include "core/utf8.hpp"
+#include "limit_keys.hpp"
 #include "product/machine/program_file.hpp"
 
 namespace busbar::product {
 
 namespace {
-
-void read_execution_log(const TomlTable& table, controller::ExecutionLogSettings& log)
-{
-    log.is_recorded = table.flag("execution_log", false);
-    log.files = static_cast<std::uint32_t>(table.integer("execution_log_files", log.files, 2, 100));
-    log.records = static_cast<std::uint32_t>(
-        table.integer("execution_log_records", log.records, 100, 65'536));
-}
 
 /// Which DataTypes variables have, if not those of the preset.
 void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
@@ -76,10 +69,9 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     }
     machine.mode = mode == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
     machine.simulates_hardware = table.flag("simulated_hardware", false);
-    read_execution_log(table, machine.execution_log);
+    machine.execution_log.is_recorded = table.flag("execution_log", false);
+    read_numbers(table, "machine", config);
     read_types(table, machine.types);
-    machine.retained = std::chrono::milliseconds{
-        table.integer("retained_ms", machine.retained.count(), 100, 3'600'000)};
     // As the rest, it means nothing without a program.
     machine.is_used = table.flag("use", true) || machine.program_file.empty();
     if (machine.program_file.empty()) {

@@ -13,6 +13,7 @@
 #include <busbar/controller/plc.hpp>
 
 #include "labels_section.hpp"
+#include "limit_keys.hpp"
 #include "limits_section.hpp"
 #include "machine_section.hpp"
 
@@ -186,14 +187,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"scan_ms", "realtime_priority", "queued_scans", "waiting_writes", "variable",
                  "program", "event"});
-    config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
-    config.realtime_priority =
-        static_cast<int>(table.integer("realtime_priority", config.realtime_priority, 0, 99));
-    server::ImageOptions& image = config.image;
-    image.max_queued_scans =
-        static_cast<std::uint32_t>(table.integer("queued_scans", image.max_queued_scans, 1, 1'000));
-    image.max_waiting_writes = static_cast<std::uint32_t>(
-        table.integer("waiting_writes", image.max_waiting_writes, 1, 100'000));
+    read_numbers(table, "plc", config);
     const auto variables = table.tables("variable");
     const auto programs = table.tables("program");
     for (const TomlTable& entry : variables) {
@@ -204,7 +198,8 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     }
     for (const PlcVariable& variable : config.plc.variables) {
         // A text takes a change for each element: all of them can be written at once.
-        image.max_changes_per_scan = std::max(image.max_changes_per_scan, elements_of(variable));
+        config.image.max_changes_per_scan =
+            std::max(config.image.max_changes_per_scan, elements_of(variable));
     }
     const auto events = table.tables("event");
     for (const TomlTable& entry : events) {

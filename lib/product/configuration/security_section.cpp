@@ -5,11 +5,11 @@
 #include <iterator>
 #include <utility>
 
+#include "limit_keys.hpp"
+
 namespace busbar::product {
 
 namespace {
-
-constexpr std::int64_t days_of_a_century = 36'525;
 
 constexpr std::int64_t least_iterations = 10'000;
 constexpr std::int64_t most_iterations = 10'000'000;
@@ -191,10 +191,7 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
     CertificateConfig& certificates = config.certificates;
     certificates.folder = table.text("folder", certificates.folder);
     certificates.trusts_all_clients = table.flag("trust_all_clients", false);
-    certificates.key_bits =
-        static_cast<std::uint32_t>(table.integer("key_bits", certificates.key_bits, 2'048, 4'096));
-    certificates.valid_days = static_cast<std::uint32_t>(
-        table.integer("valid_days", certificates.valid_days, 1, days_of_a_century));
+    read_numbers(table, "certificates", config);
     read_subject(table, certificates.subject);
     if (table.has("limits")) {
         certificates.limits = read_store_limits(table);

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include <busbar/channel/channel_types.hpp>
-#include <busbar/controller/plc_task.hpp>
 
+#include "limit_keys.hpp"
 #include "limits_section.hpp"
 
 namespace busbar::product {
@@ -25,11 +25,6 @@ Variant texts(std::initializer_list<const char*> list)
     return Variant{std::move(array)};
 }
 
-Variant number(std::int64_t value)
-{
-    return Variant{value};
-}
-
 Variant no_numbers()
 {
     Array<std::int64_t> array;
@@ -42,17 +37,12 @@ std::vector<Setting> server_settings()
     return {
         {.name = "server.name", .otherwise = Variant{"Busbar controller"}},
         {.name = "server.address", .otherwise = Variant{""}},
-        {.name = "server.port", .otherwise = number(4'840), .range = Range{0, 65'535}},
         {.name = "server.host_names", .otherwise = texts({})},
         {.name = "server.nodesets", .otherwise = texts({})},
         {.name = "server.locales", .otherwise = texts({"en"})},
         {.name = "server.auditing", .otherwise = Variant{false}},
         {.name = "reverse_connect.urls", .otherwise = texts({})},
         {.name = "discovery.url", .otherwise = Variant{""}},
-        {.name = "discovery.interval_s",
-         .otherwise = number(300),
-         .range = Range{10, 600},
-         .unit = "s"},
         {.name = "discovery.allow_none", .otherwise = Variant{false}},
         {.name = "discovery.server", .otherwise = texts({})},
     };
@@ -62,14 +52,6 @@ std::vector<Setting> security_settings()
 {
     return {
         {.name = "certificates.trust_all_clients", .otherwise = Variant{false}},
-        {.name = "certificates.key_bits",
-         .otherwise = number(2'048),
-         .range = Range{2'048, 4'096},
-         .unit = "bit"},
-        {.name = "certificates.valid_days",
-         .otherwise = number(7'305),
-         .range = Range{1, 36'525},
-         .unit = "d"},
         {.name = "certificates.suppress", .otherwise = texts({})},
         {.name = "endpoint", .otherwise = endpoint_value({})},
         {.name = "users.anonymous", .otherwise = Variant{"no"}},
@@ -100,22 +82,12 @@ std::vector<Setting> machine_settings()
         {.name = "machine.use", .otherwise = Variant{true}},
         {.name = "machine.mode", .otherwise = Variant{"RUN"}},
         {.name = "machine.execution_log", .otherwise = Variant{false}},
-        {.name = "machine.execution_log_files", .otherwise = number(24), .range = Range{2, 100}},
-        {.name = "machine.execution_log_records",
-         .otherwise = number(12'000),
-         .range = Range{100, 65'536}},
     };
 }
 
 std::vector<Setting> plc_settings()
 {
     return {
-        {.name = "plc.scan_ms", .otherwise = number(20), .range = Range{1, 10'000}, .unit = "ms"},
-        {.name = "plc.realtime_priority",
-         .otherwise = number(controller::PlcTask::usual_priority),
-         .range = Range{0, 99}},
-        {.name = "plc.queued_scans", .otherwise = number(4), .range = Range{1, 1'000}},
-        {.name = "plc.waiting_writes", .otherwise = number(1'024), .range = Range{1, 100'000}},
         {.name = "plc.variable", .otherwise = texts({})},
         {.name = "plc.program", .otherwise = texts({})},
         {.name = "plc.event", .otherwise = texts({})},
@@ -140,11 +112,6 @@ Variant endpoint_value(const server::ServerConfig& config)
     return Variant{std::move(list)};
 }
 
-std::string setting_name(const LimitKey& key)
-{
-    return std::string{key.table} + "." + std::string{key.name};
-}
-
 std::string setting_name(const SubjectKey& key)
 {
     return "certificates." + std::string{key.name};
@@ -164,10 +131,13 @@ std::vector<Setting> controller_settings(const toml::table& file)
                             .otherwise = Variant{String{preset.certificates.subject.*key.member}}});
     }
     for (const LimitKey& key : limit_keys()) {
-        Setting setting{.name = setting_name(key), .otherwise = number(key.get(preset))};
-        setting.range = Range{static_cast<double>(key.least), static_cast<double>(key.most)};
-        setting.unit = key.unit;
-        settings.push_back(std::move(setting));
+        if (key.is_setting) {
+            settings.push_back(
+                {.name = setting_name(key),
+                 .otherwise = Variant{key.get(preset)},
+                 .range = Range{static_cast<double>(key.least), static_cast<double>(key.most)},
+                 .unit = std::string{key.unit}});
+        }
     }
     for (Setting& each : settings) {
         each.is_security = is_security_setting(each.name);
@@ -184,25 +154,22 @@ bool is_table_list(std::string_view name)
 
 bool is_security_setting(std::string_view name)
 {
+    if (const LimitKey* const limit = find_limit(name)) {
+        return limit->is_security;
+    }
     return name == "endpoint" || name.starts_with("certificates.") || name.starts_with("users.") ||
-           name.starts_with("limits.certificates.") ||
-           name.find("login") != std::string_view::npos || name == "server.auditing" ||
+           name.starts_with("limits.certificates.") || name == "server.auditing" ||
            name == "discovery.allow_none";
 }
 
 bool is_live(std::string_view name)
 {
-    if (name == "endpoint" || name == "server.name" ||
-        name.starts_with("limits.subscriptions.sa") ||
-        name == "limits.subscriptions.overload_percent") {
-        return true;
+    if (const LimitKey* const limit = find_limit(name)) {
+        return limit->is_live;
     }
-    const auto keys = limit_keys();
-    const auto key = std::find_if(keys.begin(), keys.end(),
-                                  [&](const LimitKey& each) { return setting_name(each) == name; });
-    // Buffers of connections are as large as they were made.
-    return key != keys.end() && !key->limit.empty() && !key->limit.starts_with("transport.") &&
-           key->limit != "max_assembly";
+    return name == "endpoint" || name == "server.name" ||
+           name.starts_with("limits.subscriptions.sa") ||
+           name == "limits.subscriptions.overload_percent";
 }
 
 } // namespace busbar::product

@@ -6,7 +6,7 @@
 
 #include <busbar/administration/setting_list.hpp>
 
-#include "limit_keys.hpp"
+#include "config.hpp"
 #include "subject_names.hpp"
 #include "toml_reader.hpp"
 
@@ -23,7 +23,6 @@ namespace busbar::product {
 
 /// The endpoints as the setting of this name has them, whichever way a file says it.
 [[nodiscard]] Variant endpoint_value(const server::ServerConfig& config);
-[[nodiscard]] std::string setting_name(const LimitKey& key);
 [[nodiscard]] std::string setting_name(const SubjectKey& key);
 /// True if the key stands for a list of tables, [[plc.variable]]: its value is a list of texts,
 /// each an inline table: `{ name = "Speed", type = "Int16" }`.

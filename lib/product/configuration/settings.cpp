@@ -31,28 +31,21 @@ Variant text_value(const std::string& text)
     return Variant{String{text}};
 }
 
-/// Those that more than the file says (see Reading).
-constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerConfig&)>, 6>
+/// Those that are no numbers and that more than the file says (see Reading).
+constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerConfig&)>, 4>
     other_values{{
         {"endpoint", [](const ControllerConfig& c) { return endpoint_value(c.server); }},
         {"server.address", [](const ControllerConfig& c) { return text_value(c.address); }},
-        {"server.port", [](const ControllerConfig& c) { return Variant{std::int64_t{c.port}}; }},
         {"certificates.trust_all_clients",
          [](const ControllerConfig& c) { return Variant{c.certificates.trusts_all_clients}; }},
         {"discovery.url", [](const ControllerConfig& c) { return text_value(c.discovery.url); }},
-        {"discovery.interval_s",
-         [](const ControllerConfig& c) {
-             return Variant{std::int64_t{c.discovery.interval.count()}};
-         }},
     }};
 
 /// Limits and names that no key sets are those of the preset.
 Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
 {
-    for (const LimitKey& key : limit_keys()) {
-        if (setting.name == setting_name(key)) {
-            return Variant{key.get(config)};
-        }
+    if (const LimitKey* const limit = find_limit(setting.name)) {
+        return Variant{limit->get(config)};
     }
     for (const SubjectKey& key : subject_keys) {
         if (setting.name == setting_name(key)) {

@@ -13,7 +13,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
-#include "product/configuration/limits_section.hpp"
+#include "product/configuration/limit_keys.hpp"
 #include "product/configuration/machine_section.hpp"
 #include "product/configuration/memory_section.hpp"
 #include "product/configuration/toml_reader.hpp"
