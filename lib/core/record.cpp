@@ -57,8 +57,10 @@ std::string_view name(RecordKind kind)
         "PublishingLimitExceeded",
         "InstructionFailed",
         "ExecutionLogSaved",
+        "MachineFault",
+        "ConfigurationRefused",
     };
-    static_assert(names.size() == static_cast<std::size_t>(RecordKind::ExecutionLogSaved) + 1);
+    static_assert(names.size() == static_cast<std::size_t>(RecordKind::ConfigurationRefused) + 1);
     return names[static_cast<std::size_t>(kind)];
 }
 

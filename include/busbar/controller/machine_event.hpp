@@ -44,10 +44,15 @@ struct MachineEventType {
     /// The one that a user may choose instead.
     std::optional<EventLevel> other_level;
     EventEnd end;
+    // One sentence each; without a correction where there is nothing to correct.
+    std::string_view meaning;
+    std::string_view cause;
+    std::string_view correction;
 };
 
-/// The 16 events of the server, the three of its instructions, and one with code 0, which is ours:
-/// the manual asks for it and has no code (seed 000, 5-1-1).
+/// The 16 events of the server, the three of its instructions, and five of ours, for which the
+/// manuals of the server have no code: 0 is a client certificate that has expired (seed 000,
+/// 5-1-1), 1 to 3 are faults of the controller (9-1-2), 4 is a configuration that cannot be used.
 [[nodiscard]] BUSBAR_API std::span<const MachineEventType> machine_event_types();
 /// Null if there is none.
 [[nodiscard]] BUSBAR_API const MachineEventType* machine_event_type(std::uint32_t code);
@@ -56,6 +61,9 @@ struct MachineEventType {
 inline constexpr std::string_view machine_event_source = "PLC Function Module";
 inline constexpr std::string_view machine_event_source_details = "OPC UA Server";
 inline constexpr std::string_view machine_event_category = "System";
+
+/// "OPC UA Server"; "CPU Unit" for faults of the controller.
+[[nodiscard]] BUSBAR_API std::string_view source_details(const MachineEventType& type);
 
 /// One that happened.
 struct MachineEvent {
@@ -71,5 +79,9 @@ struct MachineEvent {
 [[nodiscard]] BUSBAR_API std::string text(const MachineEvent& event);
 /// "35D30000".
 [[nodiscard]] BUSBAR_API std::string code_text(const MachineEventType& type);
+
+/// The events of a file of the event log, such as clients see it, the oldest first. Lines that are
+/// damaged, or have a code that is not known, are passed over.
+[[nodiscard]] BUSBAR_API std::vector<MachineEvent> read_machine_events(std::string_view text);
 
 } // namespace busbar::controller

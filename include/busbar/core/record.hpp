@@ -89,6 +89,11 @@ enum class RecordKind : std::uint8_t {
     /// (seed 000, 9-2-2).
     InstructionFailed,
     ExecutionLogSaved, // again, after ExecutionLogLost
+    /// [Level: "Major fault", "Partial fault" or "Minor fault", Where: "CPU Unit"], of the
+    /// controller (seed 000, 9-1-2).
+    MachineFault,
+    /// [Reason]: a configuration cannot be used, and another one is in force.
+    ConfigurationRefused,
 };
 
 /// "SessionCreated".

@@ -7,47 +7,6 @@ namespace busbar::controller {
 
 namespace {
 
-constexpr auto minor = EventLevel::MinorFault;
-constexpr auto observation = EventLevel::Observation;
-constexpr auto information = EventLevel::Information;
-
-/// Levels are those of seed 000, 9-2-2; the columns of 9-2-1 have slipped in some rows.
-constexpr std::array event_types{
-    MachineEventType{0x15000000, "Execution Log Save Failed", minor, observation,
-                     EventEnd::Automatic},
-    MachineEventType{0x15020000, "Server Certificate Mismatch", observation, {}, EventEnd::Renewal},
-    MachineEventType{0x35D00000, "OPC UA Server Setting Error", minor, {}, EventEnd::Automatic},
-    MachineEventType{0x35D10000, "Server Certificate Expired", minor, observation,
-                     EventEnd::Automatic},
-    MachineEventType{0x35D20000, "Server Certificate Expiration Notice", observation, minor,
-                     EventEnd::Renewal},
-    MachineEventType{
-        0x35D30000, "Too Many Public Variables", observation, {}, EventEnd::Preparation},
-    MachineEventType{0x35D40000, "Unsupported Data Type", observation, {}, EventEnd::Preparation},
-    MachineEventType{
-        0x35D50000, "Too Many Public Value Attributes", observation, {}, EventEnd::Preparation},
-    MachineEventType{
-        0x35D60000, "Too Many Structure Definitions", observation, {}, EventEnd::Preparation},
-    MachineEventType{0x44180000, "OPC UA System Processing Error", minor, {}, EventEnd::Restart},
-    MachineEventType{
-        0x85600000, "OPC UA Client Connection Rejected", observation, {}, EventEnd::Never},
-    MachineEventType{0x95D00000, "OPC UA Server Started", information, {}, EventEnd::Never},
-    MachineEventType{0x95D10000, "OPC UA Server Stopped", information, {}, EventEnd::Never},
-    MachineEventType{0x95D20000, "Server Certificate Generated", information, {}, EventEnd::Never},
-    MachineEventType{0x95D30000, "Client Certificate Discarded", information, {}, EventEnd::Never},
-    MachineEventType{0x95D40000,
-                     "OPC UA Server Certificate and Security Profile Cleared",
-                     information,
-                     {},
-                     EventEnd::Never},
-    MachineEventType{
-        0x54015000, "OPC UA Server Shutdown or Shutting Down", observation, {}, EventEnd::Never},
-    MachineEventType{
-        0x54015001, "OPC UA Server Being Initialized", observation, {}, EventEnd::Never},
-    MachineEventType{0x54015002, "OPC UA Server Not Started", observation, {}, EventEnd::Never},
-    MachineEventType{0, "Client Certificate Expired", observation, {}, EventEnd::Never},
-};
-
 struct LevelRow {
     std::string_view name;
     std::uint16_t severity;
@@ -71,16 +30,20 @@ std::uint16_t severity_of(EventLevel level)
     return level_rows[static_cast<std::size_t>(level)].severity;
 }
 
-std::span<const MachineEventType> machine_event_types()
-{
-    return event_types;
-}
-
 const MachineEventType* machine_event_type(std::uint32_t code)
 {
-    const auto found = std::find_if(event_types.begin(), event_types.end(),
+    const std::span<const MachineEventType> types = machine_event_types();
+    const auto found = std::find_if(types.begin(), types.end(),
                                     [&](const auto& each) { return each.code == code; });
-    return found == event_types.end() ? nullptr : &*found;
+    return found == types.end() ? nullptr : &*found;
+}
+
+std::string_view source_details(const MachineEventType& type)
+{
+    constexpr std::uint32_t first_fault = 1;
+    constexpr std::uint32_t last_fault = 3;
+    return type.code >= first_fault && type.code <= last_fault ? "CPU Unit"
+                                                               : machine_event_source_details;
 }
 
 std::string code_text(const MachineEventType& type)

@@ -9,10 +9,14 @@
 
 #include "log_text.hpp"
 
-namespace busbar::controller::detail {
+namespace busbar::controller {
+
+namespace detail {
 
 namespace {
 
+/// Before the name: number, time, code and level.
+constexpr std::size_t first_columns = 4;
 constexpr std::size_t max_attached = 4;
 constexpr std::size_t max_attached_size = 60;
 constexpr std::size_t max_event_line = 400;
@@ -58,7 +62,8 @@ std::vector<std::string_view> columns_of(std::string_view line)
 std::string machine_event_line(const MachineEvent& event)
 {
     std::string line = std::to_string(event.number) + "\t" + to_string(event.time) + "\t" +
-                       code_text(*event.type) + "\t" + std::string{name(event.level)};
+                       code_text(*event.type) + "\t" + std::string{name(event.level)} + "\t" +
+                       std::string{event.type->name};
     for (const std::string& each : event.attached) {
         line += "\t" + clean_text(each, max_attached_size);
     }
@@ -71,7 +76,7 @@ std::optional<MachineEvent> parse_machine_event(std::string_view line)
         return std::nullopt;
     }
     const auto columns = columns_of(line);
-    if (columns.size() < 4 || columns.size() > 4 + max_attached) {
+    if (columns.size() < first_columns || columns.size() > first_columns + 1 + max_attached) {
         return std::nullopt;
     }
     const auto number = whole_number(columns[0], 10);
@@ -86,7 +91,8 @@ std::optional<MachineEvent> parse_machine_event(std::string_view line)
         return std::nullopt;
     }
     MachineEvent event{*number, *time, type, *level, {}};
-    for (std::size_t i = 4; i < columns.size(); ++i) {
+    const bool has_name = columns.size() > first_columns && columns[first_columns] == type->name;
+    for (std::size_t i = first_columns + (has_name ? 1 : 0); i < columns.size(); ++i) {
         event.attached.push_back(clean_text(columns[i], max_attached_size));
     }
     return event;
@@ -120,19 +126,14 @@ Stored<void> MachineEventFiles::read_into(std::deque<MachineEvent>& events, cons
             bytes.error() == StorageError::NotFound || bytes.error() == StorageError::TooLarge;
         return is_none ? Stored<void>{} : not_stored(bytes.error());
     }
-    std::string_view text{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
-    // As LineFile has it, a line feed ends a line.
-    for (std::size_t end = 0; (end = text.find('\n')) != std::string_view::npos;) {
-        const std::string_view line = text.substr(0, end);
-        auto event =
-            line.ends_with('\r') ? parse_machine_event(line.substr(0, end - 1)) : std::nullopt;
-        if (event && (events.empty() || events.back().number < event->number)) {
-            events.push_back(*std::move(event));
+    const std::string_view text{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    for (MachineEvent& event : read_machine_events(text)) {
+        if (events.empty() || events.back().number < event.number) {
+            events.push_back(std::move(event));
         }
         if (events.size() > max_entries_) {
             events.pop_front();
         }
-        text.remove_prefix(end + 1);
     }
     return {};
 }
@@ -174,4 +175,22 @@ Stored<std::size_t> MachineEventFiles::save(std::span<const MachineEvent> events
     return added ? Stored<std::size_t>{events.size()} : not_stored(added.error());
 }
 
-} // namespace busbar::controller::detail
+} // namespace detail
+
+std::vector<MachineEvent> read_machine_events(std::string_view text)
+{
+    std::vector<MachineEvent> events;
+    // As LineFile has it, a line feed ends a line.
+    for (std::size_t end = 0; (end = text.find('\n')) != std::string_view::npos;) {
+        const std::string_view line = text.substr(0, end);
+        auto event = line.ends_with('\r') ? detail::parse_machine_event(line.substr(0, end - 1))
+                                          : std::nullopt;
+        if (event) {
+            events.push_back(*std::move(event));
+        }
+        text.remove_prefix(end + 1);
+    }
+    return events;
+}
+
+} // namespace busbar::controller

@@ -15,9 +15,10 @@
 
 namespace busbar::controller::detail {
 
-/// "12<tab>2017-10-17T14:52:50.747Z<tab>35D30000<tab>Observation<tab>..." and its line end.
+/// "12<tab>2017-10-17T14:52:50.747Z<tab>35D30000<tab>Observation<tab>Too Many Public Variables",
+/// what is attached, and the line end.
 [[nodiscard]] std::string machine_event_line(const MachineEvent& event);
-/// Nothing for a line of another form; without its end.
+/// Nothing for a line of another form; without its end. The name may be missing.
 [[nodiscard]] std::optional<MachineEvent> parse_machine_event(std::string_view line);
 
 /// The last events in two files: one that grows, and the one before it, which goes when the new one

@@ -29,7 +29,7 @@ server::Event MachineEventRaiser::event_of(const MachineEvent& event) const
     server::Event result;
     result.event_type = event_type_;
     result.source_node = source_;
-    result.source_name = String{std::string{machine_event_source_details}};
+    result.source_name = String{std::string{source_details(*event.type)}};
     result.message = LocalizedText{"en", String{text(event)}};
     result.severity = severity_of(event.level);
     result.time = event.time;

@@ -169,6 +169,20 @@ AllTold told_instruction(const Record& record, DateTime)
     return {{0x54010000 + error, std::move(attached)}};
 }
 
+AllTold told_fault(const Record& record, DateTime)
+{
+    const std::string_view level = text_field(record, "Level");
+    const std::uint32_t code = level == name(EventLevel::MajorFault)     ? 1
+                               : level == name(EventLevel::PartialFault) ? 2
+                                                                         : 3;
+    return {{code, {attached_text(text_field(record, "Where"))}}};
+}
+
+AllTold told_refused(const Record& record, DateTime)
+{
+    return {{4, {attached_text(text_field(record, "Reason"))}}};
+}
+
 /// It only ends or prepares something.
 AllTold told_nothing(const Record&, DateTime)
 {
@@ -202,6 +216,8 @@ constexpr std::array event_rules{
     EventRule{RecordKind::VariablesCounted, told_nothing},
     EventRule{RecordKind::SecurityCleared, told_cleared},
     EventRule{RecordKind::InstructionFailed, told_instruction},
+    EventRule{RecordKind::MachineFault, told_fault},
+    EventRule{RecordKind::ConfigurationRefused, told_refused},
 };
 
 const EventRule* event_rule_of(RecordKind kind)

@@ -292,7 +292,7 @@ TEST_CASE("Times are those of the controller's place (7-1-6)")
 
 TEST_CASE("Kinds that are told often and are not in the log are not wanted (7-1-6)")
 {
-    for (int i = 0; i <= static_cast<int>(RecordKind::ExecutionLogSaved); ++i) {
+    for (int i = 0; i <= static_cast<int>(RecordKind::ConfigurationRefused); ++i) {
         const auto kind = static_cast<RecordKind>(i);
         INFO(name(kind));
         if (!is_in_execution_log(kind)) {

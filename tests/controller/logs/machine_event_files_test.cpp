@@ -101,7 +101,7 @@ TEST_CASE_METHOD(EventWorld, "Lines of an event file that are none do no harm (9
     const std::string good = "7\t2017-10-17T14:52:50.747Z\t95D00000\tInformation\r\n";
     const std::string lines = "x\r\n\r\n-1\t\t\t\r\n" + good +
                               "8\tno time\t95D00000\tInformation\r\n"
-                              "8\t2017-10-17T14:52:50Z\t00000001\tInformation\r\n"
+                              "8\t2017-10-17T14:52:50Z\t00000009\tInformation\r\n"
                               "8\t2017-10-17T14:52:50Z\t95D00000\tSomewhat\r\n" +
                               good + "a line feed alone\n" +
                               "9\t2017-10-17T14:52:50Z\t95D00000\tInformation\tcut off";

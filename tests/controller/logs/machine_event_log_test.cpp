@@ -64,10 +64,16 @@ TEST_CASE("There are 16 events of the server and three of its instructions (9-2-
         CHECK(type->other_level == row.other);
         CHECK_FALSE(type->name.empty());
     }
-    CHECK(machine_event_types().size() == rows.size() + 1);
+    CHECK(machine_event_types().size() == rows.size() + 5); // and ours
     std::set<std::string_view> names;
     for (const MachineEventType& type : machine_event_types()) {
+        INFO(code_text(type));
         CHECK(names.insert(type.name).second);
+        CHECK(type.meaning.ends_with('.'));
+        CHECK(type.cause.ends_with('.'));
+        // What went well needs no correction (9-2-2).
+        CHECK((type.correction.empty() ? type.level == EventLevel::Information
+                                       : type.correction.ends_with('.')));
     }
     CHECK(machine_event_type(0x12345678) == nullptr);
     CHECK(machine_event_source == "PLC Function Module");
@@ -288,6 +294,34 @@ TEST_CASE_METHOD(EventWorld, "An instruction that fails is told with its place (
     CHECK(refuse(0x5001) == Texts{"54015001 Program0,12,Stop1,00000000"});
     CHECK(refuse(0x5002) == Texts{"54015002 Program0,12,Stop1,00000000"});
     CHECK(refuse(0x041D) == Texts{}); // an instruction's own error, no event of the server
+}
+
+TEST_CASE_METHOD(EventWorld, "Faults of the controller stand until a restart (4-1-3, 9-1-2)")
+{
+    const auto fail = [&](std::string level) {
+        return happen(Happening{RecordKind::MachineFault,
+                                {text("Level", std::move(level)), text("Where", "CPU Unit")}});
+    };
+    CHECK(fail("Minor fault") == Texts{"00000003 CPU Unit"});
+    CHECK(log->plc_error() == PlcError{EventLevel::MinorFault, 3});
+    CHECK(fail("Partial fault") == Texts{"00000002 CPU Unit"});
+    CHECK(log->plc_error() == PlcError{EventLevel::PartialFault, 2});
+    CHECK(fail("Major fault") == Texts{"00000001 CPU Unit"});
+    CHECK(current() == Texts{"00000003 CPU Unit", "00000002 CPU Unit", "00000001 CPU Unit"});
+    CHECK(log->current_errors().back().level == EventLevel::MajorFault);
+    CHECK(source_details(*log->current_errors().back().type) == "CPU Unit");
+    happen(RecordKind::ServerStarted);
+    CHECK(current() == Texts{});
+}
+
+TEST_CASE_METHOD(EventWorld, "A configuration that cannot be used stands until a restart")
+{
+    CHECK(happen(Happening{RecordKind::ConfigurationRefused, {text("Reason", "no TOML")}}) ==
+          Texts{"00000004 no TOML"});
+    happen(RecordKind::ServerRunning);
+    CHECK(current() == Texts{"00000004 no TOML"});
+    happen(RecordKind::ServerStarted);
+    CHECK(current() == Texts{});
 }
 
 TEST_CASE_METHOD(EventWorld, "The highest level and code of the current errors (9-1-1)")
