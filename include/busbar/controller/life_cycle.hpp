@@ -111,12 +111,15 @@ public:
     void power_going();
     void mode_changed(MachineMode mode) { mode_ = mode; }
     void medium_changed(bool is_in);
-    /// A major fault, and a partial or minor one that is not the server's, stops nothing; a partial
-    /// fault of the server does (seed 000, 4-1-4).
-    void major_fault() {}
+    // Faults are told as MachineFault. One that is not the server's does not stop it (seed 000,
+    // 4-1-4).
+
+    /// The user program stops (seed 000, 9-1-2).
+    void major_fault();
+    /// One of the server's is a system_error().
     void partial_fault(FaultOrigin origin);
-    /// Of the server's, those that stop it come by preparation_failed and system_error.
-    void minor_fault(FaultOrigin) {}
+    /// Those of the server's that stop it come by preparation_failed and system_error.
+    void minor_fault(FaultOrigin origin);
     /// The CPU's watchdog: everything stops.
     void watchdog();
 
@@ -159,6 +162,12 @@ public:
     // What there is.
 
     [[nodiscard]] OperatingStatus operating_status() const;
+    [[nodiscard]] ServedClients served_clients() const;
+    /// In Halt error: "Configuration Error", "Server Start Error" or "OPC UA System Error", and
+    /// more about it; else empty.
+    [[nodiscard]] std::string halt_reason() const;
+    /// False after a fault that stops the user program, until a restart.
+    [[nodiscard]] bool has_program_going() const { return has_program_going_; }
     /// With the end point as it is published.
     [[nodiscard]] MachineStatus status(const ConnectionCounts& counts) const;
     [[nodiscard]] MachineMode mode() const { return mode_; }
@@ -172,6 +181,9 @@ public:
 private:
     /// What the table says of an event. `why` is for clients or for the log.
     void handle(detail::LifeEvent event, std::string_view why = {});
+    /// The table's causes: what is not the server's.
+    void tell_cause(detail::LifeEvent event, std::string_view where);
+    void tell_record(RecordKind kind, std::string_view why);
     void act(detail::LifeAction action, detail::LifeEvent event, std::string_view why);
     void begin_preparation();
     void run();
@@ -192,8 +204,10 @@ private:
     DateTime preparation_began_{};
     std::chrono::seconds preparation_time_;
     std::string endpoint_url_;
-    /// Why it halts, for ServerHalted.
+    /// Why it halts, for ServerHalted, and more about it.
     std::string_view halt_reason_;
+    std::string halt_details_;
+    bool has_program_going_{true};
 };
 
 } // namespace busbar::controller

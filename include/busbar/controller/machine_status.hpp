@@ -20,6 +20,9 @@ enum class OperatingStatus : std::uint8_t {
     Shutdown, // done, or on the way
 };
 
+/// Who is let in: in Halt error and after a shutdown, those who can mend it.
+enum class ServedClients : std::uint8_t { None, Administrators, All };
+
 /// "Halt error"; "---" for NotStarted.
 [[nodiscard]] BUSBAR_API std::string_view text(OperatingStatus status);
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
+#include <string>
+#include <utility>
 
 #include <busbar/core/record.hpp>
 
@@ -23,25 +24,31 @@ constexpr std::string_view configuration_error = "Configuration Error";
 constexpr std::string_view start_error = "Server Start Error";
 constexpr std::string_view system_error_reason = "OPC UA System Error";
 
-void tell_life(LogSink& log, RecordKind kind, std::string text, LogLevel level = LogLevel::Info,
-               std::span<const RecordField> fields = {})
+constexpr const char* controller_unit = "CPU Unit";
+
+std::string_view text_of(RecordKind kind)
 {
-    Record record;
-    record.kind = kind;
-    record.level = level;
-    record.source = life_source;
-    record.text = std::move(text);
-    record.fields = fields;
-    tell(log, record);
+    switch (kind) {
+    case RecordKind::ServerStarted:
+        return "the OPC UA server starts";
+    case RecordKind::ServerPreparing:
+        return "the OPC UA server is being prepared";
+    case RecordKind::ServerRunning:
+        return "the OPC UA server runs at ";
+    case RecordKind::ServerShutDown:
+        return "the OPC UA server is shut down";
+    case RecordKind::ServerHalted:
+        return "the OPC UA server halts: ";
+    default:
+        return "a fatal error in the OPC UA server: ";
+    }
 }
 
-void tell_halted(LogSink& log, std::string_view reason, std::string_view why)
+LogLevel level_of(RecordKind kind)
 {
-    const std::array fields{RecordField{"Reason", Variant{String{std::string{reason}}}}};
-    tell_life(log, RecordKind::ServerHalted,
-              "the OPC UA server halts: " + std::string{reason} +
-                  (why.empty() ? "" : ": " + std::string{why}),
-              LogLevel::Error, fields);
+    return kind == RecordKind::ServerHalted || kind == RecordKind::ServerSystemError
+               ? LogLevel::Error
+               : LogLevel::Info;
 }
 
 } // namespace
@@ -75,15 +82,28 @@ void LifeCycle::medium_changed(bool is_in)
     server_->medium_changed(is_in);
 }
 
+void LifeCycle::major_fault()
+{
+    tell_cause(LifeEvent::MajorFault, controller_unit);
+}
+
 void LifeCycle::partial_fault(FaultOrigin origin)
 {
     if (origin == FaultOrigin::OpcUaServer) {
-        system_error("a partial fault of the OPC UA server");
+        return system_error("a partial fault of the OPC UA server");
     }
+    tell_cause(LifeEvent::PartialFault, controller_unit);
+}
+
+void LifeCycle::minor_fault(FaultOrigin origin)
+{
+    tell_cause(LifeEvent::MinorFault,
+               origin == FaultOrigin::OpcUaServer ? "OPC UA Server" : controller_unit);
 }
 
 void LifeCycle::watchdog()
 {
+    tell_cause(LifeEvent::Watchdog, "CPU watchdog");
     handle(LifeEvent::Watchdog, "the controller's processor failed");
 }
 
@@ -206,9 +226,6 @@ void LifeCycle::initialized(const Configured<ServerSettings>& settings)
     }
     settings_ = *settings;
     is_replaced_ = false;
-    if (settings_.is_used) {
-        tell_life(*log_, RecordKind::ServerStarted, "the OPC UA server starts");
-    }
     handle(settings_.is_used ? LifeEvent::Used : LifeEvent::Unused);
 }
 
@@ -250,25 +267,19 @@ void LifeCycle::stopped()
 
 OperatingStatus LifeCycle::operating_status() const
 {
-    switch (phase_) {
-    case LifePhase::NotStarted:
-        break;
-    case LifePhase::Initializing:
-        return OperatingStatus::Initializing;
-    case LifePhase::Preparing:
-    case LifePhase::Waiting:
-        return OperatingStatus::Preparing;
-    case LifePhase::Running:
-        return OperatingStatus::Running;
-    case LifePhase::Halted:
-    case LifePhase::Broken:
-        return OperatingStatus::HaltError;
-    case LifePhase::Stopping:
-    case LifePhase::Resetting:
-    case LifePhase::Stopped:
-        return OperatingStatus::Shutdown;
-    }
-    return OperatingStatus::NotStarted;
+    return detail::facts_of(phase_).status;
+}
+
+ServedClients LifeCycle::served_clients() const
+{
+    return detail::facts_of(phase_).serves;
+}
+
+std::string LifeCycle::halt_reason() const
+{
+    return operating_status() == OperatingStatus::HaltError
+               ? std::string{halt_reason_} + (halt_details_.empty() ? "" : ": ") + halt_details_
+               : std::string{};
 }
 
 bool LifeCycle::has_stopped() const
@@ -283,8 +294,7 @@ MachineStatus LifeCycle::status(const ConnectionCounts& counts) const
 
 bool LifeCycle::is_restart_due() const
 {
-    return is_replaced_ || phase_ == LifePhase::Broken ||
-           operating_status() == OperatingStatus::Shutdown ||
+    return is_replaced_ || detail::facts_of(phase_).is_restart_due ||
            (phase_ == LifePhase::NotStarted && settings_.is_used);
 }
 
@@ -296,19 +306,58 @@ void LifeCycle::handle(LifeEvent event, std::string_view why)
     if (step == nullptr) {
         return;
     }
-    const bool was_resetting = phase_ == LifePhase::Resetting;
     phase_ = step->next;
-    if (phase_ == LifePhase::Stopped || (was_resetting && phase_ == LifePhase::Initializing)) {
-        tell_life(*log_, RecordKind::ServerShutDown, "the OPC UA server is shut down");
+    if (operating_status() == OperatingStatus::HaltError) {
+        halt_details_ = why;
     }
-    if (phase_ == LifePhase::Broken) {
-        tell_life(*log_, RecordKind::ServerSystemError,
-                  "a fatal error in the OPC UA server: " + std::string{why}, LogLevel::Error);
+    has_program_going_ = has_program_going_ ||
+                         detail::facts_of(event).program == detail::CauseFacts::Program::Starts;
+    if (step->action == LifeAction::Prepare || step->action == LifeAction::Reconfigure) {
+        begin_preparation();
     }
-    if (phase_ == LifePhase::Halted || phase_ == LifePhase::Broken) {
-        tell_halted(*log_, halt_reason_, why);
+    for (const detail::ToldRecord& each : detail::told_records) {
+        if ((step->records & each.bit) != 0) {
+            tell_record(each.kind, why);
+        }
     }
     act(step->action, event, why);
+}
+
+void LifeCycle::tell_record(RecordKind kind, std::string_view why)
+{
+    Record record;
+    record.kind = kind;
+    record.level = level_of(kind);
+    record.source = life_source;
+    record.text = text_of(kind);
+    std::array<RecordField, 1> field;
+    if (kind == RecordKind::ServerRunning) {
+        record.text += endpoint_url_;
+        field = {RecordField{"EndpointUrl", Variant{String{endpoint_url_}}}};
+        record.fields = field;
+    } else if (kind == RecordKind::ServerHalted) {
+        record.text += std::string{halt_reason_} + (why.empty() ? "" : ": ") + std::string{why};
+        field = {RecordField{"Reason", Variant{String{std::string{halt_reason_}}}}};
+        record.fields = field;
+    } else if (kind == RecordKind::ServerSystemError) {
+        record.text += why;
+    }
+    tell(*log_, record);
+}
+
+void LifeCycle::tell_cause(LifeEvent event, std::string_view where)
+{
+    const detail::CauseFacts facts = detail::facts_of(event);
+    has_program_going_ = has_program_going_ && facts.program != detail::CauseFacts::Program::Stops;
+    const std::array fields{RecordField{"Level", Variant{String{std::string{facts.fault}}}},
+                            RecordField{"Where", Variant{String{std::string{where}}}}};
+    Record record;
+    record.kind = RecordKind::MachineFault;
+    record.level = LogLevel::Error;
+    record.source = life_source;
+    record.text = std::string{facts.fault} + " of the controller: " + std::string{where};
+    record.fields = fields;
+    tell(*log_, record);
 }
 
 /// The last thing that is done of an event: the operator may answer at once.
@@ -320,10 +369,8 @@ void LifeCycle::act(LifeAction action, LifeEvent event, std::string_view why)
     case LifeAction::Initialize:
         return server_->initialize();
     case LifeAction::Prepare:
-        begin_preparation();
         return server_->prepare(preparation_, settings_);
     case LifeAction::Reconfigure:
-        begin_preparation();
         return server_->reconfigure(preparation_, settings_, {why, return_time({})});
     case LifeAction::Run:
         return run();
@@ -342,14 +389,10 @@ void LifeCycle::begin_preparation()
     ++preparation_;
     preparation_began_ = clock_->now();
     is_edited_ = false;
-    tell_life(*log_, RecordKind::ServerPreparing, "the OPC UA server is being prepared");
 }
 
 void LifeCycle::run()
 {
-    const std::array fields{RecordField{"EndpointUrl", Variant{String{endpoint_url_}}}};
-    tell_life(*log_, RecordKind::ServerRunning, "the OPC UA server runs at " + endpoint_url_,
-              LogLevel::Info, fields);
     server_->run();
     if (is_edited_ && phase_ == LifePhase::Running) {
         is_edited_ = false;

@@ -1,9 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 
-/// The life of the server as a table (seed 000, 4-1 and 4-2-4).
+#include <busbar/controller/life_cycle.hpp>
+#include <busbar/controller/machine_status.hpp>
+#include <busbar/core/record.hpp>
+
+/// The life of a controller and its server as tables (seed 000, 4-1, 4-2-4 and 9-1-2): what each
+/// state is, where each cause leads, and what the logs are told of it. A log is told nothing else.
 namespace busbar::controller::detail {
 
 enum class LifePhase : std::uint8_t {
@@ -35,6 +42,10 @@ enum class LifeEvent : std::uint8_t {
     ShutDown,
     Watchdog,
     Stopped,
+    // Faults that are not the server's, or do not stop it.
+    MajorFault,
+    PartialFault,
+    MinorFault,
 };
 
 enum class LifeAction : std::uint8_t {
@@ -48,60 +59,154 @@ enum class LifeAction : std::uint8_t {
     AddVariables,
 };
 
+struct PhaseFacts {
+    LifePhase phase;
+    OperatingStatus status;
+    ServedClients serves;
+    bool is_restart_due;
+};
+
+inline constexpr std::array phase_facts{
+    PhaseFacts{LifePhase::NotStarted, OperatingStatus::NotStarted, ServedClients::None, false},
+    PhaseFacts{LifePhase::Initializing, OperatingStatus::Initializing, ServedClients::None, false},
+    PhaseFacts{LifePhase::Preparing, OperatingStatus::Preparing, ServedClients::None, false},
+    PhaseFacts{LifePhase::Waiting, OperatingStatus::Preparing, ServedClients::None, false},
+    PhaseFacts{LifePhase::Running, OperatingStatus::Running, ServedClients::All, false},
+    PhaseFacts{LifePhase::Halted, OperatingStatus::HaltError, ServedClients::Administrators, false},
+    PhaseFacts{LifePhase::Broken, OperatingStatus::HaltError, ServedClients::Administrators, true},
+    PhaseFacts{LifePhase::Stopping, OperatingStatus::Shutdown, ServedClients::Administrators, true},
+    PhaseFacts{LifePhase::Resetting, OperatingStatus::Shutdown, ServedClients::None, true},
+    PhaseFacts{LifePhase::Stopped, OperatingStatus::Shutdown, ServedClients::Administrators, true},
+};
+
+[[nodiscard]] constexpr const PhaseFacts& facts_of(LifePhase phase)
+{
+    return phase_facts[static_cast<std::size_t>(phase)];
+}
+
+/// What a cause does to the controller besides its server, whatever the state.
+struct CauseFacts {
+    LifeEvent event;
+    /// The user program: goes on, stops, or starts.
+    enum class Program : std::uint8_t { GoesOn, Stops, Starts } program;
+    /// The level of the event that is told; empty: none.
+    std::string_view fault{};
+};
+
+/// What is not here has no effect but that of its step.
+inline constexpr std::array cause_facts{
+    CauseFacts{LifeEvent::Restart, CauseFacts::Program::Starts},
+    CauseFacts{LifeEvent::Watchdog, CauseFacts::Program::Stops, "Major fault"},
+    CauseFacts{LifeEvent::MajorFault, CauseFacts::Program::Stops, "Major fault"},
+    CauseFacts{LifeEvent::PartialFault, CauseFacts::Program::GoesOn, "Partial fault"},
+    CauseFacts{LifeEvent::MinorFault, CauseFacts::Program::GoesOn, "Minor fault"},
+};
+
+[[nodiscard]] constexpr CauseFacts facts_of(LifeEvent event)
+{
+    for (const CauseFacts& each : cause_facts) {
+        if (each.event == event) {
+            return each;
+        }
+    }
+    return {event, CauseFacts::Program::GoesOn};
+}
+
+/// The records of one step, as bits; told in this order.
+namespace told {
+inline constexpr std::uint8_t nothing = 0;
+inline constexpr std::uint8_t shut_down = 1;
+inline constexpr std::uint8_t system_error = 2;
+inline constexpr std::uint8_t halted = 4;
+inline constexpr std::uint8_t started = 8;
+inline constexpr std::uint8_t preparing = 16;
+inline constexpr std::uint8_t running = 32;
+} // namespace told
+
+struct ToldRecord {
+    std::uint8_t bit;
+    RecordKind kind;
+};
+inline constexpr std::array told_records{
+    ToldRecord{told::shut_down, RecordKind::ServerShutDown},
+    ToldRecord{told::system_error, RecordKind::ServerSystemError},
+    ToldRecord{told::halted, RecordKind::ServerHalted},
+    ToldRecord{told::started, RecordKind::ServerStarted},
+    ToldRecord{told::preparing, RecordKind::ServerPreparing},
+    ToldRecord{told::running, RecordKind::ServerRunning},
+};
+
 struct LifeStep {
     LifePhase phase;
     LifeEvent event;
     LifePhase next;
     LifeAction action;
+    std::uint8_t records{told::nothing};
 };
 
-/// What is not here changes nothing.
+/// What is not here changes nothing of the server.
 inline constexpr std::array life_steps{
     LifeStep{LifePhase::NotStarted, LifeEvent::Restart, LifePhase::Initializing,
              LifeAction::Initialize},
 
     LifeStep{LifePhase::Initializing, LifeEvent::Restart, LifePhase::Initializing,
              LifeAction::Initialize},
-    LifeStep{LifePhase::Initializing, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare},
+    LifeStep{LifePhase::Initializing, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare,
+             told::started | told::preparing},
     LifeStep{LifePhase::Initializing, LifeEvent::Unused, LifePhase::NotStarted, LifeAction::None},
-    LifeStep{LifePhase::Initializing, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::None},
-    LifeStep{LifePhase::Initializing, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop},
+    LifeStep{LifePhase::Initializing, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::None,
+             told::halted},
+    LifeStep{LifePhase::Initializing, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop,
+             told::system_error | told::halted},
     LifeStep{LifePhase::Initializing, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
     LifeStep{LifePhase::Preparing, LifeEvent::Restart, LifePhase::Resetting, LifeAction::Stop},
     LifeStep{LifePhase::Preparing, LifeEvent::Begins, LifePhase::Waiting, LifeAction::Suspend},
-    LifeStep{LifePhase::Preparing, LifeEvent::Changed, LifePhase::Preparing, LifeAction::Prepare},
-    LifeStep{LifePhase::Preparing, LifeEvent::Prepared, LifePhase::Running, LifeAction::Run},
-    LifeStep{LifePhase::Preparing, LifeEvent::StartFailed, LifePhase::Halted, LifeAction::Stop},
-    LifeStep{LifePhase::Preparing, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop},
+    LifeStep{LifePhase::Preparing, LifeEvent::Changed, LifePhase::Preparing, LifeAction::Prepare,
+             told::preparing},
+    LifeStep{LifePhase::Preparing, LifeEvent::Prepared, LifePhase::Running, LifeAction::Run,
+             told::running},
+    LifeStep{LifePhase::Preparing, LifeEvent::StartFailed, LifePhase::Halted, LifeAction::Stop,
+             told::halted},
+    LifeStep{LifePhase::Preparing, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop,
+             told::system_error | told::halted},
     LifeStep{LifePhase::Preparing, LifeEvent::ShutDown, LifePhase::Stopping, LifeAction::Stop},
     LifeStep{LifePhase::Preparing, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
     LifeStep{LifePhase::Waiting, LifeEvent::Restart, LifePhase::Resetting, LifeAction::Stop},
-    LifeStep{LifePhase::Waiting, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare},
+    LifeStep{LifePhase::Waiting, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare,
+             told::preparing},
     LifeStep{LifePhase::Waiting, LifeEvent::Unused, LifePhase::Stopping, LifeAction::Stop},
-    LifeStep{LifePhase::Waiting, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::Stop},
+    LifeStep{LifePhase::Waiting, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::Stop,
+             told::halted},
     LifeStep{LifePhase::Waiting, LifeEvent::Replaced, LifePhase::Stopping, LifeAction::Stop},
-    LifeStep{LifePhase::Waiting, LifeEvent::Kept, LifePhase::Preparing, LifeAction::Prepare},
-    LifeStep{LifePhase::Waiting, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop},
+    LifeStep{LifePhase::Waiting, LifeEvent::Kept, LifePhase::Preparing, LifeAction::Prepare,
+             told::preparing},
+    LifeStep{LifePhase::Waiting, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop,
+             told::system_error | told::halted},
     LifeStep{LifePhase::Waiting, LifeEvent::ShutDown, LifePhase::Stopping, LifeAction::Stop},
     LifeStep{LifePhase::Waiting, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
     LifeStep{LifePhase::Running, LifeEvent::Restart, LifePhase::Resetting, LifeAction::Stop},
     LifeStep{LifePhase::Running, LifeEvent::Begins, LifePhase::Waiting, LifeAction::Suspend},
-    LifeStep{LifePhase::Running, LifeEvent::Changed, LifePhase::Preparing, LifeAction::Reconfigure},
+    LifeStep{LifePhase::Running, LifeEvent::Changed, LifePhase::Preparing, LifeAction::Reconfigure,
+             told::preparing},
     LifeStep{LifePhase::Running, LifeEvent::Edited, LifePhase::Running, LifeAction::AddVariables},
-    LifeStep{LifePhase::Running, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop},
+    LifeStep{LifePhase::Running, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::Stop,
+             told::system_error | told::halted},
     LifeStep{LifePhase::Running, LifeEvent::ShutDown, LifePhase::Stopping, LifeAction::Stop},
     LifeStep{LifePhase::Running, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
     LifeStep{LifePhase::Halted, LifeEvent::Restart, LifePhase::Initializing,
              LifeAction::Initialize},
-    LifeStep{LifePhase::Halted, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare},
+    LifeStep{LifePhase::Halted, LifeEvent::Used, LifePhase::Preparing, LifeAction::Prepare,
+             told::preparing},
     LifeStep{LifePhase::Halted, LifeEvent::Unused, LifePhase::Stopping, LifeAction::Stop},
-    LifeStep{LifePhase::Halted, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::None},
+    LifeStep{LifePhase::Halted, LifeEvent::Unreadable, LifePhase::Halted, LifeAction::None,
+             told::halted},
     LifeStep{LifePhase::Halted, LifeEvent::Replaced, LifePhase::Stopping, LifeAction::Stop},
-    LifeStep{LifePhase::Halted, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::None},
+    LifeStep{LifePhase::Halted, LifeEvent::SystemFailed, LifePhase::Broken, LifeAction::None,
+             told::system_error | told::halted},
     LifeStep{LifePhase::Halted, LifeEvent::ShutDown, LifePhase::Stopping, LifeAction::Stop},
     LifeStep{LifePhase::Halted, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
@@ -112,10 +217,11 @@ inline constexpr std::array life_steps{
     LifeStep{LifePhase::Broken, LifeEvent::Watchdog, LifePhase::Stopping, LifeAction::Stop},
 
     LifeStep{LifePhase::Stopping, LifeEvent::Restart, LifePhase::Resetting, LifeAction::None},
-    LifeStep{LifePhase::Stopping, LifeEvent::Stopped, LifePhase::Stopped, LifeAction::None},
+    LifeStep{LifePhase::Stopping, LifeEvent::Stopped, LifePhase::Stopped, LifeAction::None,
+             told::shut_down},
 
     LifeStep{LifePhase::Resetting, LifeEvent::Stopped, LifePhase::Initializing,
-             LifeAction::Initialize},
+             LifeAction::Initialize, told::shut_down},
 
     LifeStep{LifePhase::Stopped, LifeEvent::Restart, LifePhase::Initializing,
              LifeAction::Initialize},
@@ -131,5 +237,14 @@ inline constexpr std::array life_steps{
     }
     return nullptr;
 }
+
+static_assert([] {
+    for (std::size_t i = 0; i < phase_facts.size(); ++i) {
+        if (phase_facts[i].phase != static_cast<LifePhase>(i)) {
+            return false;
+        }
+    }
+    return phase_facts.size() == static_cast<std::size_t>(LifePhase::Stopped) + 1;
+}());
 
 } // namespace busbar::controller::detail

@@ -143,9 +143,16 @@ TEST_CASE_METHOD(LifeFixture, "Executed in a major fault, but for a CPU error (4
     life.major_fault();
     CHECK(server.take().empty());
     CHECK(status() == "Running");
+    CHECK(life.served_clients() == ServedClients::All);
+    CHECK(log.take() == Texts{"MachineFault Major fault CPU Unit"});
+    CHECK_FALSE(life.has_program_going());
     life.watchdog();
     CHECK(server.take() == Texts{"stop"});
     CHECK(status() == "Shutdown");
+    CHECK(log.take() == Texts{"MachineFault Major fault CPU watchdog"});
+    life.stopped();
+    life.power_on();
+    CHECK(life.has_program_going());
 }
 
 TEST_CASE_METHOD(LifeFixture, "Executed in a partial fault, but for the server's (4-1-4)")
@@ -154,9 +161,13 @@ TEST_CASE_METHOD(LifeFixture, "Executed in a partial fault, but for the server's
     life.partial_fault(FaultOrigin::Elsewhere);
     CHECK(server.take().empty());
     CHECK(status() == "Running");
+    CHECK(log.take() == Texts{"MachineFault Partial fault CPU Unit"});
     life.partial_fault(FaultOrigin::OpcUaServer);
     CHECK(server.take() == Texts{"stop"});
     CHECK(status() == "Halt error");
+    CHECK(life.served_clients() == ServedClients::Administrators);
+    CHECK(life.halt_reason() == "OPC UA System Error: a partial fault of the OPC UA server");
+    CHECK(life.has_program_going());
 }
 
 TEST_CASE_METHOD(LifeFixture, "Executed in a minor fault, but for errors that halt it (4-1-4)")
@@ -166,6 +177,9 @@ TEST_CASE_METHOD(LifeFixture, "Executed in a minor fault, but for errors that ha
     life.minor_fault(FaultOrigin::OpcUaServer);
     CHECK(server.take().empty());
     CHECK(status() == "Running");
+    CHECK(log.take() == Texts{"MachineFault Minor fault CPU Unit",
+                              "MachineFault Minor fault OPC UA Server"});
+    CHECK(life.has_program_going());
     life.download_begins();
     life.download_done(damaged());
     CHECK(status() == "Halt error");
