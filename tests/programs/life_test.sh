@@ -95,9 +95,9 @@ program 'Speed : INT := 100; Early : INT := 8;'
 kill -HUP "$pid"
 await logged 'edited online: program.st'
 is Early 8 || fail "the variable that was added in RUN is not there"
-program 'Pace : INT := 200;'
+program 'Speed : REAL := 100.0;'
 kill -HUP "$pid"
-await logged 'program.st: not only variables are new; .*PROGRAM.*; nothing was changed'
+await logged 'program.st:4:5: variables.*(Speed): .*had another type; .*PROGRAM.*; nothing was changed'
 is Speed 100 || fail "the program was changed in RUN"
 lived "Start Prepare Run Start Prepare Run" || fail "the life went on in RUN: $(life)"
 sed -i 's/^mode = .*/mode = "PROGRAM"/' machine.toml
@@ -108,7 +108,7 @@ timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --in
 follower=$!
 await grep -q -s '"value":42\b' followed
 run 0 --insecure write "$url" "$(variable Total)" 43
-program 'Pace : INT := 200;'
+program 'Pace : INT := 200; Speed : REAL := 2.5;'
 kill -HUP "$pid"
 await logged 'downloaded: program.st'
 logged 'shutdown: a program is downloaded to the controller' || fail "clients are not told why"

@@ -86,6 +86,10 @@ public:
                                                  const Publication& publication,
                                                  std::span<const std::uint32_t> handles = {});
 
+    /// Removes nodes of variables, by their names; what watches them learns Bad_NodeIdUnknown.
+    /// DataTypes stay. add_variables comes after it.
+    void remove_variables(model::AddressSpace& space, std::span<const std::string> names);
+
     void set_mode(model::AddressSpace& space, OperatingMode mode) const;
     void set_error_state(model::AddressSpace& space, ErrorState state) const;
     /// The status and both numbers; add_variables and create do it themselves.

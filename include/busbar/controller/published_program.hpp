@@ -17,12 +17,17 @@
 
 namespace busbar::controller {
 
-/// What an online edit has brought.
+/// What an online edit has changed.
 struct ProgramAddition {
     /// What became of the new variables; see tell().
     PublicationGroup group{};
     /// Those that are published, and RETAIN variables that are not.
     ProgramImageAddition image{};
+    /// Variables that the image had before and that are RETAIN in the edited program only, each as
+    /// an addition of one.
+    std::vector<ProgramImageAddition> retained{};
+    /// Names of variables that were published and are not any more, as their nodes have them.
+    std::vector<std::string> removed{};
     /// Of the edited program. Lives as long as the PublishedProgram.
     const ProgramTypes* types{nullptr};
 };
@@ -40,7 +45,7 @@ public:
     PublishedProgram(const PublishedProgram&) = delete;
     PublishedProgram& operator=(const PublishedProgram&) = delete;
 
-    /// The program that it was made with, without what was added.
+    /// The program that it was made with, without what was edited.
     [[nodiscard]] const Program& program() const { return editions_.front()->program; }
     [[nodiscard]] const ProgramTypes& types() const { return *editions_.front()->types; }
     [[nodiscard]] const Publication& publication() const { return *publication_; }
@@ -52,20 +57,20 @@ public:
     [[nodiscard]] Configured<ProgramImage>
     make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
-    /// Takes in what was added by an online edit (seed 000, 4-2-5 and 6-2-2): the variables of
-    /// `edited` whose names are new and their types. `edited` may be the whole program or the new
-    /// variables with all types they need; what it no longer has stays. `image` is the one of
-    /// make_image(), and gets those that are published; its task may run, and waits for nothing.
+    /// Takes in an online edit (seed 000, 3-3-2, 4-2-5 and 6-2-2): `edited` is the whole program.
+    /// Variables whose names are new are added, with their types, and those that it does not have
+    /// any more are removed; another publish attribute counts as one of the two. `image` is the one
+    /// of make_image(), and gets what is added; its task may run, and waits for nothing. The place
+    /// of a variable that was removed stays unused, and is not given to another one.
     ///
-    /// After it come RetainedValues::add and MachineNodes::add_variables, which is given
-    /// publication() again and handles(); should that fail, the variables are without nodes until a
-    /// later call of it, and nothing else is wrong.
+    /// After it come RetainedValues::add, MachineNodes::remove_variables and add_variables, which
+    /// is given publication() again and handles(); should that fail, the variables are without
+    /// nodes until a later call of it, and nothing else is wrong.
     ///
     /// The problem is one that create() or ProgramImage::add has, or that a type or a variable is
-    /// there already and is another one than in `edited`, which takes a download. Nothing was added
-    /// then.
-    [[nodiscard]] Configured<ProgramAddition> add(Program edited, std::uint16_t namespace_index,
-                                                  ProgramImage& image);
+    /// another one than in `edited`, which takes a download. Nothing was changed then.
+    [[nodiscard]] Configured<ProgramAddition> edit(Program edited, std::uint16_t namespace_index,
+                                                   ProgramImage& image);
 
 private:
     /// A program as it came, whose types look at it.
@@ -79,7 +84,7 @@ private:
     /// Variables that are new in the image have handles from `first` on.
     void take(NewHandles handles, std::uint32_t first) noexcept;
 
-    /// The first one is what it was made with.
+    /// The first one is what it was made with, the last one the program as it is.
     std::vector<std::unique_ptr<const Edition>> editions_;
     std::optional<Publication> publication_;
     std::vector<std::uint32_t> handles_;

@@ -111,6 +111,11 @@ public:
     /// variables or the new ones only; types of the same name must be what they were.
     PublicationGroup add(const ProgramTypes& program);
 
+    /// What was decided of these variables, by their folded names, counts no more; what was kept
+    /// away by a limit stays away, since only what is added is looked at (seed 000, 6-2-2). Gives
+    /// the names of those that were published.
+    std::vector<std::string> remove(const std::unordered_set<std::string>& names);
+
     /// In the order of looking; groups one behind another.
     [[nodiscard]] const std::vector<PublishedVariable>& published() const { return published_; }
     /// By a rule for single variables.
@@ -143,6 +148,8 @@ private:
                  detail::TypeFactsTable& facts, PublicationGroup& group);
     [[nodiscard]] std::optional<PublishingLimit> exceeded_with(const detail::VariableFacts& facts,
                                                                std::size_t new_data_types) const;
+    /// The totals of what is published.
+    void count();
 
     PublishingLimits limits_;
     std::vector<PublishedVariable> published_;

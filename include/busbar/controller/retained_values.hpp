@@ -47,7 +47,7 @@ public:
 
     /// Keeps also the RETAIN variables that were added to the image while the task runs: `types` is
     /// what they were added from, and not needed afterwards. They are as they begin; a restart
-    /// restores them, if its program has them.
+    /// restores them, if its program has them. One of a name that is kept takes its place.
     void add(const ProgramTypes& types, const ProgramImageAddition& added);
 
     /// How many variables are kept.

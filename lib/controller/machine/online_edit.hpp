@@ -5,10 +5,16 @@
 
 namespace busbar::controller::detail {
 
-/// Whether those types and variables of `edited` that are in `before` too are what they are there:
-/// what is published of them already stays (seed 000, 4-2-5). Initial values, RETAIN, the publish
-/// attribute and comments may be others. The problem is about `edited`.
-[[nodiscard]] Configured<void> check_unchanged(const ProgramTypes& before,
-                                               const ProgramTypes& edited);
+// Whether what of `edited` is in `before` too is what it is there: the nodes of DataTypes stay, and
+// a variable that stays keeps its node and its place in the image (seed 000, 3-3-2 and 4-2-5).
+// Problems are about `edited`.
+
+/// No type is another one.
+[[nodiscard]] Configured<void> check_same_types(const ProgramTypes& before,
+                                                const ProgramTypes& edited);
+/// No variable has another type, or is a constant and was none. Initial values, RETAIN, the publish
+/// attribute, addresses and comments may be others.
+[[nodiscard]] Configured<void> check_same_variables(const ProgramTypes& before,
+                                                    const ProgramTypes& edited);
 
 } // namespace busbar::controller::detail

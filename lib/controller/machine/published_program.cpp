@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include <busbar/controller/machine_types.hpp>
@@ -43,6 +44,48 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
         }
     }
     return indices;
+}
+
+using Variables = std::unordered_map<std::string, const GlobalVariable*>;
+
+Variables by_name(const Program& program)
+{
+    Variables all;
+    for (const GlobalVariable& each : program.variables) {
+        all.emplace(fold_name(each.name), &each);
+    }
+    return all;
+}
+
+/// The folded names of variables of `before` that clients saw and are not to see any more.
+std::unordered_set<std::string> unpublished_names(const Program& before, const Variables& edited)
+{
+    std::unordered_set<std::string> names;
+    for (const GlobalVariable& each : before.variables) {
+        const auto found = edited.find(fold_name(each.name));
+        if (found == edited.end() || found->second->publish == NetworkPublish::Hidden) {
+            names.insert(fold_name(each.name));
+        }
+    }
+    return names;
+}
+
+/// Those of the image that are RETAIN in `edited` and were not in `before`.
+std::vector<ProgramImageAddition> retained_anew(const Variables& before, const Program& edited,
+                                                const Handles& in_image)
+{
+    std::vector<ProgramImageAddition> all;
+    for (std::size_t i = 0; i < edited.variables.size(); ++i) {
+        const GlobalVariable& variable = edited.variables[i];
+        const std::string name = fold_name(variable.name);
+        const auto old = before.find(name);
+        const auto handle = in_image.find(name);
+        if (variable.is_retained && old != before.end() && !old->second->is_retained &&
+            handle != in_image.end()) {
+            all.push_back({handle->second, {i}, nullptr});
+        }
+    }
+    return all;
 }
 
 } // namespace
@@ -126,8 +169,8 @@ Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_in
         options);
 }
 
-Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t namespace_index,
-                                                  ProgramImage& image)
+Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t namespace_index,
+                                                   ProgramImage& image)
 {
     auto edition = checked(std::move(edited));
     if (!edition) {
@@ -135,27 +178,38 @@ Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t 
     }
     const ProgramTypes& types = *(*edition)->types;
     for (const auto& before : editions_) {
-        if (auto same = detail::check_unchanged(*before->types, types); !same) {
+        if (auto same = detail::check_same_types(*before->types, types); !same) {
             return Unexpected{std::move(same).error()};
         }
     }
+    const ProgramTypes& current = *editions_.back()->types;
+    if (auto same = detail::check_same_variables(current, types); !same) {
+        return Unexpected{std::move(same).error()};
+    }
+    const Variables before = by_name(current.program());
+    const Variables after = by_name(types.program());
+    Handles in_image{in_image_};
+    std::erase_if(in_image, [&](const auto& each) { return !after.contains(each.first); });
+    auto retained = retained_anew(before, types.program(), in_image);
     // A copy, so that nothing has changed if the image cannot have them.
     Publication publication{*publication_};
+    auto removed = publication.remove(unpublished_names(current.program(), after));
     const PublicationGroup group = publication.add(types);
     const std::span<const PublishedVariable> added{publication.published()};
-    const auto indices = variables_of_image(types, added.subspan(group.first_published), in_image_);
-    NewHandles handles{in_image_, types.program(), indices, publication};
+    const auto indices = variables_of_image(types, added.subspan(group.first_published), in_image);
+    NewHandles handles{in_image, types.program(), indices, publication};
     editions_.reserve(editions_.size() + 1);
-    auto in_image = image.add(types, indices, [&](const DerivedType& type) {
+    auto placed = image.add(types, indices, [&](const DerivedType& type) {
         return MachineTypes::encoding_of(namespace_index, type);
     });
-    if (!in_image) {
-        return Unexpected{std::move(in_image).error()};
+    if (!placed) {
+        return Unexpected{std::move(placed).error()};
     }
     editions_.push_back(std::move(*edition));
     *publication_ = std::move(publication);
-    take(std::move(handles), in_image->first_handle);
-    return ProgramAddition{group, std::move(*in_image), &types};
+    take(std::move(handles), placed->first_handle);
+    return ProgramAddition{group, std::move(*placed), std::move(retained), std::move(removed),
+                           &types};
 }
 
 } // namespace busbar::controller

@@ -202,6 +202,16 @@ Configured<void> MachineNodes::add_variables(model::AddressSpace& space,
     return {};
 }
 
+void MachineNodes::remove_variables(model::AddressSpace& space, std::span<const std::string> names)
+{
+    for (const std::string& name : names) {
+        const model::NodeIndex node = space.find(NodeId{namespace_index_, String{name}});
+        if (node != model::no_node && space.remove(node)) {
+            --added_;
+        }
+    }
+}
+
 Result<model::NodeIndex> MachineNodes::add_variable(model::AddressSpace& space,
                                                     const PublishedVariable& variable,
                                                     std::size_t handle) const

@@ -1,7 +1,9 @@
 #include <busbar/controller/publishing.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "name_order.hpp"
@@ -93,6 +95,56 @@ PublicationGroup Publication::add(const ProgramTypes& program)
         exceeded_.set(static_cast<std::size_t>(*group.exceeded));
     }
     return group;
+}
+
+std::vector<std::string> Publication::remove(const std::unordered_set<std::string>& names)
+{
+    std::size_t gone = 0;
+    for (const std::string& name : names) {
+        gone += known_.erase(name);
+    }
+    if (gone == 0) {
+        return {};
+    }
+    std::vector<std::string> removed;
+    std::vector<std::size_t> positions{0}; // by the old position
+    std::vector<PublishedVariable> stay;
+    for (const PublishedVariable& each : published_) {
+        if (names.contains(fold_name(each.variable->name))) {
+            removed.push_back(each.variable->name);
+        } else {
+            stay.push_back(each);
+        }
+        positions.push_back(stay.size());
+    }
+    published_ = std::move(stay);
+    std::erase_if(unpublished_, [&](const UnpublishedVariable& each) {
+        return names.contains(fold_name(each.variable->name));
+    });
+    for (UnpublishedVariable& each : unpublished_) {
+        each.position = positions[each.position];
+    }
+    left_out_ = known_.size() - published_.size() - unpublished_.size();
+    if (left_out_ == 0) {
+        exceeded_.reset();
+    }
+    count();
+    return removed;
+}
+
+void Publication::count()
+{
+    values_ = 0;
+    data_types_.clear();
+    std::unordered_map<const ProgramTypes*, detail::TypeFactsTable> tables;
+    for (const PublishedVariable& each : published_) {
+        auto& table = tables.try_emplace(each.program, *each.program).first->second;
+        auto definitions =
+            table.new_definitions(table.of(each.variable->type).structure, data_types_, UINT64_MAX);
+        data_types_.insert(std::make_move_iterator(definitions.begin()),
+                           std::make_move_iterator(definitions.end()));
+        values_ += each.values;
+    }
 }
 
 std::optional<PublishingLimit> Publication::reached() const

@@ -66,8 +66,15 @@ void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::siz
     for (std::uint32_t i = 0; i < indices.size(); ++i) {
         const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {
-            by_name_.emplace(fold_name(variable.name), variables_.size());
-            variables_.push_back({variable.name, first_handle + i, prints.print(variable.type)});
+            // One that was there before was removed, and comes back in another place.
+            const auto [known, is_new] =
+                by_name_.emplace(fold_name(variable.name), variables_.size());
+            Variable taken{variable.name, first_handle + i, prints.print(variable.type)};
+            if (is_new) {
+                variables_.push_back(std::move(taken));
+            } else {
+                variables_[known->second] = std::move(taken);
+            }
         }
     }
 }

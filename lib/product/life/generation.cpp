@@ -10,6 +10,7 @@
 #include "product/configuration/reload.hpp"
 #include "product/machine/machine_items.hpp"
 #include "product/machine/program_change.hpp"
+#include "product/machine/program_file.hpp"
 #include "product/model/models.hpp"
 #include "startup.hpp"
 #include "welcome.hpp"
@@ -241,19 +242,21 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
 Configured<void> Generation::edit(const Reading& next)
 {
     const MachineConfig& machine = next.config.machine;
-    if (next.settings->text() != settings_->text() ||
-        !keeps_all(*config_.machine.program, *machine.program)) {
-        return misconfigured("", "not only variables are new");
+    if (next.settings->text() != settings_->text()) {
+        return misconfigured(origin_.file, "is another one, too");
     }
     MachineProgram& program = *plant_.program();
     const auto add = [&] { return program.edit(*machine.program, server_); };
-    auto done = around_.machine->edit(program, add);
-    if (done) {
-        config_.machine.program = machine.program;
-        config_.machine.program_text = machine.program_text;
-        use(next.settings->sources());
+    auto done = check_same_tasks(*config_.machine.program, *machine.program).and_then([&] {
+        return around_.machine->edit(program, add);
+    });
+    if (!done) {
+        return Unexpected{in_file(std::move(done.error()), machine.program_file)};
     }
-    return done;
+    config_.machine.program = machine.program;
+    config_.machine.program_text = machine.program_text;
+    use(next.settings->sources());
+    return {};
 }
 
 TakenOver Generation::taken_over() const

@@ -94,8 +94,8 @@ public:
     [[nodiscard]] TakenOver taken_over() const;
     /// These files' texts are what it runs with from now on.
     void use(SourceFiles sources) { settings_->use(std::move(sources)); }
-    /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
-    /// that this takes another generation: nothing was changed.
+    /// Has the PLC's program, which may run, become that of `next`. The problem is that this takes
+    /// another generation, with the file: nothing was changed.
     [[nodiscard]] Configured<void> edit(const Reading& next);
     /// How to reach it and what is left to do, for people.
     void print_welcome() const;

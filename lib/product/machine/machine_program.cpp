@@ -82,10 +82,11 @@ model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t s
 Configured<controller::ProgramAddition> MachineProgram::edit(const controller::Program& edited,
                                                              server::Server& server)
 {
-    auto added = program_->add(edited, nodes_->namespace_index(), *image_);
+    auto added = program_->edit(edited, nodes_->namespace_index(), *image_);
     if (!added) {
         return added;
     }
+    nodes_->remove_variables(server.address_space(), added->removed);
     if (auto shown = nodes_->add_variables(server.address_space(), program_->publication(),
                                            program_->handles());
         !shown) {

@@ -39,9 +39,10 @@ public:
     model::NodeIndex publish(server::Server& server, std::uint32_t source,
                              const controller::MachineEventLog& log);
 
-    /// Adds what `edited` has and the program has not (seed 000, 4-2-5), after publish(); the task
-    /// may run, and waits for nothing. The problem is that it takes a download: nothing was added,
-    /// or nodes are missing which a download brings.
+    /// Adds what `edited` has and the program has not, and takes out what it has not any more (seed
+    /// 000, 3-3-2 and 4-2-5), after publish(); the task may run, and waits for nothing. The problem
+    /// is that it takes a download: nothing was changed, or nodes are missing which a download
+    /// brings.
     [[nodiscard]] Configured<controller::ProgramAddition> edit(const controller::Program& edited,
                                                                server::Server& server);
 

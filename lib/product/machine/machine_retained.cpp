@@ -25,6 +25,9 @@ void MachineRetained::keep(const controller::ProgramAddition& added)
 {
     const std::lock_guard lock{mutex_};
     values_->add(*added.types, added.image);
+    for (const controller::ProgramImageAddition& each : added.retained) {
+        values_->add(*added.types, each);
+    }
 }
 
 Stored<void> MachineRetained::save()

@@ -2,38 +2,58 @@
 
 #include <algorithm>
 #include <string>
-#include <unordered_set>
+#include <string_view>
+#include <vector>
 
-#include <busbar/controller/program_types.hpp>
+#include <busbar/core/text.hpp>
 
 namespace busbar::product {
 
 namespace {
 
-bool has_same_tasks(const controller::Program& one, const controller::Program& other)
+bool is_same(const controller::ProgramTask& one, const controller::ProgramTask& other)
 {
-    return std::ranges::equal(one.tasks, other.tasks,
-                              [](const auto& a, const auto& b) {
-                                  return a.name == b.name && a.priority == b.priority &&
-                                         a.interval == b.interval;
-                              }) &&
-           std::ranges::equal(one.instances, other.instances, [](const auto& a, const auto& b) {
-               return a.name == b.name && a.type_name == b.type_name && a.task == b.task;
-           });
+    return one.priority == other.priority && one.interval == other.interval;
+}
+
+bool is_same(const controller::ProgramInstance& one, const controller::ProgramInstance& other)
+{
+    return one.type_name == other.type_name && one.task == other.task;
+}
+
+template <typename Part>
+Configured<void> check_same(std::string_view list, const std::vector<Part>& before,
+                            const std::vector<Part>& edited)
+{
+    const auto refuse = [list](const Part& part, std::string_view what) {
+        return misconfigured(std::string{list} + " (" + printable(part.name) + ")",
+                             std::string{what} + "; that takes a download, no online edit");
+    };
+    const auto in = [](const std::vector<Part>& all, const Part& wanted) {
+        return std::ranges::find(all, wanted.name, &Part::name);
+    };
+    for (const Part& each : edited) {
+        const auto old = in(before, each);
+        if (old == before.end() || !is_same(*old, each)) {
+            return refuse(each, old == before.end() ? "is new" : "was another one");
+        }
+    }
+    for (const Part& each : before) {
+        if (in(edited, each) == edited.end()) {
+            return refuse(each, "is gone");
+        }
+    }
+    return {};
 }
 
 } // namespace
 
-bool keeps_all(const controller::Program& before, const controller::Program& edited)
+Configured<void> check_same_tasks(const controller::Program& before,
+                                  const controller::Program& edited)
 {
-    std::unordered_set<std::string> names;
-    for (const controller::GlobalVariable& variable : edited.variables) {
-        names.insert(controller::fold_name(variable.name));
-    }
-    return has_same_tasks(before, edited) &&
-           std::ranges::all_of(before.variables, [&](const controller::GlobalVariable& variable) {
-               return names.contains(controller::fold_name(variable.name));
-           });
+    return check_same("tasks", before.tasks, edited.tasks).and_then([&] {
+        return check_same("instances", before.instances, edited.instances);
+    });
 }
 
 } // namespace busbar::product

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/problem.hpp>
 
 namespace busbar::product {
 
-/// Whether `edited` has everything that `before` has, so that an online edit may do (seed 000,
-/// 4-2-5): all variables, by their names, and the same tasks and instances. Whether they are what
-/// they were is for PublishedProgram::add to say.
-[[nodiscard]] bool keeps_all(const controller::Program& before, const controller::Program& edited);
+/// Whether both have the same tasks and instances, which an online edit does not change (seed 000,
+/// 3-3-2). The problem is the first one that is new, gone or another one.
+[[nodiscard]] Configured<void> check_same_tasks(const controller::Program& before,
+                                                const controller::Program& edited);
 
 } // namespace busbar::product

@@ -13,7 +13,7 @@
 
 namespace program_addition_test {
 
-// Variables that an online edit adds to a program whose task runs.
+// Variables that an online edit adds to a program whose task runs, and takes out of it.
 
 using namespace busbar;
 using namespace busbar::controller;
@@ -62,14 +62,26 @@ struct EditedMachine {
         image().publish(DateTime{++scans});
     }
     [[nodiscard]] server::ProcessImage& image() { return *made.image(); }
-    [[nodiscard]] Configured<ProgramAddition> add(Program edited)
+    [[nodiscard]] Configured<ProgramAddition> edit(Program edited)
     {
-        return program->add(std::move(edited), machine_namespace, made);
+        return program->edit(std::move(edited), machine_namespace, made);
     }
     [[nodiscard]] std::string refusal(Program edited)
     {
-        const auto added = add(std::move(edited));
+        const auto added = edit(std::move(edited));
         return added ? "" : text(added.error());
+    }
+    [[nodiscard]] std::vector<std::string> published() const
+    {
+        std::vector<std::string> names;
+        for (const PublishedVariable& each : program->publication().published()) {
+            names.push_back(each.variable->name);
+        }
+        return names;
+    }
+    [[nodiscard]] std::vector<std::uint32_t> handles() const
+    {
+        return {program->handles().begin(), program->handles().end()};
     }
 
     std::int64_t scans{0};
@@ -77,11 +89,12 @@ struct EditedMachine {
     ProgramImage made;
 };
 
-/// A variable more than there is, and another program around it.
-Program with_number(const std::string& name)
+Program with_numbers(std::initializer_list<const char*> names)
 {
-    Program program;
-    program.variables = {variable(name)};
+    Program program = first_program();
+    for (const char* name : names) {
+        program.variables.push_back(variable(name));
+    }
     return program;
 }
 
@@ -90,7 +103,7 @@ Program with_number(const std::string& name)
 TEST_CASE("What an online edit adds is published with the next scan (4-2-5)")
 {
     EditedMachine machine;
-    const auto added = machine.add(edited_program());
+    const auto added = machine.edit(edited_program());
     INFO((added ? "" : text(added.error())));
     REQUIRE(added);
     CHECK(added->group.first_published == 2);
@@ -118,12 +131,12 @@ TEST_CASE("What an online edit adds is published with the next scan (4-2-5)")
     CHECK(memory.structure(3, 2).value<std::int16_t>(0) == 0);
 }
 
-TEST_CASE("An online edit may be the new part alone, and the next one another (4-2-5)")
+TEST_CASE("An online edit follows another (4-2-5)")
 {
     EditedMachine machine;
-    CHECK(machine.add(with_number("B"))->image.first_handle == 2);
-    CHECK(machine.add(with_number("A"))->image.first_handle == 3);
-    const auto none = machine.add(with_number("a"));
+    CHECK(machine.edit(with_numbers({"B"}))->image.first_handle == 2);
+    CHECK(machine.edit(with_numbers({"A", "B"}))->image.first_handle == 3);
+    const auto none = machine.edit(with_numbers({"a", "b"}));
     REQUIRE(none);
     CHECK(none->image.variables.empty());
     CHECK(none->image.memory == nullptr);
@@ -140,7 +153,7 @@ TEST_CASE("What is hidden or above a limit is not added to the image (6-2-2)")
     EditedMachine machine{{}, limits};
     Program edited = edited_program();
     edited.variables[3].publish = NetworkPublish::Hidden; // Count
-    const auto added = machine.add(edited);
+    const auto added = machine.edit(edited);
     REQUIRE(added);
     CHECK(added->group.exceeded == PublishingLimit::Variables);
     CHECK(machine.image().size() == 3); // with Edge
@@ -173,11 +186,11 @@ TEST_CASE("An online edit that changes what there is is refused, and adds nothin
     }
     SECTION("what an edit before has brought")
     {
-        REQUIRE(machine.add(with_number("Later")));
-        edited = with_number("Later");
-        edited.variables[0].type = use(ElementaryType::Bool);
+        REQUIRE(machine.edit(with_numbers({"Later"})));
+        edited = with_numbers({"Later"});
+        edited.variables[2].type = use(ElementaryType::Bool);
         CHECK(machine.refusal(edited) ==
-              "variables[0] (Later): is there already and had another type" + end);
+              "variables[2] (Later): is there already and had another type" + end);
         CHECK(machine.image().size() == 3);
         return;
     }
@@ -194,7 +207,7 @@ TEST_CASE("An online edit that changes what there is is refused, and adds nothin
     CHECK(machine.image().size() == 2);
     CHECK(machine.program->publication().published().size() == 2);
     machine.scan();
-    CHECK(machine.add(edited_program())->image.first_handle == 2);
+    CHECK(machine.edit(edited_program())->image.first_handle == 2);
 }
 
 TEST_CASE("An image that cannot have what is added leaves the program as it is (4-2-5)")
@@ -202,14 +215,14 @@ TEST_CASE("An image that cannot have what is added leaves the program as it is (
     server::ImageOptions options;
     options.max_additions = 1;
     EditedMachine machine{options};
-    Program large = with_number("Large");
-    large.variables[0].type = array_of(use(ElementaryType::Lreal), {{0, 999'999}});
-    CHECK(PublishedProgram::create(large, {}).value()->publication().published().size() == 1);
+    Program large = with_numbers({"Large"});
+    large.variables[2].type = array_of(use(ElementaryType::Lreal), {{0, 999'999}});
+    CHECK(PublishedProgram::create(large, {}).value()->publication().published().size() == 3);
     EditedMachine unlimited{options, {}};
     CHECK(unlimited.refusal(large).find("more bytes than are written") != std::string::npos);
     CHECK(unlimited.program->publication().published().size() == 2);
-    CHECK(machine.add(with_number("A")));
-    const auto second = machine.add(with_number("B"));
+    CHECK(machine.edit(with_numbers({"A"})));
+    const auto second = machine.edit(with_numbers({"A", "B"}));
     REQUIRE_FALSE(second);
     CHECK(second.error().status == status::Bad_TooManyOperations);
     CHECK(machine.image().size() == 3);
@@ -219,7 +232,7 @@ TEST_CASE("An image that cannot have what is added leaves the program as it is (
 TEST_CASE("A constant that is added is read only, the rest is not (6-2-2)")
 {
     EditedMachine machine;
-    REQUIRE(machine.add(edited_program()));
+    REQUIRE(machine.edit(edited_program()));
     machine.scan();
     std::atomic<bool> done{false};
     std::thread task{[&] {
@@ -269,7 +282,7 @@ TEST_CASE("Nodes of what was added have the handles of the image (4-2-5)")
                                       machine.program->publication(), options)
                      .value();
     REQUIRE(nodes.namespace_index() == machine_namespace);
-    REQUIRE(machine.add(edited_program()));
+    REQUIRE(machine.edit(edited_program()));
     REQUIRE(nodes.add_variables(space, machine.program->publication()));
     const auto& published = machine.program->publication().published();
     for (std::uint32_t handle = 0; handle < published.size(); ++handle) {
@@ -322,10 +335,11 @@ TEST_CASE("No structure is torn while arrays of them are added (4-2-5)")
             seen = std::max(seen.load(), current);
         }
     }};
+    Program edited = first_program();
     for (std::uint32_t i = 0; i < edits; ++i) {
-        Program edited = first_program();
-        edited.variables = {variable("T" + std::to_string(i), array_of(use("Point"), {{0, 2}}))};
-        const auto added = machine.add(std::move(edited));
+        edited.variables.push_back(
+            variable("T" + std::to_string(i), array_of(use("Point"), {{0, 2}})));
+        const auto added = machine.edit(edited);
         CHECK(added);
         if (added) {
             memories[i].store(added->image.memory, std::memory_order_release);
@@ -338,6 +352,125 @@ TEST_CASE("No structure is torn while arrays of them are added (4-2-5)")
     task.join();
     reader.join();
     CHECK(torn == 0);
+}
+
+TEST_CASE("What an online edit deletes is published no more, and the others stay (3-3-2)")
+{
+    EditedMachine machine;
+    REQUIRE(machine.edit(edited_program()));
+    Program edited = edited_program();
+    std::erase_if(edited.variables, [](const auto& each) {
+        return each.name == "Speed" || each.name == "Edge" || each.name == "Track";
+    });
+    const auto done = machine.edit(edited);
+    INFO((done ? "" : text(done.error())));
+    REQUIRE(done);
+    CHECK(done->removed == std::vector<std::string>{"Speed", "Edge", "Track"});
+    CHECK(done->group.first_published == 3);
+    CHECK(machine.published() == std::vector<std::string>{"Home", "Count", "Top"});
+    CHECK(machine.handles() == std::vector<std::uint32_t>{0, 2, 4});
+    const Publication& publication = machine.program->publication();
+    CHECK(publication.values() == 4);
+    CHECK(publication.data_types() == 1); // Line is used no more
+    CHECK(machine.image().size() == 6);   // their places stay unused
+    SECTION("one that comes back has a place of its own, and may be of another type")
+    {
+        edited.variables.push_back(variable("speed", use(ElementaryType::Lreal)));
+        REQUIRE(machine.edit(edited));
+        CHECK(machine.handles() == std::vector<std::uint32_t>{0, 2, 4, 6});
+        machine.scan();
+        CHECK(machine.image().pin().value(6) == Variant{0.0});
+    }
+    SECTION("a refused edit deletes nothing")
+    {
+        edited.variables = {variable("Home", use(ElementaryType::Bool))};
+        CHECK(machine.refusal(edited) != "");
+        CHECK(machine.published().size() == 3);
+        CHECK(machine.handles() == std::vector<std::uint32_t>{0, 2, 4});
+    }
+    SECTION("a type that has DataTypes stays what it is")
+    {
+        edited.types.back() = structure("Line", {use("Point")});
+        CHECK(machine.refusal(edited).find("types[1] (Line)") == 0);
+    }
+}
+
+TEST_CASE("Another publish attribute shows and hides a variable where it is (3-3-1 and 3-3-2)")
+{
+    EditedMachine machine;
+    Program edited = first_program();
+    edited.variables[0].publish = NetworkPublish::Hidden;
+    const auto hidden = machine.edit(edited);
+    REQUIRE(hidden);
+    CHECK(hidden->removed == std::vector<std::string>{"Speed"});
+    CHECK(machine.published() == std::vector<std::string>{"Home"});
+    const auto shown = machine.edit(first_program());
+    REQUIRE(shown);
+    CHECK(shown->removed.empty());
+    CHECK(shown->image.variables.empty());
+    CHECK(machine.published() == std::vector<std::string>{"Home", "Speed"});
+    CHECK(machine.handles() == std::vector<std::uint32_t>{0, 1});
+    edited.variables[0].publish = NetworkPublish::Output; // the same to OPC UA
+    CHECK(machine.edit(edited)->removed.empty());
+    CHECK(machine.handles() == std::vector<std::uint32_t>{0, 1});
+}
+
+TEST_CASE("A variable that becomes RETAIN is kept where it is (3-3-2)")
+{
+    EditedMachine machine;
+    Program edited = first_program();
+    edited.variables[0].is_retained = true;
+    const auto done = machine.edit(edited);
+    REQUIRE(done);
+    REQUIRE(done->retained.size() == 1);
+    CHECK(done->retained[0].first_handle == machine.handles()[1]);
+    CHECK(done->retained[0].variables == std::vector<std::size_t>{0});
+    CHECK(machine.edit(edited)->retained.empty());
+    CHECK(machine.edit(first_program())->retained.empty());
+}
+
+TEST_CASE("What is deleted makes room for what is added (6-2-2)")
+{
+    PublishingLimits limits;
+    limits.max_variables = 2;
+    EditedMachine machine{{}, limits};
+    REQUIRE(machine.edit(with_numbers({"A"}))->group.exceeded == PublishingLimit::Variables);
+    CHECK(machine.program->publication().left_out() == 1);
+    Program edited = with_numbers({"B"}); // without A, that nobody saw
+    edited.variables.erase(edited.variables.begin());
+    REQUIRE(machine.edit(edited));
+    CHECK(machine.published() == std::vector<std::string>{"Home", "B"});
+    CHECK(machine.program->publication().left_out() == 0);
+    CHECK_FALSE(machine.program->publication().exceeds(PublishingLimit::Variables));
+}
+
+TEST_CASE("Nodes of what was deleted go, and come again with what comes again (3-3-2)")
+{
+    EditedMachine machine;
+    model::AddressSpace space;
+    MachineNodesOptions options;
+    auto nodes = MachineNodes::create(space, machine.program->program(),
+                                      machine.program->publication(), options)
+                     .value();
+    const auto edit = [&](const Program& edited) {
+        const auto done = machine.edit(edited);
+        REQUIRE(done);
+        nodes.remove_variables(space, done->removed);
+        REQUIRE(
+            nodes.add_variables(space, machine.program->publication(), machine.program->handles()));
+    };
+    const auto is_there = [&](const char* name) {
+        return space.find(NodeId{machine_namespace, name}) != model::no_node;
+    };
+    Program edited = with_numbers({"More"});
+    edited.variables.erase(edited.variables.begin());
+    edit(edited);
+    CHECK_FALSE(is_there("Speed"));
+    CHECK(is_there("Home"));
+    CHECK(is_there("More"));
+    edit(first_program());
+    CHECK_FALSE(is_there("More"));
+    CHECK(space.variable(space.find(NodeId{machine_namespace, "Speed"})).handle == 3);
 }
 
 } // namespace program_addition_test

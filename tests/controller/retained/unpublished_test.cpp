@@ -72,7 +72,7 @@ TEST_CASE("What is published online has the memory in which it was kept (4-2-5)"
     more.publish = NetworkPublish::Hidden;
     more.is_retained = true;
     edited.variables.push_back(more);
-    const auto added = program->add(edited, 1, made);
+    const auto added = program->edit(edited, 1, made);
     INFO((added ? "" : text(added.error())));
     REQUIRE(added);
     CHECK(added->image.first_handle == 5);
