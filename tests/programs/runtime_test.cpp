@@ -62,6 +62,11 @@ public:
         return has_task_;
     }
     void stop() override { story_.add("stopped"); }
+    void edited(const controller::ProgramAddition& change) override
+    {
+        story_.add("edited: " + std::to_string(change.image.variables.size()) + " more, " +
+                   std::to_string(change.removed.size()) + " less");
+    }
     void scan(DateTime, Duration) override
     {
         level_ += 1;
@@ -108,11 +113,18 @@ public:
 
 /// A folder with a configuration that anybody may use at this machine.
 struct Place {
-    Configuration file(const std::string& name, const std::string& more)
+    [[nodiscard]] std::string path(const std::string& in) const
     {
-        const auto path = [this](const std::string& in) { return (folder.path / in).string(); };
-        std::ofstream{path("p.st")} << "{attribute 'publish' := 'publish only'}\n"
-                                       "VAR_GLOBAL\n Level : LREAL; Other : INT;\nEND_VAR\n";
+        return (folder.path / in).string();
+    }
+    void program(const std::string& variables) const
+    {
+        std::ofstream{path("p.st")} << "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n"
+                                    << variables << "\nEND_VAR\n";
+    }
+    [[nodiscard]] Configuration file(const std::string& name, const std::string& more) const
+    {
+        program("Level : LREAL; Other : INT;");
         std::ofstream{path(name)} << "[server]\naddress = \"127.0.0.1\"\nport = 0\n"
                                      "[certificates]\nfolder = \""
                                   << path("pki")
@@ -121,11 +133,10 @@ struct Place {
                                   << more;
         return {.file = path(name)};
     }
-    std::string machine() const
+    [[nodiscard]] std::string machine() const
     {
-        const std::string at = folder.path.string();
-        return "[machine]\nprogram = \"" + at + "/p.st\"\nstate = \"" + at +
-               "/state\"\nmedium = \"" + at + "/medium\"\n";
+        return "[machine]\nprogram = \"" + path("p.st") + "\"\nstate = \"" + path("state") +
+               "\"\nmedium = \"" + path("medium") + "\"\n";
     }
 
     test::TemporaryFolder folder;
@@ -146,11 +157,15 @@ TEST_CASE("a runtime's program runs in the controller's task, in the runtime's m
         std::thread serving{[&] { CHECK((*controller)->run()); }};
         runtime.story.wait_for("scanned");
         CHECK_FALSE(runtime.host_->plc_error());
+        place.program("Level : LREAL; Third : INT; Fourth : INT;");
+        runtime.host_->reload();
+        runtime.story.wait_for("edited: 2 more, 1 less");
         (*controller)->stop();
         serving.join();
     }
     CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "started",
-                                                          "scanned", "unloaded", "end"});
+                                                          "scanned", "edited: 2 more, 1 less",
+                                                          "unloaded", "end"});
     CHECK(runtime.level > 41);
 }
 
@@ -195,7 +210,7 @@ TEST_CASE("a runtime that is no simulation takes no simulated programs and no pr
     CHECK(simulated.error().where == "plc.program");
 
     Configuration mapped = place.file("d.toml", level);
-    mapped.project = (place.folder.path / "project").string();
+    mapped.project = place.path("project");
     const auto project = Controller::create(mapped, runtime, place.options);
     REQUIRE_FALSE(project);
     CHECK(project.error().where == mapped.project);

@@ -11,7 +11,7 @@
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/program.hpp>
-#include <busbar/controller/program_image.hpp>
+#include <busbar/controller/published_program.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
 
@@ -64,9 +64,10 @@ public:
     [[nodiscard]] virtual bool start(const Cycle& cycle);
     /// Waits for a scan that runs. start() may follow.
     virtual void stop() {}
-    /// An online edit added these variables to the PLC (seed 000, 3-3-2): they are in the scans
-    /// from the next one on. The scans go on meanwhile.
-    virtual void added(const controller::ProgramImageAddition& variables);
+    /// The program was edited online (seed 000, 3-3-2): variables that were added are in the scans
+    /// from the next one on, those that were removed nobody sees any more, and their memory stays
+    /// in use. The scans go on meanwhile.
+    virtual void edited(const controller::ProgramAddition& change);
 };
 
 /// What a PLC maker implements to have his PLC in the controller, instead of the simulated one of

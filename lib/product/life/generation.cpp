@@ -246,7 +246,13 @@ Configured<void> Generation::edit(const Reading& next)
         return misconfigured(origin_.file, "is another one, too");
     }
     MachineProgram& program = *plant_.program();
-    const auto add = [&] { return program.edit(*machine.program, server_); };
+    const auto add = [&] {
+        auto change = program.edit(*machine.program, server_);
+        if (change) {
+            plant_.loaded().edited(*change);
+        }
+        return change;
+    };
     auto done = check_same_tasks(*config_.machine.program, *machine.program).and_then([&] {
         return around_.machine->edit(program, add);
     });

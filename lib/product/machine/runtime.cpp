@@ -7,7 +7,7 @@ bool LoadedProgram::start(const Cycle&)
     return false;
 }
 
-void LoadedProgram::added(const controller::ProgramImageAddition&) {}
+void LoadedProgram::edited(const controller::ProgramAddition&) {}
 
 void Runtime::begin(RuntimeHost&) {}
 
