@@ -1,7 +1,9 @@
 #include "listening.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <netdb.h>
 #include <sys/socket.h>
@@ -9,19 +11,21 @@
 
 namespace busbar::product {
 
+namespace {
+
+Unexpected<Problem> cannot_listen(const FurtherListener& listener)
+{
+    const std::string at = listener.address.empty() ? "" : " of " + listener.address;
+    return misconfigured("server.port", "cannot listen on " + std::to_string(listener.port) + at);
+}
+
+} // namespace
+
 std::vector<FurtherListener> listeners_of(const ControllerConfig& config)
 {
     std::vector<FurtherListener> all = config.further_listeners;
     all.insert(all.begin(), {config.address, config.port, config.use});
     return all;
-}
-
-void set_listeners(ControllerConfig& config, std::span<const FurtherListener> listeners)
-{
-    config.address = listeners.front().address;
-    config.port = listeners.front().port;
-    config.use = listeners.front().use;
-    config.further_listeners.assign(listeners.begin() + 1, listeners.end());
 }
 
 bool can_listen(const FurtherListener& listener)
@@ -53,6 +57,136 @@ bool can_listen(const FurtherListener& listener)
         }
     }
     return true;
+}
+
+Configured<void> Listening::begin()
+{
+    return open(told_).transform([this](std::uint16_t port) { now_.port = port; });
+}
+
+Configured<void> Listening::begin_elsewhere(Listeners last)
+{
+    now_.elsewhere = std::move(last);
+    auto opened = now_.elsewhere.empty() ? Unexpected{Problem{}} : open(now_.elsewhere);
+    now_.is_halted = !opened;
+    if (now_.is_halted) {
+        now_.elsewhere = {{"127.0.0.1", 0, ListenerUse::Administration}};
+        opened = open(now_.elsewhere);
+    }
+    return opened.transform([this](std::uint16_t port) {
+        now_.port = port;
+        now_.elsewhere.front().port = port;
+    });
+}
+
+void Listening::set_in(ControllerConfig& config) const
+{
+    if (is_elsewhere()) {
+        const Listeners& listeners = now_.elsewhere;
+        config.address = listeners.front().address;
+        config.port = listeners.front().port;
+        config.use = listeners.front().use;
+        config.further_listeners.assign(listeners.begin() + 1, listeners.end());
+    }
+}
+
+Configured<void> Listening::check(const Listeners& next) const
+{
+    if (next == told_) {
+        return {};
+    }
+    for (const FurtherListener& each : next) {
+        const auto is_open = [&](const FurtherListener& one) { return one.port == each.port; };
+        FurtherListener tried = each;
+        if (each.port == now_.port || std::ranges::any_of(told_, is_open)) {
+            tried.port = 0;
+        }
+        if (!can_listen(tried)) {
+            return cannot_listen(each);
+        }
+    }
+    return {};
+}
+
+/// A port is left at all its addresses.
+bool Listening::can_go_to(const Listeners& next) const
+{
+    return next.size() == 1 && told_.size() == 1 && next.front().port != now_.port;
+}
+
+Configured<void> Listening::go_to(Listeners next)
+{
+    return open(next).transform([&](std::uint16_t port) {
+        left_ = Left{std::exchange(told_, std::move(next)),
+                     std::exchange(now_, Place{.port = port}), false};
+    });
+}
+
+bool Listening::can_go_as_told() const
+{
+    return is_elsewhere() && std::ranges::all_of(told_, can_listen);
+}
+
+Configured<void> Listening::go_as_told()
+{
+    close(now_.elsewhere);
+    left_ = Left{told_, std::exchange(now_, Place{}), true};
+    auto opened = open(told_);
+    if (!opened) {
+        go_back();
+        return Unexpected{std::move(opened).error()};
+    }
+    now_.port = *opened;
+    return {};
+}
+
+void Listening::stay()
+{
+    if (!left_->is_closed) {
+        const Listeners& open =
+            left_->place.elsewhere.empty() ? left_->told : left_->place.elsewhere;
+        std::ranges::for_each(open, [this](const FurtherListener& each) {
+            // Told to be any, the first one has another.
+            const std::uint16_t port = each.port != 0 ? each.port : left_->place.port;
+            if (port != now_.port) {
+                loop_->stop_listening(port);
+            }
+        });
+    }
+    left_.reset();
+}
+
+void Listening::go_back()
+{
+    loop_->stop_listening(now_.port);
+    if (left_->is_closed) {
+        close(told_);
+        static_cast<void>(open(left_->place.elsewhere)); // the loop logs what fails
+    }
+    told_ = std::move(left_->told);
+    now_ = std::move(left_->place);
+    left_.reset();
+}
+
+Configured<std::uint16_t> Listening::open(std::span<const FurtherListener> listeners)
+{
+    std::vector<std::uint16_t> ports;
+    for (const FurtherListener& each : listeners) {
+        const auto port =
+            loop_->listen(each.address, each.port, static_cast<std::uint32_t>(each.use));
+        if (!port) {
+            std::ranges::for_each(ports, [this](auto open) { loop_->stop_listening(open); });
+            return cannot_listen(each);
+        }
+        ports.push_back(*port);
+    }
+    return ports.front();
+}
+
+void Listening::close(std::span<const FurtherListener> listeners)
+{
+    std::ranges::for_each(listeners,
+                          [this](const auto& each) { loop_->stop_listening(each.port); });
 }
 
 } // namespace busbar::product

@@ -31,7 +31,6 @@ bool has_terminal()
 Standing standing_of(const ControllerConfig& config)
 {
     Standing standing{.is_used = config.machine.is_used,
-                      .listeners = listeners_of(config),
                       .reverse_urls = config.reverse_urls,
                       .discovery = config.discovery,
                       .application_uri = {},
@@ -44,18 +43,13 @@ Standing standing_of(const ControllerConfig& config)
     return standing;
 }
 
-Unexpected<Problem> cannot_listen(const FurtherListener& listener)
-{
-    const std::string at = listener.address.empty() ? "" : " of " + listener.address;
-    return misconfigured("server.port", "cannot listen on " + std::to_string(listener.port) + at);
-}
-
 } // namespace
 
 RunningController::RunningController(Origin origin, Beginning beginning, Runtime& runtime,
                                      LogSink& log, const ControllerOptions& options)
     : origin_{std::move(origin)}, runtime_{runtime}, log_{log},
-      takes_signals_{options.takes_signals}, greets_{options.greets}, has_terminal_{has_terminal()}
+      takes_signals_{options.takes_signals}, greets_{options.greets},
+      listening_{loop_, listeners_of(beginning.reading.config)}, has_terminal_{has_terminal()}
 {
     Reading& reading = beginning.reading;
     ControllerConfig& config = reading.config;
@@ -81,7 +75,8 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
 #endif
     standing_ = standing_of(config);
     make_missing_certificate(config, clock_.now(), machine_ ? machine_->log() : log_);
-    listen(config, beginning.last ? beginning.last->listeners : std::vector<FurtherListener>{});
+    listen(config, beginning.last ? beginning.last->listeners : Listening::Listeners{});
+    listening_.set_in(config);
     runtime_use_.emplace(runtime_, static_cast<RuntimeHost&>(*this));
     current_ =
         std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
@@ -91,94 +86,50 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
 }
 
 /// For clients that come, and those that wait to be connected to.
-void RunningController::listen(ControllerConfig& config, std::span<const FurtherListener> last)
+void RunningController::listen(const ControllerConfig& config, Listening::Listeners last)
 {
     if (!config.machine.is_used) {
-        port_ = config.port;
         return;
     }
-    if (auto opened = open(standing_.listeners)) {
-        port_ = *opened;
-    } else if (last.empty() && !machine_) {
-        expect(std::move(opened)); // it never served anybody, and there is no program to go on
-    } else {
-        listen_elsewhere(config, opened.error(), last);
+    if (auto begun = listening_.begin(); !begun) {
+        if (last.empty() && !machine_) {
+            expect(std::move(begun)); // it never served anybody, and there is no program to go on
+        }
+        const std::string why = text(begun.error());
+        expect(listening_.begin_elsewhere(std::move(last)));
+        if (listening_.is_halted() && machine_) {
+            machine_->cannot_start(why);
+        }
+        log_.write(LogLevel::Error, "controller",
+                   why +
+                       (listening_.is_halted()
+                            ? "; the server halts, and administrators reach it at this machine"
+                            : "; it listens where it did last") +
+                       ", on port " + std::to_string(listening_.port()) + ", until it can");
     }
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
     expect(loop_.connect_to_clients(reverse), "connecting to clients");
 }
 
-Configured<std::uint16_t> RunningController::open(std::span<const FurtherListener> listeners)
-{
-    std::vector<std::uint16_t> ports;
-    for (const FurtherListener& each : listeners) {
-        const auto port =
-            loop_.listen(each.address, each.port, static_cast<std::uint32_t>(each.use));
-        if (!port) {
-            std::ranges::for_each(ports, [this](auto open) { loop_.stop_listening(open); });
-            return cannot_listen(each);
-        }
-        ports.push_back(*port);
-    }
-    return ports.front();
-}
-
-void RunningController::listen_elsewhere(ControllerConfig& config, const Problem& problem,
-                                         std::span<const FurtherListener> last)
-{
-    elsewhere_.assign(last.begin(), last.end());
-    auto opened = last.empty() ? Unexpected{problem} : open(elsewhere_);
-    is_halted_ = !opened;
-    if (is_halted_) {
-        elsewhere_ = {{"127.0.0.1", 0, ListenerUse::Administration}};
-        opened = open(elsewhere_);
-    }
-    if (is_halted_ && machine_) {
-        machine_->cannot_start(text(problem));
-    }
-    port_ = expect(std::move(opened));
-    elsewhere_.front().port = port_;
-    log_.write(LogLevel::Error, "controller",
-               text(problem) +
-                   (is_halted_ ? "; the server halts, and administrators reach it at this machine"
-                               : "; it listens where it did last") +
-                   ", on port " + std::to_string(port_) + ", until it can");
-    set_listeners(config, elsewhere_);
-}
-
 void RunningController::listen_as_told()
 {
-    if (elsewhere_.empty() || !std::ranges::all_of(standing_.listeners, can_listen)) {
+    if (!listening_.can_go_as_told()) {
         return;
     }
-    const auto close_all = [this](std::span<const FurtherListener> listeners) {
-        std::ranges::for_each(listeners,
-                              [this](const auto& each) { loop_.stop_listening(each.port); });
-    };
-    const std::uint16_t port_before = port_;
-    const bool was_halted = std::exchange(is_halted_, false);
-    std::vector<FurtherListener> before = std::exchange(elsewhere_, {});
-    close_all(before);
     try_to([&] {
-        port_ = expect(open(standing_.listeners));
+        expect(listening_.go_as_told());
         try {
             const TakenOver now = current_->taken_over(); // nothing else is taken up by this
             replace(Machine::Cause::Restart,
                     read(origin_, {now.files, now.project, !now.project.empty()}),
                     {.reason = "it can listen where it is told to"});
-            before.clear();
         } catch (const ConfigError&) {
-            close_all(standing_.listeners);
+            listening_.go_back();
             throw;
         }
+        listening_.stay();
     });
-    if (!before.empty()) {
-        static_cast<void>(open(before)); // the loop logs what fails, and it is tried again
-        elsewhere_ = std::move(before);
-        port_ = port_before;
-        is_halted_ = was_halted;
-    }
 }
 
 void RunningController::restart_replaced()
@@ -223,31 +174,31 @@ Surroundings RunningController::surroundings()
             .machine = machine_ ? &*machine_ : nullptr,
             .labels = labels_ ? labels_->labels() : runtime_.labels(),
             .label_priority = labels_ ? labels_->task_priority() : 0,
-            .port = port_};
+            .port = listening_.port()};
 }
 
 Requests RunningController::requests()
 {
-    return {.stop = [this] { loop_.stop(); },
-            .restart = [this](const administration::RestartWish& wish) { restart(wish); },
-            .renewed =
-                [this] {
-                    renewed();
-                    changed(&controller::LifeCycle::certificate_renewed);
-                },
-            .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
-            .hardware = [this](HardwareEvent event) { happen(event); },
-            .memory_replaced =
-                [this] {
-                    loop_.post([this] {
-                        machine_->memory_replaced();
-                        looks_until_restart_ = 2; // whoever replaced it is told before
-                    });
-                },
-            .may_restart = [this] { return may_restart(); },
-            .check_listeners =
-                [this](const ControllerConfig& next) { return check_listeners(standing_of(next)); },
-            .settings_changed = [this] { loop_.post([this] { keep(); }); }};
+    return {
+        .stop = [this] { loop_.stop(); },
+        .restart = [this](const administration::RestartWish& wish) { restart(wish); },
+        .renewed =
+            [this] {
+                renewed();
+                changed(&controller::LifeCycle::certificate_renewed);
+            },
+        .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
+        .hardware = [this](HardwareEvent event) { happen(event); },
+        .memory_replaced =
+            [this] {
+                loop_.post([this] {
+                    machine_->memory_replaced();
+                    looks_until_restart_ = 2; // whoever replaced it is told before
+                });
+            },
+        .may_restart = [this] { return may_restart(); },
+        .check_listeners = [this](const ControllerConfig& next) { return check_listeners(next); },
+        .settings_changed = [this] { loop_.post([this] { keep(); }); }};
 }
 
 void RunningController::happen(HardwareEvent event)
@@ -328,7 +279,7 @@ void RunningController::restart(const administration::RestartWish& wish)
 Configured<void> RunningController::may_restart()
 {
     try {
-        return check_listeners(standing_of(read(origin_).config));
+        return check_listeners(read(origin_).config);
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
@@ -341,8 +292,8 @@ void RunningController::keep()
         kept_.emplace(kept_folder_.emplace(place));
     }
     TakenOver now = current_->taken_over();
-    if (elsewhere_.empty()) {
-        now.listeners = standing_.listeners;
+    if (!listening_.is_elsewhere()) {
+        now.listeners = listening_.told();
     }
     if (const auto kept = kept_->keep(now); !kept) {
         log_.write(LogLevel::Warning, "controller",
@@ -355,35 +306,37 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     const bool has_fitting_machine =
         machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
     Standing next = standing_of(reading.config);
-    if (!has_fitting_machine || !(next == standing_ || moves(next))) {
-        expect(check_listeners(next));
+    auto listeners = listeners_of(reading.config);
+    const bool moves = listeners != listening_.told();
+    // A registration has the old URL in it.
+    const bool can_move = next.is_used && next.discovery.url.empty();
+    if (!has_fitting_machine || !(next == standing_) ||
+        (moves && !(can_move && listening_.can_go_to(listeners)))) {
+        expect(check_listeners(reading.config));
         return start_again(handover);
     }
-    const std::uint16_t port_before = port_;
-    const bool moves_on = !(next == standing_);
-    if (moves_on) {
-        port_ = expect(open(next.listeners));
-    } else if (!elsewhere_.empty()) {
-        set_listeners(reading.config, elsewhere_);
+    if (moves) {
+        expect(listening_.go_to(std::move(listeners)));
     }
+    listening_.set_in(reading.config);
     try {
         take_over(
             std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests()),
             std::move(handover));
     } catch (const ConfigError&) {
-        leave_port(std::exchange(port_, port_before));
+        if (moves) {
+            listening_.go_back();
+        }
         throw;
     }
-    leave_port(port_before);
-    if (moves_on) {
-        elsewhere_.clear();
-        is_halted_ = false;
+    if (moves) {
+        listening_.stay();
     }
     standing_ = std::move(next);
     if (labels_) {
         labels_->download(current_->config());
     }
-    if (machine_ && !is_halted_) {
+    if (machine_ && !listening_.is_halted()) {
         machine_->replace(cause, *current_->plant().program(), current_->config());
     }
     clients_.use(current_->clients());
@@ -395,42 +348,9 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     }
 }
 
-/// Nothing but where it listens, and so that both can be open at the same time. A registration has
-/// the old URL in it.
-bool RunningController::moves(const Standing& next) const
+Configured<void> RunningController::check_listeners(const ControllerConfig& next) const
 {
-    Standing before = standing_;
-    before.listeners = next.listeners;
-    return before == next && next.is_used && next.discovery.url.empty() &&
-           next.listeners.size() == 1 && standing_.listeners.size() == 1 &&
-           next.listeners.front().port != port_; // a port is left at all addresses
-}
-
-/// Whether all can be opened, so that it is not left with none in the end. One at a port that is
-/// open now cannot be tried there: its address can.
-Configured<void> RunningController::check_listeners(const Standing& next) const
-{
-    if (!next.is_used || next.listeners == standing_.listeners) {
-        return {};
-    }
-    for (const FurtherListener& each : next.listeners) {
-        const auto is_open = [&](const FurtherListener& now) { return now.port == each.port; };
-        FurtherListener tried = each;
-        if (each.port == port_ || std::ranges::any_of(standing_.listeners, is_open)) {
-            tried.port = 0;
-        }
-        if (!can_listen(tried)) {
-            return cannot_listen(each);
-        }
-    }
-    return {};
-}
-
-void RunningController::leave_port(std::uint16_t port)
-{
-    if (port != port_) {
-        loop_.stop_listening(port);
-    }
+    return next.machine.is_used ? listening_.check(listeners_of(next)) : Configured<void>{};
 }
 
 void RunningController::check_download(const ControllerConfig& next, const Problem& edit) const
@@ -579,7 +499,7 @@ bool RunningController::run()
     if (greets_) {
         current_->print_welcome();
     }
-    if (machine_ && !is_halted_) {
+    if (machine_ && !listening_.is_halted()) {
         machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
     }
     keep();

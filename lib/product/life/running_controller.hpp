@@ -17,6 +17,7 @@
 #endif
 
 #include "generation.hpp"
+#include "listening.hpp"
 #include "product/access/current_validator.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
@@ -41,8 +42,6 @@ private:
 struct Standing {
     /// Whether clients are served at all.
     bool is_used;
-    /// Where it is told to listen.
-    std::vector<FurtherListener> listeners;
     std::vector<std::string> reverse_urls;
     DiscoveryConfig discovery;
     /// Under which it is registered with a discovery server; empty without one.
@@ -85,13 +84,8 @@ private:
     void happen(HardwareEvent event) override;
     void power_going() override;
     [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
-    /// Has `config` say where it listens.
-    void listen(ControllerConfig& config, std::span<const FurtherListener> last);
-    /// At all of these or at none; the port of the first.
-    [[nodiscard]] Configured<std::uint16_t> open(std::span<const FurtherListener> listeners);
-    /// Instead of where it is told to, for the reason that the problem says.
-    void listen_elsewhere(ControllerConfig& config, const Problem& problem,
-                          std::span<const FurtherListener> last);
+    /// As `config` says, or elsewhere.
+    void listen(const ControllerConfig& config, Listening::Listeners last);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
     /// Some seconds after the machine's memory was replaced: what runs is not of it (seed 000,
@@ -123,15 +117,11 @@ private:
     void check_download(const ControllerConfig& next, const Problem& edit) const;
     /// Takes over another program of labels, if there is one.
     void download_labels();
-    /// Whether it can go to another port while it listens at the one that it has.
-    [[nodiscard]] bool moves(const Standing& next) const;
-    [[nodiscard]] Configured<void> check_listeners(const Standing& next) const;
+    [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
     /// What restart() would take up: whether it could.
     [[nodiscard]] Configured<void> may_restart();
     /// As what it runs with.
     void keep();
-    /// If it is not the one that it has now.
-    void leave_port(std::uint16_t port);
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();
     void start();
@@ -156,11 +146,7 @@ private:
     std::optional<Machine> machine_;
     /// With a project of model mode, if the runtime has no labels of its own.
     std::optional<LabelPlant> labels_;
-    std::uint16_t port_{0};
-    /// Where it listens until it can where it is told to; empty: it does that.
-    std::vector<FurtherListener> elsewhere_;
-    /// That is for administrators at this machine only: nobody else is served.
-    bool is_halted_{false};
+    Listening listening_;
     /// How often it tries to listen until then; 0: no restart is due.
     int looks_until_restart_{0};
     std::optional<storage::FolderStorage> kept_folder_;
