@@ -13,6 +13,7 @@
 #include "server_control.hpp"
 #include "server_reset.hpp"
 #include "setting_nodes.hpp"
+#include "status_nodes.hpp"
 #include "transfer_nodes.hpp"
 #include "user_management.hpp"
 
@@ -123,13 +124,21 @@ Configured<void> Administration::Impl::attach(server::Server& server)
     }
     if (parts.settings != nullptr) {
         setting_nodes.emplace(detail::SettingNodes::Needs{
-            server, *parts.settings, *parts.setting_owner, table, *parts.log, *parts.wall_clock});
+            server, *parts.settings, *parts.setting_owner, table, *parts.log, *parts.wall_clock,
+            parts.authorities});
         if (auto attached = setting_nodes->add_nodes(); !attached) {
             return attached;
         }
     }
     if (auto attached = attach_files(server); !attached) {
         return attached;
+    }
+    if (!parts.status.empty()) {
+        if (auto attached =
+                detail::add_status_nodes(server, table, parts.status, parts.authorities);
+            !attached) {
+            return attached;
+        }
     }
     return parts.certificates != nullptr ? attach_certificates(server) : Configured<void>{};
 }

@@ -97,6 +97,11 @@ PermissionType permissions_of(const Rights& rights, Roles role, NodeClass node_c
     return calls ? together(given, PermissionType::Call) : given;
 }
 
+const Rights& rights_with(const RightOfThing& right, Authorities authorities)
+{
+    return authorities == Authorities::FiveLevels ? right.five_levels : right.standard;
+}
+
 void permit(Array<RolePermissionType>& all, const NodeId& role, PermissionType permissions)
 {
     const auto found = std::find_if(all.begin(), all.end(), [&](const RolePermissionType& each) {
@@ -131,8 +136,7 @@ void give(model::AddressSpace& space, model::NodeIndex node, Thing thing, Author
           bool is_argument)
 {
     const RightOfThing& right = right_of(thing);
-    const Rights& rights =
-        authorities == Authorities::FiveLevels ? right.five_levels : right.standard;
+    const Rights& rights = rights_with(right, authorities);
     const NodeClass node_class = space.node_class(node);
     const model::NodeAccess* const now = space.node_access(node);
     model::NodeAccess access = now != nullptr ? model::NodeAccess{*now} : model::NodeAccess{};
@@ -175,14 +179,15 @@ void give_below(model::AddressSpace& space, model::NodeIndex node, Thing thing,
 } // namespace
 
 model::NodeAccess access_of(Thing thing, NodeClass node_class, const NamedRoles& roles,
-                            bool is_argument)
+                            bool is_argument, Authorities authorities)
 {
     const RightOfThing& right = right_of(thing);
+    const Rights& rights = rights_with(right, authorities);
     model::NodeAccess access;
     access.restrictions = right.channel;
     access.role_permissions.clear(); // not null
     const auto permit_one = [&](Roles bit, const NodeId& role) {
-        const PermissionType given = permissions_of(right.standard, bit, node_class, is_argument);
+        const PermissionType given = permissions_of(rights, bit, node_class, is_argument);
         if (given != no_permission) {
             permit(access.role_permissions, role, given);
         }

@@ -43,6 +43,7 @@ inline constexpr std::uint16_t signed_session = 5; // not without a session
 enum class Thing : std::uint8_t {
     StateChange,      // RequestServerStateChange
     ServerStatus,     // ServerDiagnosticsSummary
+    ServiceStatus,    // the Object "Status", see StatusFact
     Roles,            // the RoleSet and its roles
     RoleRules,        // what a role consists of, AddRole and RemoveRole
     UserManagement,   // the Object, and the rules for passwords
@@ -99,12 +100,14 @@ inline constexpr std::array rights_of_things = [] {
                                                            {engineers, nobody, engineers}},
         Row{Thing::ServerStatus,     over::any,            {user_or_admin, nobody, nobody},
                                                            {operators, nobody, nobody}},
+        Row{Thing::ServiceStatus,    over::encrypted,      {operators, nobody, nobody}},
         // Part 18, 4.2 and 4.4
         Row{Thing::Roles,            over::any,            {user, nobody, security}},
         Row{Thing::RoleRules,        over::encrypted,      {security, security, security}},
         // Part 18, 5.2
         Row{Thing::UserManagement,   over::any,            {user, nobody, user}},
-        Row{Thing::Users,            over::encrypted,      {security, nobody, security}},
+        Row{Thing::Users,            over::encrypted,      {security, nobody, security},
+                                                           {list_reader, nobody, security}},
         Row{Thing::OwnPassword,      over::encrypted,      {user, nobody, user}},
         // Part 12, 7.8.2 and 7.10
         Row{Thing::ServerFacts,      over::any,            {user_or_admin, nobody, admins},
@@ -117,7 +120,8 @@ inline constexpr std::array rights_of_things = [] {
         Row{Thing::Reset,            over::is_signed,      {security, nobody, security}},
         // Part 3, 4.9.2
         Row{Thing::Settings,         over::encrypted,      {operators, admins, admins}},
-        Row{Thing::SecuritySettings, over::encrypted,      {admins, security, nobody}},
+        Row{Thing::SecuritySettings, over::encrypted,      {admins, security, nobody},
+                                                           {operators, security, nobody}},
         // Part 20, 4.2 to 4.4
         Row{Thing::Files,            over::encrypted,      {readers | writers, nobody,
                                                             readers | writers}},
@@ -150,7 +154,8 @@ struct NamedRoles {
 /// What a node of this class has that is part of the thing. Variables that belong to a Method are
 /// of class Method, with `is_argument`.
 [[nodiscard]] model::NodeAccess access_of(Thing thing, NodeClass node_class,
-                                          const NamedRoles& roles = {}, bool is_argument = false);
+                                          const NamedRoles& roles = {}, bool is_argument = false,
+                                          Authorities authorities = Authorities::Standard);
 
 /// Gives the thing's rights to the node, and to all below it those of the things that they are.
 /// What a role may do beyond that stays, if it has a right; what else namespace 0 says goes.

@@ -117,6 +117,11 @@ Result<model::NodeIndex> SettingNodes::add_folder(model::NodeIndex parent, std::
     return added;
 }
 
+model::NodeAccess SettingNodes::access(const Setting& setting) const
+{
+    return access_of(thing_of(setting), NodeClass::Variable, {}, false, needs_.authorities);
+}
+
 Result<void> SettingNodes::add_properties(model::NodeIndex node, std::size_t index)
 {
     model::AddressSpace& space = needs_.server.address_space();
@@ -130,7 +135,7 @@ Result<void> SettingNodes::add_properties(model::NodeIndex node, std::size_t ind
         if (!added) {
             return fail(added.error());
         }
-        space.set_node_access(*added, access_of(thing_of(setting), NodeClass::Variable));
+        space.set_node_access(*added, access(setting));
         return {};
     };
     for (Fixed& each : fixed_properties(setting, namespace_)) {
@@ -187,7 +192,7 @@ Result<void> SettingNodes::add_setting(std::size_t index)
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*added, access_of(thing_of(setting), NodeClass::Variable));
+    space.set_node_access(*added, access(setting));
     return add_properties(*added, index);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/administration/authorities.hpp>
 #include <busbar/administration/setting_list.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/server/server.hpp>
@@ -28,6 +29,7 @@ public:
         NodeTable& table;
         LogSink& log;
         const WallClock& clock;
+        Authorities authorities;
     };
 
     explicit SettingNodes(const Needs& needs) : needs_{needs} {}
@@ -56,6 +58,7 @@ private:
     [[nodiscard]] Result<void> add_setting(std::size_t index);
     [[nodiscard]] Result<void> add_properties(model::NodeIndex node, std::size_t index);
     [[nodiscard]] Result<void> add_method();
+    [[nodiscard]] model::NodeAccess access(const Setting& setting) const;
     [[nodiscard]] Variant value_of(std::uint64_t handle) const;
     void write_set(server::WriteBatch& batch);
     [[nodiscard]] bool may_change(const server::UserIdentity& user, const std::string& name) const;

@@ -110,16 +110,20 @@ std::vector<Function> other_functions()
     return {
         {"Security settings", "Display and edit", shows,
          [](Plant& plant, TestClient& client) {
-             return plant.value(client, NodeId{1, "Settings.limits.sessions"});
+             const StatusCode users = plant.value(client, NodeId{0, id::UserManagement_Users});
+             return users == status::Good
+                        ? plant.value(client, NodeId{1, "Settings.users.anonymous"})
+                        : users;
          }},
         {"Security settings", "Transfer security settings", administers,
          [](Plant& plant, TestClient& client) { return plant.set(client); }},
         {"Service status", "Display and update", shows,
          [](Plant& plant, TestClient& client) {
-             return plant.value(
-                 client,
-                 NodeId{0,
-                        id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount});
+             constexpr std::uint32_t sessions =
+                 id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount;
+             const StatusCode summary = plant.value(client, NodeId{0, sessions});
+             return summary == status::Good ? plant.value(client, NodeId{1, "Status/RestartDue"})
+                                            : summary;
          }},
         {"Execution Logs", "Display", shows,
          [](Plant& plant, TestClient& client) {

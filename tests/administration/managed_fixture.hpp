@@ -180,6 +180,9 @@ struct ManagedFixture {
                 .setting_owner = &owner,
                 .file_systems = {files},
                 .file_transfers = {transfer},
+                .status = {{"RestartDue", Variant{false}, [] { return Variant{true}; }},
+                           {"Users", Variant{Array<String>{"x"}},
+                            [] { return Variant{Array<String>{"admin", "pat"}}; }}},
                 .authorities = authorities,
                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));

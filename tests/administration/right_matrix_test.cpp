@@ -59,6 +59,7 @@ constexpr std::array places{
     Place{"ServerConfiguration/UserManagement/ChangePassword", Thing::OwnPassword},
     Place{"Settings", Thing::Settings},
     Place{"Settings/users/anonymous", Thing::SecuritySettings},
+    Place{"Status", Thing::ServiceStatus},
     Place{"recipes", Thing::Files},
     Place{"recipes/CreateDirectory", Thing::FileChanges},
     Place{"recipes/CreateFile", Thing::FileChanges},
@@ -188,7 +189,8 @@ struct Matrix : ManagedFixture {
              {NodeId{0, id::ServerConfiguration}, NodeId{0, id::Server_ServerCapabilities_RoleSet},
               NodeId{0, id::Server_RequestServerStateChange},
               NodeId{0, id::Server_ServerDiagnostics_ServerDiagnosticsSummary},
-              NodeId{1, "Settings"}, NodeId{1, "Files/recipes"}, NodeId{1, "Transfers/backup"}}) {
+              NodeId{1, "Settings"}, NodeId{1, "Status"}, NodeId{1, "Files/recipes"},
+              NodeId{1, "Transfers/backup"}}) {
             const model::NodeIndex node = space.find(root);
             REQUIRE(node != model::no_node);
             collect(node, {NodeId{0, id::Server}, Thing::Roles}, space.browse_name(node).name.str(),

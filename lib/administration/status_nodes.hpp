@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include <busbar/administration/status_fact.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/server/server.hpp>
+
+#include "node_table.hpp"
+#include "rights.hpp"
+
+namespace busbar::administration::detail {
+
+/// The facts as Properties of an Object "Status" of the server's own namespace, below the Objects
+/// folder. They are read whatever the server's state. Who may: Thing::ServiceStatus.
+[[nodiscard]] Configured<void> add_status_nodes(server::Server& server, NodeTable& table,
+                                                std::span<const StatusFact> facts,
+                                                Authorities authorities);
+
+} // namespace busbar::administration::detail
