@@ -171,8 +171,10 @@ public:
     /// With the end point as it is published.
     [[nodiscard]] MachineStatus status(const ConnectionCounts& counts) const;
     [[nodiscard]] MachineMode mode() const { return mode_; }
-    /// Settings, a restore or a cleared memory wait for power or a reset.
-    [[nodiscard]] bool is_restart_due() const;
+    /// Settings, a restore or a cleared memory wait for power or a reset, or a fault does.
+    [[nodiscard]] bool is_restart_due() const { return !restart_reason().empty(); }
+    /// "the controller's memory was restored or cleared"; empty if no restart is due.
+    [[nodiscard]] std::string_view restart_reason() const;
     /// The shutdown is completed: power may go (seed 000, 4-2-4).
     [[nodiscard]] bool has_stopped() const;
     /// Of an instruction executed now; Begun where it would be.

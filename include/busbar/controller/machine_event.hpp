@@ -77,6 +77,8 @@ struct MachineEvent {
 
 /// "35D40000 Unsupported Data Type: 21": code, name and what is attached.
 [[nodiscard]] BUSBAR_API std::string text(const MachineEvent& event);
+/// The same, and how to correct it if there is something to correct.
+[[nodiscard]] BUSBAR_API std::string what_to_do(const MachineEvent& event);
 /// "35D30000".
 [[nodiscard]] BUSBAR_API std::string code_text(const MachineEventType& type);
 

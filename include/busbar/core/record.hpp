@@ -92,7 +92,8 @@ enum class RecordKind : std::uint8_t {
     /// [Level: "Major fault", "Partial fault" or "Minor fault", Where: "CPU Unit"], of the
     /// controller (seed 000, 9-1-2).
     MachineFault,
-    /// [Reason]: a configuration cannot be used, and another one is in force.
+    /// [Reason]: a configuration cannot be used, and another one is in force; status Good: it is
+    /// used, or nobody asks for it any more.
     ConfigurationRefused,
 };
 

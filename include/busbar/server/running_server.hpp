@@ -47,6 +47,8 @@ public:
     /// Ends the sessions of these users with their Subscriptions (Part 18, 5.2.6 and 5.2.7); how
     /// many there were.
     std::size_t end_sessions(FunctionRef<bool(const UserIdentity&)> whose) const;
+    /// The users of all sessions that are activated, each as often as it has sessions.
+    void visit_users(FunctionRef<void(const UserIdentity&)> visit) const;
     /// The RoleMapper decides otherwise than before: sessions get their roles anew.
     void roles_changed() const;
     /// Other certificates are trusted than before. A second later, so that answers under way

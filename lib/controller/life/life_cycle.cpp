@@ -292,10 +292,22 @@ MachineStatus LifeCycle::status(const ConnectionCounts& counts) const
     return {settings_.is_used, operating_status(), endpoint_url_, counts};
 }
 
-bool LifeCycle::is_restart_due() const
+std::string_view LifeCycle::restart_reason() const
 {
-    return is_replaced_ || detail::facts_of(phase_).is_restart_due ||
-           (phase_ == LifePhase::NotStarted && settings_.is_used);
+    if (is_replaced_) {
+        return "the controller's memory was restored or cleared";
+    }
+    if (!has_program_going_) {
+        return "a fault has stopped the user program";
+    }
+    if (detail::facts_of(phase_).is_restart_due) {
+        return operating_status() == OperatingStatus::HaltError
+                   ? "a fatal error has stopped the OPC UA server"
+                   : "the OPC UA server was shut down";
+    }
+    return phase_ == LifePhase::NotStarted && settings_.is_used
+               ? "the OPC UA server is used from the next start on"
+               : "";
 }
 
 // The table at work.

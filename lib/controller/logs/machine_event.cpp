@@ -65,4 +65,10 @@ std::string text(const MachineEvent& event)
     return result;
 }
 
+std::string what_to_do(const MachineEvent& event)
+{
+    const std::string_view correction = event.type->correction;
+    return text(event) + (correction.empty() ? "" : ". ") + std::string{correction};
+}
+
 } // namespace busbar::controller

@@ -21,6 +21,7 @@ struct Told {
 };
 using AllTold = std::vector<Told>;
 
+constexpr std::uint32_t configuration_refused = 4;
 constexpr std::uint32_t log_save_failed = 0x15000000;
 constexpr std::uint32_t setting_error = 0x35D00000;
 constexpr std::uint32_t certificate_expired = 0x35D10000;
@@ -180,7 +181,9 @@ AllTold told_fault(const Record& record, DateTime)
 
 AllTold told_refused(const Record& record, DateTime)
 {
-    return {{4, {attached_text(text_field(record, "Reason"))}}};
+    return record.status.is_bad()
+               ? AllTold{{configuration_refused, {attached_text(text_field(record, "Reason"))}}}
+               : AllTold{};
 }
 
 /// It only ends or prepares something.
@@ -289,6 +292,8 @@ void MachineEventRules::end(const Record& record)
             end_one(expiration_notice);
         }
         return;
+    case RecordKind::ConfigurationRefused:
+        return end_one(configuration_refused);
     case RecordKind::ServerPreparing:
         not_published_ = 0;
         return end_all(EventEnd::Preparation);

@@ -130,6 +130,7 @@ void Administered::attach(const ToAdminister& what)
     parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),
                               what.file_systems.end());
     parts.file_transfers = what.file_transfers;
+    parts.status = what.status;
     parts.random = &random_;
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;

@@ -42,6 +42,7 @@ struct ToAdminister {
     /// Beside those of the configuration.
     std::vector<administration::FileSystem> file_systems;
     std::vector<administration::TemporaryFileTransfer> file_transfers;
+    std::vector<administration::StatusFact> status{};
 };
 
 /// What administrators change while the controller runs, kept in the folder of certificates.

@@ -169,7 +169,9 @@ void Generation::attach(const Requests& requests)
                           .offer_changed = [this] { live_.apply(settings_->config()); },
                           .renewed = requests.renewed,
                           .file_systems = files,
-                          .file_transfers = transfers(requests)});
+                          .file_transfers = transfers(requests),
+                          .status = status_facts({server_, config_, *settings_, around_.machine,
+                                                  around_.pending})});
     settings_->run(
         {.check =
              [this, listeners = requests.check_listeners](const ControllerConfig& next) {

@@ -23,6 +23,7 @@
 #include "product/machine/machine_backup.hpp"
 #include "product/machine/machine_files.hpp"
 #include "product/machine/plant.hpp"
+#include "product/machine/status.hpp"
 #include "product/model/mapped_model.hpp"
 #include "product/store/taken_over.hpp"
 
@@ -42,6 +43,7 @@ struct Surroundings {
     int label_priority;
     /// Where it listens.
     std::uint16_t port;
+    const PendingChanges& pending;
 };
 
 /// What administrators have the controller do. Called on the server's thread.

@@ -53,14 +53,13 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
 {
     Reading& reading = beginning.reading;
     ControllerConfig& config = reading.config;
-    if (!beginning.refusal.empty()) {
-        log_.write(LogLevel::Error, "controller",
-                   beginning.refusal + "; it begins with what it ran with last");
-    }
     if (config.machine.program) {
         machine_.emplace(config, clock_, log_, [this](bool is_in) {
             loop_.post([this, is_in] { machine_->medium_is(is_in); });
         });
+    }
+    if (!beginning.refusal.empty()) {
+        refuse_beginning(beginning.refusal);
     }
     if (reading.project != nullptr && runtime_.labels() == nullptr) {
         if (!runtime_.is_simulated()) {
@@ -85,6 +84,16 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
     register_with_discovery_server(current_->config());
 }
 
+void RunningController::refuse_beginning(const std::string& why)
+{
+    const std::string text = why + "; it begins with what it ran with last";
+    log_.write(LogLevel::Error, "controller", text);
+    pending_.ask(PendingChanges::By::Start, text);
+    if (machine_) {
+        machine_->refuse_configuration(why);
+    }
+}
+
 /// For clients that come, and those that wait to be connected to.
 void RunningController::listen(const ControllerConfig& config, Listening::Listeners last)
 {
@@ -100,12 +109,14 @@ void RunningController::listen(const ControllerConfig& config, Listening::Listen
         if (listening_.is_halted() && machine_) {
             machine_->cannot_start(why);
         }
-        log_.write(LogLevel::Error, "controller",
-                   why +
-                       (listening_.is_halted()
-                            ? "; the server halts, and administrators reach it at this machine"
-                            : "; it listens where it did last") +
-                       ", on port " + std::to_string(listening_.port()) + ", until it can");
+        const std::string what =
+            why +
+            (listening_.is_halted()
+                 ? "; the server halts, and administrators reach it at this machine"
+                 : "; it listens where it did last") +
+            ", on port " + std::to_string(listening_.port()) + ", until it can";
+        log_.write(LogLevel::Error, "controller", what);
+        pending_.ask(PendingChanges::By::Listeners, what);
     }
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
@@ -129,6 +140,7 @@ void RunningController::listen_as_told()
             throw;
         }
         listening_.stay();
+        pending_.done(PendingChanges::By::Listeners);
     });
 }
 
@@ -168,13 +180,8 @@ Surroundings RunningController::surroundings()
 #ifdef BUSBAR_KEY_LOG
     environment.key_log = key_log_.get();
 #endif
-    return {.environment = environment,
-            .lines = log_,
-            .runtime = runtime_,
-            .machine = machine_ ? &*machine_ : nullptr,
-            .labels = labels_ ? labels_->labels() : runtime_.labels(),
-            .label_priority = labels_ ? labels_->task_priority() : 0,
-            .port = listening_.port()};
+    .port = listening_.port(), .pending = pending_
+};
 }
 
 Requests RunningController::requests()
@@ -192,7 +199,9 @@ Requests RunningController::requests()
         .memory_replaced =
             [this] {
                 loop_.post([this] {
-                    machine_->memory_replaced();
+                    if (machine_->memory_replaced()) {
+                        halt("the controller's memory was replaced, and it is to be restarted");
+                    }
                     looks_until_restart_ = 2; // whoever replaced it is told before
                 });
             },
@@ -242,9 +251,16 @@ void RunningController::follow(HardwareEvent event)
     if (machine_ && machine_->happen(event)) {
         log_.write(LogLevel::Error, "controller",
                    "the hardware has the OPC UA server halt, until a restart");
-        server::RunningServer{current_->server()}.change_state(
-            ServerState::Failed, "the hardware has the OPC UA server halt", {});
+        halt("the hardware has the OPC UA server halt");
     }
+    if (!machine_->life().has_program_going()) {
+        current_->halt();
+    }
+}
+
+void RunningController::halt(const std::string& why)
+{
+    server::RunningServer{current_->server()}.change_state(ServerState::Failed, why, {});
 }
 
 /// Not to a generation that is being left: nobody can ask it any more.
@@ -331,7 +347,10 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     }
     if (moves) {
         listening_.stay();
+        pending_.done(PendingChanges::By::Listeners);
     }
+    pending_.done(PendingChanges::By::Start);
+    pending_.done(PendingChanges::By::Reload);
     standing_ = std::move(next);
     if (labels_) {
         labels_->download(current_->config());
@@ -468,12 +487,24 @@ void RunningController::hang_up()
 void RunningController::read_again()
 {
     try_to([this] {
-        if (machine_ && download()) {
-            return;
+        try {
+            if (machine_ && download()) {
+                return;
+            }
+            download_labels();
+            log_.write(LogLevel::Info, "controller", current_->reload());
+            keep();
+        } catch (const ConfigError& error) {
+            pending_.ask(PendingChanges::By::Reload, error.what());
+            throw;
         }
-        download_labels();
-        log_.write(LogLevel::Info, "controller", current_->reload());
-        keep();
+        pending_.done(PendingChanges::By::Reload);
+        if (pending_.has(PendingChanges::By::Start) && may_restart()) {
+            pending_.done(PendingChanges::By::Start);
+            if (machine_) {
+                machine_->refuse_configuration({});
+            }
+        }
     });
 }
 

@@ -86,6 +86,9 @@ private:
     [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
     /// As `config` says, or elsewhere.
     void listen(const ControllerConfig& config, Listening::Listeners last);
+    /// Clients see why it does not serve any more, and an administrator may have it start again.
+    void halt(const std::string& why);
+    void refuse_beginning(const std::string& why);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
     /// Some seconds after the machine's memory was replaced: what runs is not of it (seed 000,
@@ -152,6 +155,7 @@ private:
     std::optional<storage::FolderStorage> kept_folder_;
     std::optional<TakenOverFiles> kept_;
     CurrentValidator clients_;
+    PendingChanges pending_;
     /// The current generation's, for the discovery server.
     std::optional<channel::ApplicationIdentity> identity_;
     Standing standing_;

@@ -1,9 +1,13 @@
 #include "machine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <initializer_list>
 #include <utility>
 
+#include <busbar/core/record.hpp>
+#include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "core/unfinished.hpp"
@@ -45,7 +49,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
                                                        config.machine.program->variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
       medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
-      event_files_{state_, controller::MachineEventLogOptions{}.folder},
+      event_files_{state_, controller::MachineEventLogOptions{}.folder}, events_{lines},
       log_folder_{medium_, controller::ExecutionLogOptions{}.folder}, medium_found_{
                                                                           std::move(medium_found)}
 {
@@ -81,11 +85,11 @@ bool Machine::save_pending()
     const std::lock_guard lock{saving_};
     const bool is_retained = retained_->save_when_due(std::chrono::steady_clock::now());
     const bool is_kept = event_log_->write_pending().has_value() && is_retained;
-    if (!execution_log_) {
-        return is_kept;
+    bool is_logged = true;
+    if (execution_log_) {
+        look_for_medium();
+        is_logged = save_records();
     }
-    look_for_medium();
-    const bool is_logged = save_records();
     look_for_log_files();
     return is_logged && is_kept;
 }
@@ -130,14 +134,16 @@ void Machine::look_for_log_files()
     if (log_folder_.take_removal()) {
         log_files_.clear();
     }
-    const auto listing = log_folder_.list("", most_log_entries);
-    if (!listing && listing.error() != StorageError::NotFound) {
-        return; // what cannot be read now is not gone
-    }
     std::vector<std::string> names;
-    if (listing) {
-        for (const StorageEntry& entry : listing->entries) {
-            names.push_back(entry.name);
+    for (Storage* const folder : std::initializer_list<Storage*>{&log_folder_, &event_files_}) {
+        const auto listing = folder->list("", most_log_entries);
+        if (!listing && listing.error() != StorageError::NotFound) {
+            return; // what cannot be read now is not gone
+        }
+        if (listing) {
+            for (const StorageEntry& entry : listing->entries) {
+                names.push_back(entry.name);
+            }
         }
     }
     if (names != log_files_) {
@@ -148,9 +154,6 @@ void Machine::look_for_log_files()
 
 std::vector<administration::FileSystem> Machine::file_systems()
 {
-    if (!execution_log_) {
-        return {};
-    }
     const auto roles = [](std::initializer_list<std::uint32_t> ids) {
         std::vector<NodeId> nodes;
         for (const std::uint32_t id : ids) {
@@ -158,6 +161,7 @@ std::vector<administration::FileSystem> Machine::file_systems()
         }
         return nodes;
     };
+    administration::FileSystem events{.name = "EventLog", .storage = &event_files_};
     administration::FileSystem log{.name = "ExecutionLog", .storage = &log_folder_};
     log.is_written_by_program = true;
     log.limits.max_entries = most_log_entries;
@@ -165,9 +169,12 @@ std::vector<administration::FileSystem> Machine::file_systems()
     log.readers =
         roles({id::WellKnownRole_Operator, id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
                id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin});
+    events.is_written_by_program = true;
+    events.limits = log.limits;
+    events.readers = log.readers;
     log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
                          id::WellKnownRole_SecurityAdmin});
-    return {log};
+    return execution_log_ ? std::vector{log, events} : std::vector{events};
 }
 
 void Machine::hold_events(FunctionRef<void()> act)
@@ -178,10 +185,29 @@ void Machine::hold_events(FunctionRef<void()> act)
     act();
 }
 
-void Machine::memory_replaced()
+bool Machine::memory_replaced()
 {
+    const auto before = life_->operating_status();
     life_->restore_begins();
     life_->restore_done(true);
+    return has_left_running(before);
+}
+
+bool Machine::has_left_running(controller::OperatingStatus before) const
+{
+    return before == controller::OperatingStatus::Running &&
+           life_->served_clients() != controller::ServedClients::All;
+}
+
+void Machine::refuse_configuration(std::string_view why)
+{
+    const std::array fields{RecordField{"Reason", Variant{String{std::string{why}}}}};
+    Record record;
+    record.kind = RecordKind::ConfigurationRefused;
+    record.level = LogLevel::Error;
+    record.status = why.empty() ? status::Good : status::Bad_ConfigurationError;
+    record.fields = fields;
+    tell(log(), record);
 }
 
 LogSink& Machine::log()
@@ -305,7 +331,7 @@ bool Machine::happen(HardwareEvent event)
         life_->medium_changed(event == HardwareEvent::MediumIn);
         break;
     }
-    return before == controller::OperatingStatus::Running && life_->operating_status() != before;
+    return has_left_running(before);
 }
 
 void Machine::initialize()

@@ -73,6 +73,9 @@ public:
     /// The log that everything goes through.
     [[nodiscard]] LogSink& log();
     [[nodiscard]] const controller::MachineEventLog& event_log() const { return *event_log_; }
+    [[nodiscard]] const controller::LifeCycle& life() const { return *life_; }
+    /// Tells the event log that a configuration cannot be used; empty: that it can.
+    void refuse_configuration(std::string_view why);
     /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
     /// on; its task does not run yet. What cannot be restored goes to the log.
     void keep(const MachineProgram& program) { retained_->keep(program); }
@@ -104,7 +107,8 @@ public:
     void shut_down();
 
     /// The execution log, if there is one, as "ExecutionLog": whoever may see it reads its files,
-    /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1).
+    /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1). The event log as "EventLog",
+    /// for the same to read.
     [[nodiscard]] std::vector<administration::FileSystem> file_systems();
     /// Whether there are other files than at the last call. Any thread; waits for nothing.
     [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }
@@ -115,8 +119,8 @@ public:
     /// Runs `act` while the event log's files have all that happened, and stay as they are.
     void hold_events(FunctionRef<void()> act);
     /// Its memory was restored or cleared: the server's state is Shutdown, and a restart is due
-    /// (seed 000, 4-1-3).
-    void memory_replaced();
+    /// (seed 000, 4-1-3). True as happen().
+    [[nodiscard]] bool memory_replaced();
 
 private:
     void initialize() override;
@@ -133,6 +137,7 @@ private:
     /// All is well. The saver's thread.
     [[nodiscard]] bool save_pending();
     void look_for_log_files();
+    [[nodiscard]] bool has_left_running(controller::OperatingStatus before) const;
     void look_for_medium();
     void tell_log_of_medium(bool is_in);
     /// The saver's thread: to the medium, if there is one.

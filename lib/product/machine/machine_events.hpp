@@ -3,13 +3,17 @@
 #include <mutex>
 
 #include <busbar/controller/machine_event_log.hpp>
+#include <busbar/core/log.hpp>
 
 namespace busbar::product {
 
-/// Passes a machine's events on to the server that serves, of which there may be another later. Any
-/// thread.
+/// Passes a machine's events on to the server that serves, of which there may be another later, and
+/// writes each into the program's log, with what to do. Any thread.
 class MachineEvents final : public controller::MachineEventListener {
 public:
+    /// `lines`, which is not the event log, must outlive it.
+    explicit MachineEvents(LogSink& lines) : lines_{lines} {}
+
     /// From now on to `listener`, and to nobody else any more; null: to nobody.
     void tell(controller::MachineEventListener* listener)
     {
@@ -21,6 +25,7 @@ public:
     }
     void happened(const controller::MachineEvent& event) override
     {
+        lines_.write(log_level(event.level), "event log", what_to_do(event));
         const std::lock_guard lock{mutex_};
         if (listener_ != nullptr) {
             listener_->happened(event);
@@ -35,6 +40,19 @@ public:
     }
 
 private:
+    [[nodiscard]] static LogLevel log_level(controller::EventLevel level)
+    {
+        switch (level) {
+        case controller::EventLevel::Information:
+            return LogLevel::Info;
+        case controller::EventLevel::Observation:
+            return LogLevel::Warning;
+        default:
+            return LogLevel::Error;
+        }
+    }
+
+    LogSink& lines_;
     std::mutex mutex_; // of the listener, which stays while it is told
     controller::MachineEventListener* listener_{nullptr};
 };

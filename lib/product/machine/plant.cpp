@@ -5,6 +5,7 @@
 
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "product/configuration/toml_reader.hpp"
 #include "product/model/models.hpp"
@@ -41,6 +42,9 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     const auto folder =
         program_ ? program_->publish(server, nodes.source, *machine_log)
                  : expect(controller::publish_variables(space, *plc_, nodes), "the variables");
+    if (const auto status = space.find(NodeId{1, "Status"}); program_ && status != model::no_node) {
+        expect(space.add_reference(folder, NodeId{0, id::Organizes}, status), "the status");
+    }
     load_models(server, config_.nodesets, sources, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");

@@ -182,6 +182,15 @@ std::size_t RunningServer::end_sessions(FunctionRef<bool(const UserIdentity&)> w
                                });
 }
 
+void RunningServer::visit_users(FunctionRef<void(const UserIdentity&)> visit) const
+{
+    for (const auto& [token, session] : impl_->sessions.all()) {
+        if (session->is_activated) {
+            visit(session->user);
+        }
+    }
+}
+
 void RunningServer::roles_changed() const
 {
     for (const auto& [token, session] : impl_->sessions.all()) {

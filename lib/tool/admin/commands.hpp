@@ -24,6 +24,13 @@ struct LogChoice {
     std::string folder;
 };
 
+/// What `busbar admin events` shows; empty: all.
+struct EventChoice {
+    std::string level;
+    std::string code;
+    std::size_t count{20};
+};
+
 /// What of a controller's memory is meant.
 struct BackupOptions {
     bool without_security{false};
@@ -52,6 +59,7 @@ struct AdminArguments {
     bool restarts{false};
     StreamEnd end;
     LogChoice log;
+    EventChoice events;
     BackupOptions backup;
 };
 
@@ -88,6 +96,7 @@ void add_settings(CLI::App& admin, Run& run);
 void add_files(CLI::App& admin, Run& run);
 void add_audit(CLI::App& admin, Run& run);
 void add_log(CLI::App& admin, Run& run);
+void add_events(CLI::App& admin, Run& run);
 void add_backup(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);

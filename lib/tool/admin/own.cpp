@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,23 @@ std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
     return call(connection, configuration, standard(method), inputs, what);
 }
 
+/// The one that the server uses for this connection, for those who may see it but not export it
+/// (seed 000, 8-1); nothing if this user may not.
+std::optional<crypto::Certificate> displayed(Connection& connection)
+{
+    const Variant shown =
+        read(connection, NodeId{1, "ServerConfiguration/OwnCertificate/Thumbprint"});
+    const EndpointDescription* const endpoint = connection.client().endpoint();
+    if (shown.is_null() || endpoint == nullptr) {
+        return std::nullopt;
+    }
+    auto chain = crypto::parse_chain(endpoint->server_certificate.span());
+    if (!chain || chain->front().thumbprint_text() != shown.value_or<String>({}).view()) {
+        return std::nullopt;
+    }
+    return std::move(chain->front());
+}
+
 /// The server's certificate, as it is used.
 crypto::Certificate present(Connection& connection)
 {
@@ -44,7 +62,8 @@ crypto::Certificate present(Connection& connection)
 
 Exit show(Context& context, Connection& connection, const AdminArguments&)
 {
-    print_certificates(context, {{"own", present(connection)}});
+    const auto shown = displayed(connection);
+    print_certificates(context, {{"own", shown ? *shown : present(connection)}});
     return Exit::Good;
 }
 

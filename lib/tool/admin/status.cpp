@@ -1,5 +1,10 @@
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include <busbar/controller/machine_status.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
 
@@ -39,34 +44,129 @@ std::string number(const Variant& value)
     return "not told";
 }
 
+/// What a busbar-controller says of itself (seed 000, 4-2-1), in its own namespace.
+Variant fact(Connection& connection, const char* name)
+{
+    return read(connection, NodeId{1, String{"Status/" + std::string{name}}});
+}
+
+std::vector<std::string> texts_of(const Variant& value)
+{
+    std::vector<std::string> all;
+    if (const auto* const list = value.array_if<String>()) {
+        for (const String& each : *list) {
+            all.push_back(each.str());
+        }
+    }
+    return all;
+}
+
+controller::OperatingStatus operating_status(const std::string& text)
+{
+    using controller::OperatingStatus;
+    for (const OperatingStatus each :
+         {OperatingStatus::Initializing, OperatingStatus::Preparing, OperatingStatus::Running,
+          OperatingStatus::HaltError, OperatingStatus::Shutdown}) {
+        if (controller::text(each) == text) {
+            return each;
+        }
+    }
+    return OperatingStatus::NotStarted;
+}
+
+controller::MachineStatus machine_status(Connection& connection, const std::string& operating)
+{
+    return {.is_used = fact(connection, "Use").value_or<bool>(false),
+            .operating = operating_status(operating),
+            .end_point = fact(connection, "EndPoint").value_or<String>({}).str(),
+            .connected = {fact(connection, "ConnectedClients").value_or<std::uint32_t>(0),
+                          fact(connection, "ConnectedUsers").value_or<std::uint32_t>(0)}};
+}
+
+/// Prints facts as lines, or as members of one object.
+class Facts {
+public:
+    explicit Facts(Context& context) : context_{context} { json_.open_object(); }
+
+    void add(std::string_view name, const std::string& text)
+    {
+        json_.member(name, text);
+        line(name, text);
+    }
+    /// A line for each; `none` if there is none.
+    void add(std::string_view name, const std::vector<std::string>& texts, const char* none)
+    {
+        json_.key(name).texts(texts);
+        if (texts.empty()) {
+            line(name, none);
+        }
+        for (const std::string& each : texts) {
+            line(&each == &texts.front() ? name : "", each);
+        }
+    }
+    void end()
+    {
+        json_.close_object();
+        if (context_.options.is_json) {
+            context_.out.line(json_.document());
+        }
+    }
+
+private:
+    void line(std::string_view name, const std::string& text)
+    {
+        if (context_.options.is_json) {
+            return;
+        }
+        constexpr std::size_t width = 29; // "Number of connected clients: "
+        std::string front = name.empty() ? "" : std::string{name} + ":";
+        front.resize(width, ' ');
+        const std::size_t columns = std::max(context_.out.columns(), 2 * width);
+        context_.out.line(front + wrap(safe(text), columns - width, width));
+    }
+
+    Context& context_;
+    JsonLine json_;
+};
+
+void add_machine_status(Connection& connection, const std::string& operating, Facts& facts)
+{
+    for (const auto& [name, value] : status_lines(machine_status(connection, operating))) {
+        facts.add(name, value);
+    }
+    facts.add("Connected users", texts_of(fact(connection, "ConnectedUserNames")), "none");
+    if (const auto why = fact(connection, "HaltReason").value_or<String>({}); !why.view().empty()) {
+        facts.add("Halted because of", why.str());
+    }
+    facts.add("Restart due", texts_of(fact(connection, "RestartReasons")), "no");
+    facts.add("Pending changes", texts_of(fact(connection, "PendingChanges")), "none");
+    facts.add("Current errors", texts_of(fact(connection, "CurrentErrors")), "none");
+}
+
 Exit status_of(Context& context, Connection& connection, const AdminArguments&)
 {
     const auto value = [&](std::uint32_t node) { return read(connection, standard(node)); };
+    const std::string operating = fact(connection, "OperatingStatus").value_or<String>({}).str();
+    const Variant sessions =
+        value(id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount);
+    if (operating.empty() && sessions.is_null()) {
+        throw Failure{status::Bad_UserAccessDenied, "the server's status",
+                      "it is for users with the role Operator, Supervisor, Engineer, "
+                      "ConfigureAdmin or SecurityAdmin"};
+    }
+    Facts facts{context};
+    if (!operating.empty()) {
+        add_machine_status(connection, operating, facts);
+    }
     const auto users = value(id::UserManagement_Users);
-    const std::vector<std::pair<const char*, std::string>> facts{
-        {"state", name_of(value(id::Server_ServerStatus_State).value_or<std::int32_t>(-1))},
-        {"service level", number(value(id::Server_ServiceLevel))},
-        {"clients",
-         number(value(id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount))},
-        {"started", to_string(value(id::Server_ServerStatus_StartTime).value_or<DateTime>({}))},
-        {"users", users.is_null() ? "not told" : std::to_string(users.array_size())},
-        {"auditing", value(id::Server_Auditing).value_or<bool>(false) ? "on" : "off"},
-    };
-    JsonLine json;
-    json.open_object();
-    for (const auto& [name, text] : facts) {
-        json.member(name, text);
-        if (!context.options.is_json) {
-            constexpr std::size_t width = 15;
-            std::string line = std::string{name} + ":";
-            line.resize(width, ' ');
-            context.out.line(line + safe(text));
-        }
-    }
-    json.close_object();
-    if (context.options.is_json) {
-        context.out.line(json.document());
-    }
+    facts.add("state", name_of(value(id::Server_ServerStatus_State).value_or<std::int32_t>(-1)));
+    facts.add("service level", number(value(id::Server_ServiceLevel)));
+    facts.add("clients", number(sessions));
+    facts.add("started",
+              to_string(value(id::Server_ServerStatus_StartTime).value_or<DateTime>({})));
+    facts.add("users", users.is_null() ? "not told" : std::to_string(users.array_size()));
+    facts.add("auditing", value(id::Server_Auditing).value_or<bool>(false) ? "on" : "off");
+    facts.end();
     return Exit::Good;
 }
 

@@ -17,6 +17,7 @@ void add_admin(CLI::App& app, Run& run)
     admin::add_files(*command, run);
     admin::add_audit(*command, run);
     admin::add_log(*command, run);
+    admin::add_events(*command, run);
     admin::add_backup(*command, run);
     admin::add_setup(*command, run);
     admin::add_shutdown(*command, run);

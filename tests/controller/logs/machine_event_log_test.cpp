@@ -316,11 +316,18 @@ TEST_CASE_METHOD(EventWorld, "Faults of the controller stand until a restart (4-
 
 TEST_CASE_METHOD(EventWorld, "A configuration that cannot be used stands until a restart")
 {
-    CHECK(happen(Happening{RecordKind::ConfigurationRefused, {text("Reason", "no TOML")}}) ==
-          Texts{"00000004 no TOML"});
+    const auto refuse = [&](std::string why) {
+        return happen(
+            Happening{RecordKind::ConfigurationRefused, {text("Reason", std::move(why))}}.with(
+                status::Bad_ConfigurationError));
+    };
+    CHECK(refuse("no TOML") == Texts{"00000004 no TOML"});
     happen(RecordKind::ServerRunning);
     CHECK(current() == Texts{"00000004 no TOML"});
     happen(RecordKind::ServerStarted);
+    CHECK(current() == Texts{});
+    refuse("no program");
+    CHECK(happen(RecordKind::ConfigurationRefused) == Texts{}); // it is used
     CHECK(current() == Texts{});
 }
 

@@ -1,0 +1,226 @@
+#!/bin/sh
+# What a controller says of itself: its status as the tool prints it (seed 000, 4-2-1), faults (4-1-3
+# and 6-2-1), what is asked for and not in force, and past events with cause and correction (9-1-1);
+# for whom (8-1), and again after each power cut.
+# usage: status_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/../functions.sh"
+
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+hides() { ! grep -q -s -e "$1" out || fail "\"$1\" is in the output of: $last"; }
+# as USER CODE ARGUMENTS...: all have one password.
+as() {
+    user=$1 wanted=$2
+    shift 2
+    run "$wanted" --user "$user" --password-file password --trust "$@"
+}
+account() {
+    printf '[[users.account]]\nname = "%s"\npassword = "%s"\nroles = ["%s"]\n' "$1" "$hash" "$2"
+}
+power_cycle() {
+    kill -9 "$pid"
+    wait "$pid" 2> /dev/null
+    serve --config controller.toml
+}
+status() { as "${1:-chief}" 0 admin status "$url"; }
+is_running() {
+    status
+    says '^OPC UA Server: *Use$'
+    says '^Server operating status: *Running$'
+    says "^End point: *$url\$"
+    says '^Number of connected clients: *1$'
+    says '^Number of connected users: *1$'
+    says '^Connected users: *chief$'
+    says '^Restart due: *no$'
+}
+is_fine() {
+    is_running
+    says '^Pending changes: *none$'
+    says '^Current errors: *none$'
+}
+property() {
+    as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Controller/DeviceState/$1"
+    says "^\"$2\"\$"
+}
+simulate() {
+    as engineer 0 call "$url" "nsu=urn:busbar:machine;s=Machine/Hardware" Simulate "$1"
+}
+restart() {
+    as chief 0 admin shutdown "$url" --restart --seconds 0 --yes
+    await ends_with_running
+}
+ends_with_running() {
+    ends_with 0 --user chief --password-file password --trust admin status "$url" &&
+        grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
+}
+
+echo "patience is all" > password
+hash=$(quick_hash password)
+port=$((20000 + $$ % 12000))
+{
+    cat << END
+[server]
+address = "127.0.0.1"
+port = $port
+[certificates]
+folder = "pki"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+[machine]
+program = "press.st"
+name = "Controller"
+state = "state"
+medium = "medium"
+execution_log = true
+simulated_hardware = true
+mode = "PROGRAM"
+$quick_logins
+authorities = "five levels"
+END
+    account chief SecurityAdmin
+    account engineer Engineer
+    account fitter Supervisor
+    account op Operator
+    account watcher Observer
+} > good.toml
+cp good.toml controller.toml
+cat > press.st << 'END'
+VAR_GLOBAL
+    {attribute 'publish' := 'publish only'}
+    Speed : INT := 17;
+END_VAR
+END
+cp press.st good.st
+
+run 0 cert create
+serve --config controller.toml
+as chief 4 admin status "$url"
+mv pki/rejected/certs/* pki/trusted/certs/
+is_fine
+power_cycle
+is_fine
+
+# For five levels of users: who may see it, the certificate, the users, and the events.
+for user in chief engineer fitter op; do
+    status $user
+    says "^Connected users: *$user\$"
+    as $user 0 admin cert show "$url"
+    says '^own'
+    as $user 0 admin user list "$url"
+    as $user 0 admin events "$url"
+    says '95D00000 OPC UA Server Started'
+done
+as watcher 4 admin status "$url"
+says 'it is for users with the role Operator'
+as watcher 1 admin cert show "$url"
+as watcher 1 admin events "$url"
+says 'may not see it'
+
+# A client sees the same as nodes, below the machine's folder.
+as op 0 read --value "$url" "ns=1;s=Status/ConnectedUserNames"
+says 'op'
+as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
+says 'Status'
+
+# Faults of the controller: told, shown as 4-1-3 has it, and over after a reset.
+simulate "minor fault"
+property ErrorState ContinuousError
+simulate "partial fault"
+property ErrorState ContinuousError
+status
+says '00000003 Controller Minor Fault: CPU Unit'
+says '00000002 Controller Partial Fault: CPU Unit'
+says '^Restart due: *no$'
+simulate "major fault"
+property ErrorState MajorFault
+status
+says '^Server operating status: *Running$'
+says '00000001 Controller Major Fault: CPU Unit. Remove the cause'
+says '^Restart due: *a fault has stopped the user program$'
+await logged 'event log: 00000001 Controller Major Fault: CPU Unit. Remove the cause'
+restart
+property ErrorState NoError
+is_fine
+power_cycle
+is_fine
+
+# One of the server halts it. An administrator sees why, also in the events, and mends it.
+simulate "partial fault of the server"
+await logged 'halt, until a restart'
+status
+says '^Server operating status: *Halt error$'
+says '^End point: *---$'
+says '^Halted because of: *OPC UA System Error'
+says '^Restart due: *a fatal error has stopped the OPC UA server$'
+says '44180000 OPC UA System Processing Error. Cycle the power'
+as chief 0 admin events "$url" --code 44180000
+says 'Correction: Cycle the power'
+restart
+is_fine
+simulate "watchdog"
+await logged 'the OPC UA server is shut down'
+status
+says '^Server operating status: *Shutdown$'
+restart
+is_fine
+
+# What is asked for and not in force.
+printf 'VAR_GLOBAL\n    Speed : IN' > press.st
+kill -HUP "$pid"
+await logged 'press.st:2:.*; nothing was changed'
+is_running
+says '^Pending changes: *press.st:2:'
+power_cycle
+is_running
+says '^Pending changes: *press.st:2:.*$'
+says 'ran with last'
+says '00000004 Configuration Not in Force: press.st:2:'
+cp good.st press.st
+kill -HUP "$pid"
+await logged 'read again'
+is_fine
+as chief 0 admin setting set "$url" machine.execution_log_files 7
+status
+says 'waits for a restart'
+restart
+is_fine
+
+# A port that somebody else has: the program goes on, and an administrator is told why it halts.
+kill -9 "$pid"
+wait "$pid" 2> /dev/null
+sed -e 's/"pki"/"other-pki"/' -e '/^\[machine\]/,/^mode/d' good.toml > squatter.toml
+"$controller" --config squatter.toml > squatter 2>&1 < /dev/null &
+squatter=$!
+await grep -q '^ready' squatter
+serve --config controller.toml
+status
+says '^Server operating status: *Halt error$'
+says '^Halted because of: *Server Start Error: .*cannot listen on'
+says '^Pending changes: .*cannot listen on'
+says '35D00000 OPC UA Server Setting Error. Transfer the settings again'
+kill -9 $squatter
+wait $squatter 2> /dev/null
+await logged "the OPC UA server runs at opc.tcp://127.0.0.1:$port"
+url=opc.tcp://127.0.0.1:$port
+is_fine
+power_cycle
+is_fine
+
+# Past events, also of before the power cuts.
+as chief 0 admin events "$url" --level "minor fault" --last 100
+says '35D00000 OPC UA Server Setting Error$'
+says 'Cause: .*something else uses the port'
+hides '95D00000'
+as chief 0 admin events "$url" --code 00000001 --last 1
+says 'Major fault  00000001 Controller Major Fault: CPU watchdog'
+as chief 0 --json admin events "$url" --code 95d00000 --last 1
+says '"code":"95D00000","name":"OPC UA Server Started","level":"Information"'
+as chief 2 admin events "$url" --code 95D0
+says 'is no event code'
+as op 0 admin file list "$url" EventLog
+says 'events.log'
+kill "$pid"
+await ended
+exit $((failures > 0))
