@@ -243,11 +243,14 @@ TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRA
         CHECK(refusal({{each.name, value(each.name)}}) == "none"); // what it is already
         CHECK(refusal({{each.name, Variant{}}}) == "none");
     }
-    // Other settings change; the mode is another one after a restart only.
+    // Other settings change, and the mode that it waits for: not in one set.
+    CHECK(set({changes[0], {"machine.mode", Variant{"PROGRAM"}}}).error().status ==
+          status::Bad_InvalidState);
     CHECK(refusal({{"server.name", Variant{"Lathe"}}, {"machine.mode", Variant{"PROGRAM"}}}) ==
           "none");
+    CHECK(refusal({{"machine.mode", Variant{"RUN"}}}) == "none");
     CHECK(set({changes[0]}).error().status == status::Bad_InvalidState);
-    start();
+    CHECK(refusal({{"machine.mode", Variant{"PROGRAM"}}}) == "none");
     CHECK(refusal(changes) == "none");
     forget_changes(file);
     write_machine("PROGRAM");

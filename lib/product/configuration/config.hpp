@@ -102,7 +102,10 @@ struct FilesConfig {
 struct MachineConfig {
     /// Null: there is none.
     std::shared_ptr<const controller::Program> program;
+    /// What the configuration names.
     std::string program_file;
+    /// That of the program, which is another one if it was received.
+    std::string program_name;
     /// The file's, to tell whether it is another one; null without a program.
     std::shared_ptr<const std::string> program_text;
     /// Of the folder that has everything; empty: the server's name.

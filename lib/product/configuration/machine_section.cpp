@@ -46,7 +46,7 @@ std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerCo
     const MachineConfig& machine = config.machine;
     return expect(controller::PublishedProgram::create(*machine.program, machine.publishing)
                       .transform_error([&](Problem problem) {
-                          return in_file(std::move(problem), machine.program_file);
+                          return in_file(std::move(problem), machine.program_name);
                       }));
 }
 
@@ -77,9 +77,10 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     if (machine.program_file.empty()) {
         return;
     }
-    ProgramFile file = read_program_file(table, "program");
+    ProgramFile file = read_machine_program(table, "program");
     machine.program_text = std::move(file.text);
     machine.program = std::move(file.program);
+    machine.program_name = std::move(file.name);
     static_cast<void>(publish_program(config));
 }
 

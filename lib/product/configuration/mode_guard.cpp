@@ -33,7 +33,7 @@ Configured<void> check_in_run(const administration::SettingValues& now,
         if (before != now.end() && after != next.end() && !(before->second == after->second)) {
             return misconfigured(std::string{name},
                                  "cannot change while the machine is in RUN; set machine.mode to "
-                                 "PROGRAM and restart the controller before",
+                                 "PROGRAM before",
                                  status::Bad_InvalidState);
         }
     }

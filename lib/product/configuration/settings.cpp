@@ -10,6 +10,7 @@
 
 #include "limit_keys.hpp"
 #include "mode_guard.hpp"
+#include "product/store/received_program.hpp"
 #include "product/store/taken_over.hpp"
 #include "setting_keys.hpp"
 #include "setting_overlay.hpp"
@@ -81,6 +82,7 @@ Settings::Settings(const std::string& path, std::string preset, Completion compl
                                                           controller_settings(table_of(text_))}
 {
     expect(administration::finish_changes(folder_));
+    sources_.receive_at(folder_.place(ReceivedProgram::file_name));
     expect(list_.load());
     try {
         take(version(text_, sources_, list_.changes()));
@@ -92,8 +94,6 @@ Settings::Settings(const std::string& path, std::string preset, Completion compl
                                         "drops"};
     }
     started_ = values_;
-    is_in_run_ =
-        config_.machine.program != nullptr && config_.machine.mode == controller::MachineMode::Run;
 }
 
 toml::table Settings::table_of(const std::string& text) const
@@ -124,6 +124,27 @@ Settings::Version Settings::version(const std::string& text, SourceFiles sources
     return version;
 }
 
+Variant Settings::file_value(std::string_view name) const
+{
+    const Setting* const setting = list_.find(name);
+    const Variant value = setting != nullptr ? value_in(table_of(text_), *setting) : Variant{};
+    return value.is_null() && setting != nullptr ? setting->otherwise : value;
+}
+
+std::vector<std::string> Settings::overruled() const
+{
+    const toml::table table = table_of(text_);
+    std::vector<std::string> names;
+    for (const auto& [name, value] : list_.changes()) {
+        const Setting* const setting = list_.find(name);
+        const Variant of_file = setting != nullptr ? value_in(table, *setting) : Variant{};
+        if (!of_file.is_null() && !(of_file == value)) {
+            names.push_back(name);
+        }
+    }
+    return names;
+}
+
 void Settings::take(Version version)
 {
     config_ = std::move(version.config);
@@ -137,6 +158,7 @@ void Settings::take(Version version)
 void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
 {
     SourceFiles sources;
+    sources.receive_at(sources_.received_place());
     std::string text = read_config_text(path_, sources);
     Version all = version(text, std::move(sources), list_.changes());
     check(all.config);
@@ -167,7 +189,8 @@ Configured<void> Settings::check(const SettingValues& changes)
 {
     try {
         const Version all = version(text_, sources_, changes);
-        if (is_in_run_) {
+        const MachineConfig& machine = config_.machine;
+        if (machine.program != nullptr && machine.mode == controller::MachineMode::Run) {
             if (auto checked = check_in_run(values_, all.values); !checked) {
                 return checked;
             }

@@ -2,7 +2,9 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <busbar/administration/setting_list.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -17,7 +19,7 @@ namespace busbar::product {
 /// The settings of a controller: what its file says, and over it what was changed online, which
 /// lies in the folder of certificates. The file is read, never written.
 ///
-/// A machine that was started in RUN refuses to have some of them changed online (see
+/// A machine that is in RUN refuses to have some of them changed online (see
 /// program_only_settings).
 class Settings final : public administration::SettingOwner {
 public:
@@ -45,8 +47,13 @@ public:
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     /// The file's, as it was read last.
     [[nodiscard]] const std::string& text() const { return text_; }
+    /// What the file says of a setting, or else its default; null if there is none of the name.
+    [[nodiscard]] Variant file_value(std::string_view name) const;
+    /// The names of those that the file says otherwise than what was changed online, which counts.
+    [[nodiscard]] std::vector<std::string> overruled() const;
     /// Those that config() is made of.
     [[nodiscard]] SourceFiles& sources() { return sources_; }
+    [[nodiscard]] const SourceFiles& sources() const { return sources_; }
     /// They have these texts from now on, of which config() is not made anew.
     void use(SourceFiles sources) { sources_ = std::move(sources); }
     [[nodiscard]] administration::SettingList& list() { return list_; }
@@ -94,8 +101,6 @@ private:
     ControllerConfig config_;
     administration::SettingValues values_;
     administration::SettingValues started_;
-    /// The mode that the machine was started in, if there is one.
-    bool is_in_run_{false};
     Running running_;
 };
 

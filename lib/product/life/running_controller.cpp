@@ -180,8 +180,14 @@ Surroundings RunningController::surroundings()
 #ifdef BUSBAR_KEY_LOG
     environment.key_log = key_log_.get();
 #endif
-    .port = listening_.port(), .pending = pending_
-};
+    return {.environment = environment,
+            .lines = log_,
+            .runtime = runtime_,
+            .machine = machine_ ? &*machine_ : nullptr,
+            .labels = labels_ ? labels_->labels() : runtime_.labels(),
+            .label_priority = labels_ ? labels_->task_priority() : 0,
+            .port = listening_.port(),
+            .pending = pending_};
 }
 
 Requests RunningController::requests()

@@ -1,10 +1,13 @@
 #include "program_change.hpp"
 
 #include <algorithm>
-#include <string>
+#include <array>
+#include <cstddef>
 #include <string_view>
-#include <vector>
+#include <unordered_map>
+#include <utility>
 
+#include <busbar/controller/program_types.hpp>
 #include <busbar/core/text.hpp>
 
 namespace busbar::product {
@@ -46,7 +49,151 @@ Configured<void> check_same(std::string_view list, const std::vector<Part>& befo
     return {};
 }
 
+using controller::DerivedType;
+using controller::GlobalVariable;
+using controller::InitialValue;
+using controller::TypeUse;
+
+std::string text_of(const TypeUse& use)
+{
+    std::string all;
+    for (const controller::Bounds& each : use.dimensions) {
+        all += (all.empty() ? "ARRAY[" : ", ") + std::to_string(each.lower) + ".." +
+               std::to_string(each.upper);
+    }
+    all += all.empty() ? "" : "] OF ";
+    all += use.type_name.empty() ? std::string{controller::name(use.elementary)} : use.type_name;
+    if (use.type_name.empty() && use.elementary == controller::ElementaryType::String) {
+        all += "[" + std::to_string(use.string_length) + "]";
+    }
+    if (use.subrange) {
+        all += "(" + std::to_string(use.subrange->lower) + ".." +
+               std::to_string(use.subrange->upper) + ")";
+    }
+    return all;
+}
+
+std::string text_of(const Variant& value)
+{
+    if (const auto* const flag = value.get_if<bool>()) {
+        return *flag ? "TRUE" : "FALSE";
+    }
+    if (const auto* const number = value.get_if<std::int64_t>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* const number = value.get_if<std::uint64_t>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* const number = value.get_if<double>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* const text = value.get_if<String>()) {
+        return "'" + printable(text->view()) + "'";
+    }
+    const auto* const time = value.get_if<DateTime>();
+    return time != nullptr ? to_string(*time) : "";
+}
+
+/// In parentheses where there are parts.
+std::string text_of(const InitialValue& initial)
+{
+    std::string all = initial.member.empty() ? "" : initial.member + " := ";
+    all += initial.repeat > 1 ? std::to_string(initial.repeat) + " times " : "";
+    if (initial.parts.empty()) {
+        return all + text_of(initial.value);
+    }
+    const char* separator = "(";
+    for (const InitialValue& part : initial.parts) {
+        all += separator + text_of(part);
+        separator = ", ";
+    }
+    return all + ")";
+}
+
+std::string with_initial(std::string text, const InitialValue& initial)
+{
+    return initial.empty() ? text : std::move(text) + " := " + text_of(initial);
+}
+
+std::string text_of(const GlobalVariable& variable)
+{
+    constexpr std::array<std::string_view, 4> publishing{"", ", published", ", published as input",
+                                                         ", published as output"};
+    return with_initial(text_of(variable.type), variable.initial) +
+           (variable.is_constant ? ", CONSTANT" : "") + (variable.is_retained ? ", RETAIN" : "") +
+           (variable.address.empty() ? "" : ", AT " + variable.address) +
+           std::string{publishing[static_cast<std::size_t>(variable.publish)]};
+}
+
+std::string text_of(const DerivedType& type)
+{
+    constexpr std::array<std::string_view, 4> kinds{"", "(", "STRUCT ", "UNION "};
+    std::string all{kinds[static_cast<std::size_t>(type.kind)]};
+    if (type.kind == DerivedType::Kind::Alias) {
+        all += text_of(type.alias);
+    }
+    const char* separator = "";
+    for (const controller::Enumerator& each : type.enumerators) {
+        all += separator + each.name + " := " + std::to_string(each.value);
+        separator = ", ";
+    }
+    for (const controller::Member& each : type.members) {
+        all += separator + each.name + " : " + with_initial(text_of(each.type), each.initial);
+        separator = "; ";
+    }
+    all += type.kind == DerivedType::Kind::Enumeration ? ")" : "";
+    return with_initial(std::move(all), type.initial);
+}
+
+std::string text_of(const controller::ProgramTask& task)
+{
+    return "priority " + std::to_string(task.priority) + ", interval " + task.interval;
+}
+
+std::string text_of(const controller::ProgramInstance& instance)
+{
+    return instance.type_name + " in " + instance.task;
+}
+
+template <typename Part>
+void add_differences(std::vector<ProgramDifference>& all, const char* what,
+                     const std::vector<Part>& file, const std::vector<Part>& controller)
+{
+    std::unordered_map<std::string, const Part*> others;
+    for (const Part& each : controller) {
+        others.emplace(controller::fold_name(each.name), &each);
+    }
+    const auto add = [&](const Part& named, std::string of_file, std::string of_controller) {
+        all.push_back(
+            {what + (" " + printable(named.name)), std::move(of_file), std::move(of_controller)});
+    };
+    for (const Part& each : file) {
+        const auto other = others.extract(controller::fold_name(each.name));
+        std::string of_file = text_of(each);
+        std::string of_controller = other.empty() ? "" : text_of(*other.mapped());
+        if (of_file != of_controller) {
+            add(each, std::move(of_file), std::move(of_controller));
+        }
+    }
+    for (const Part& each : controller) {
+        if (others.contains(controller::fold_name(each.name))) {
+            add(each, "", text_of(each));
+        }
+    }
+}
+
 } // namespace
+
+std::vector<ProgramDifference> differences(const controller::Program& file,
+                                           const controller::Program& controller)
+{
+    std::vector<ProgramDifference> all;
+    add_differences(all, "type", file.types, controller.types);
+    add_differences(all, "variable", file.variables, controller.variables);
+    add_differences(all, "task", file.tasks, controller.tasks);
+    add_differences(all, "instance", file.instances, controller.instances);
+    return all;
+}
 
 Configured<void> check_same_tasks(const controller::Program& before,
                                   const controller::Program& edited)

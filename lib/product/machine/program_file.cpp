@@ -6,38 +6,62 @@
 #include <busbar/controller/plcopen_xml.hpp>
 #include <busbar/core/status_codes.hpp>
 
+#include "product/store/received_program.hpp"
+
 namespace busbar::product {
 
 namespace {
 
 constexpr std::string_view xml_ending = ".xml";
 
-controller::Program read_program(const std::string& text, const std::string& path)
+/// As it was read before from what lies at this place, or else by `read`.
+template <typename Read>
+std::shared_ptr<const controller::Program> program_of(SourceFiles& sources,
+                                                      const std::string& place, Read read)
 {
-    if (path.ends_with(xml_ending)) {
-        return expect(controller::read_plcopen_xml(text, path));
+    auto& program = sources.program(place);
+    if (program == nullptr) {
+        program = std::make_shared<const controller::Program>(expect(read()));
     }
-    return expect(controller::read_declarations(text, path));
+    return program;
 }
 
 } // namespace
 
+Configured<controller::Program> read_program(std::string_view text, const std::string& name)
+{
+    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
+                                      : controller::read_declarations(text, name);
+}
+
 ProgramFile read_program_file(const TomlTable& table, const std::string& key)
 {
+    SourceFiles& sources = table.sources();
     const std::string path = table.text(key);
     const std::size_t most = controller::DeclarationLimits{}.max_text_size;
-    auto text = table.sources().text(path, most);
+    auto text = sources.text(path, most);
     if (!text && text.error().status == status::Bad_EncodingLimitsExceeded) {
         table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
     }
     if (!text) {
         table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
     }
-    auto& program = table.sources().program(path);
-    if (program == nullptr) {
-        program = std::make_shared<const controller::Program>(read_program(**text, path));
+    auto program = program_of(sources, path, [&] { return read_program(**text, path); });
+    return {*std::move(text), std::move(program), path};
+}
+
+ProgramFile read_machine_program(const TomlTable& table, const std::string& key)
+{
+    SourceFiles& sources = table.sources();
+    const auto document = expect(sources.received());
+    if (!document) {
+        return read_program_file(table, key);
     }
-    return {*std::move(text), program};
+    auto received = expect(read_received(**document, sources.received_place()));
+    auto program = program_of(sources, sources.received_place(),
+                              [&] { return read_program(received.text, received.name); });
+    return {std::make_shared<const std::string>(std::move(received.text)), std::move(program),
+            std::move(received.name)};
 }
 
 Problem in_file(Problem problem, const std::string& file)

@@ -8,6 +8,8 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "received_program.hpp"
+
 namespace busbar::product {
 
 Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::size_t most)
@@ -38,6 +40,20 @@ Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::si
                              status::Bad_EncodingLimitsExceeded);
     }
     return texts_.emplace(path, std::make_shared<const std::string>(std::move(text))).first->second;
+}
+
+Configured<std::optional<SourceFiles::Text>> SourceFiles::received()
+{
+    std::error_code ignored;
+    const bool is_there = !received_place_.empty() &&
+                          (texts_.contains(received_place_) ||
+                           (!has_all_ && std::filesystem::exists(received_place_, ignored)));
+    if (!is_there) {
+        return std::optional<Text>{};
+    }
+    return text(received_place_, ReceivedProgram::max_size).transform([](Text text) {
+        return std::optional{std::move(text)};
+    });
 }
 
 } // namespace busbar::product

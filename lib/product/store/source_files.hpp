@@ -4,7 +4,9 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <busbar/controller/program.hpp>
 #include <busbar/core/problem.hpp>
@@ -23,11 +25,17 @@ public:
     /// Remembers nothing yet.
     SourceFiles() = default;
     /// Remembers these, as if it had read them.
-    explicit SourceFiles(Texts texts) : texts_{std::move(texts)} {}
+    explicit SourceFiles(Texts texts) : texts_{std::move(texts)}, has_all_{!texts_.empty()} {}
 
     /// What the file has. Bad_NotFound if it cannot be read, Bad_ConfigurationError for a
     /// directory, Bad_EncodingLimitsExceeded if it has more than `most` bytes.
     [[nodiscard]] Configured<Text> text(const std::string& path, std::size_t most);
+    /// A ReceivedProgram lies there, or none.
+    void receive_at(std::string place) { received_place_ = std::move(place); }
+    [[nodiscard]] const std::string& received_place() const { return received_place_; }
+    /// The document of the ReceivedProgram; nothing if there is none, or none among texts that it
+    /// was made with. Problems as of text().
+    [[nodiscard]] Configured<std::optional<Text>> received();
     /// What was read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }
 
@@ -40,6 +48,9 @@ public:
 
 private:
     Texts texts_;
+    /// It was made with all there is to a configuration.
+    bool has_all_{false};
+    std::string received_place_;
     std::map<std::string, std::shared_ptr<const controller::Program>, std::less<>> programs_;
 };
 
