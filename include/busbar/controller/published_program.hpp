@@ -57,6 +57,8 @@ public:
     [[nodiscard]] Configured<ProgramImage>
     make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
+    /// Whether edit() would find that the program has to be downloaded; the image is not looked at.
+    [[nodiscard]] Configured<void> check_edit(Program edited) const;
     /// Takes in an online edit (seed 000, 3-3-2, 4-2-5 and 6-2-2): `edited` is the whole program.
     /// Variables whose names are new are added, with their types, and those that it does not have
     /// any more are removed; another publish attribute counts as one of the two. `image` is the one
@@ -80,6 +82,7 @@ private:
     };
 
     [[nodiscard]] static Configured<std::unique_ptr<const Edition>> checked(Program program);
+    [[nodiscard]] Configured<std::unique_ptr<const Edition>> edition_of(Program edited) const;
     struct NewHandles;
     /// Variables that are new in the image have handles from `first` on.
     void take(NewHandles handles, std::uint32_t first) noexcept;

@@ -169,12 +169,12 @@ Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_in
         options);
 }
 
-Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t namespace_index,
-                                                   ProgramImage& image)
+Configured<std::unique_ptr<const PublishedProgram::Edition>>
+PublishedProgram::edition_of(Program edited) const
 {
     auto edition = checked(std::move(edited));
     if (!edition) {
-        return Unexpected{std::move(edition).error()};
+        return edition;
     }
     const ProgramTypes& types = *(*edition)->types;
     for (const auto& before : editions_) {
@@ -182,10 +182,26 @@ Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t
             return Unexpected{std::move(same).error()};
         }
     }
-    const ProgramTypes& current = *editions_.back()->types;
-    if (auto same = detail::check_same_variables(current, types); !same) {
+    if (auto same = detail::check_same_variables(*editions_.back()->types, types); !same) {
         return Unexpected{std::move(same).error()};
     }
+    return edition;
+}
+
+Configured<void> PublishedProgram::check_edit(Program edited) const
+{
+    return edition_of(std::move(edited)).transform([](const auto&) {});
+}
+
+Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t namespace_index,
+                                                   ProgramImage& image)
+{
+    auto edition = edition_of(std::move(edited));
+    if (!edition) {
+        return Unexpected{std::move(edition).error()};
+    }
+    const ProgramTypes& types = *(*edition)->types;
+    const ProgramTypes& current = *editions_.back()->types;
     const Variables before = by_name(current.program());
     const Variables after = by_name(types.program());
     Handles in_image{in_image_};

@@ -167,7 +167,7 @@ bool is_live(std::string_view name)
     if (const LimitKey* const limit = find_limit(name)) {
         return limit->is_live;
     }
-    return name == "endpoint" || name == "server.name" ||
+    return name == "endpoint" || name == "server.name" || name == "machine.mode" ||
            name.starts_with("limits.subscriptions.sa") ||
            name == "limits.subscriptions.overload_percent";
 }

@@ -158,20 +158,20 @@ void Generation::attach(const Requests& requests)
 {
     const auto files = around_.machine != nullptr ? around_.machine->file_systems()
                                                   : std::vector<administration::FileSystem>{};
-    administered_.attach({.server = server_,
-                          .admission = admission_,
-                          .config = config_,
-                          .settings = *settings_,
-                          .worker = worker_,
-                          .stop = requests.stop,
-                          .restart = requests.restart,
-                          .may_restart = requests.may_restart,
-                          .offer_changed = [this] { live_.apply(settings_->config()); },
-                          .renewed = requests.renewed,
-                          .file_systems = files,
-                          .file_transfers = transfers(requests),
-                          .status = status_facts({server_, config_, *settings_, around_.machine,
-                                                  around_.pending})});
+    administered_.attach(
+        {.server = server_,
+         .admission = admission_,
+         .config = config_,
+         .settings = *settings_,
+         .worker = worker_,
+         .stop = requests.stop,
+         .restart = requests.restart,
+         .may_restart = requests.may_restart,
+         .offer_changed = [this] { live_.apply(settings_->config()); },
+         .renewed = requests.renewed,
+         .file_systems = files,
+         .file_transfers = transfers(requests),
+         .status = status_facts({server_, config_, *settings_, around_.machine, around_.pending})});
     settings_->run(
         {.check =
              [this, listeners = requests.check_listeners](const ControllerConfig& next) {
@@ -181,7 +181,7 @@ void Generation::attach(const Requests& requests)
              },
          .apply =
              [this, changed = requests.settings_changed](const ControllerConfig& next) {
-                 live_.apply(next);
+                 apply(next);
                  changed();
              }});
 }
@@ -230,6 +230,8 @@ std::vector<administration::TemporaryFileTransfer> Generation::backups(const Req
 std::vector<administration::TemporaryFileTransfer> Generation::transfers(const Requests& requests)
 {
     auto all = backups(requests);
+    const auto more = programs(requests);
+    all.insert(all.end(), more.begin(), more.end());
     if (project_ != nullptr) {
         all.push_back(
             project_->transfer(server_, BUSBAR_VERSION, administered_.log(),
@@ -241,30 +243,100 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
     return all;
 }
 
-Configured<void> Generation::edit(const Reading& next)
+std::vector<administration::TemporaryFileTransfer> Generation::programs(const Requests& requests)
+{
+    Machine* const machine = around_.machine;
+    if (machine == nullptr) {
+        return {};
+    }
+    program_service_.emplace(ProgramService::Needs{
+        .program = [this] { return program(); },
+        .change = requests.change_program,
+        .mode = [machine] { return machine->mode(); },
+        .set_mode = [this](controller::MachineMode mode) { return set_mode(mode); },
+        .clock = *around_.environment.wall_clock,
+        .log = administered_.log()});
+    return {program_service_->transfer()};
+}
+
+void Generation::apply(const ControllerConfig& next)
+{
+    live_.apply(next);
+    if (around_.machine != nullptr && next.machine.mode != config_.machine.mode) {
+        config_.machine.mode = next.machine.mode;
+        around_.machine->change_mode(next.machine.mode);
+        plant_.program()->show_mode(server_, next.machine.mode);
+        administered_.log().write(
+            LogLevel::Info, "controller",
+            std::string{"the machine is in "} +
+                (next.machine.mode == controller::MachineMode::Run ? "RUN" : "PROGRAM"));
+    }
+}
+
+/// What the file says already needs not be said over it.
+Configured<void> Generation::set_mode(controller::MachineMode mode)
+{
+    constexpr const char* name = "machine.mode";
+    const Variant wanted{mode == controller::MachineMode::Run ? "RUN" : "PROGRAM"};
+    const bool is_of_file = settings_->file_value(name) == wanted;
+    const administration::SettingChange change{name, is_of_file ? Variant{} : wanted};
+    return settings_->list().change({&change, 1}, *settings_);
+}
+
+ProgramInForce Generation::program() const
+{
+    const MachineConfig& machine = config_.machine;
+    ProgramInForce now{.name = machine.program_name,
+                       .text = machine.program_text,
+                       .program = machine.program,
+                       .file = machine.program_file,
+                       .published = plant_.visible_variables()};
+    const SourceFiles& sources = settings_->sources();
+    const auto document = sources.texts().find(sources.received_place());
+    if (document != sources.texts().end()) {
+        auto received = read_received(*document->second, document->first);
+        now.is_received = true;
+        now.user = received ? std::move(received->user) : std::string{};
+        now.time = received ? received->time : DateTime{};
+    }
+    const auto file = SourceFiles{}.text(machine.program_file, ReceivedProgram::max_text);
+    now.is_file_other = !file || **file != *machine.program_text;
+    return now;
+}
+
+Configured<void> Generation::check_edit(const Reading& next) const
 {
     const MachineConfig& machine = next.config.machine;
     if (next.settings->text() != settings_->text()) {
         return misconfigured(origin_.file, "is another one, too");
     }
+    return check_same_tasks(*config_.machine.program, *machine.program)
+        .and_then([&] { return plant_.program()->check_edit(*machine.program); })
+        .transform_error(
+            [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
+}
+
+Configured<void> Generation::edit(const Reading& next)
+{
+    const MachineConfig& machine = next.config.machine;
     MachineProgram& program = *plant_.program();
     const auto add = [&] {
-        auto change = program.edit(*machine.program, server_);
-        if (change) {
-            plant_.loaded().edited(*change);
-        }
-        return change;
+        return program.edit(*machine.program, server_)
+            .transform([&](controller::ProgramAddition change) {
+                plant_.loaded().edited(change);
+                return change;
+            })
+            .transform_error(
+                [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
     };
-    auto done = check_same_tasks(*config_.machine.program, *machine.program).and_then([&] {
-        return around_.machine->edit(program, add);
-    });
-    if (!done) {
-        return Unexpected{in_file(std::move(done.error()), machine.program_file)};
-    }
-    config_.machine.program = machine.program;
-    config_.machine.program_text = machine.program_text;
-    use(next.settings->sources());
-    return {};
+    return check_edit(next)
+        .and_then([&] { return around_.machine->edit(program, add); })
+        .transform([&] {
+            config_.machine.program = machine.program;
+            config_.machine.program_name = machine.program_name;
+            config_.machine.program_text = machine.program_text;
+            use(next.settings->sources());
+        });
 }
 
 TakenOver Generation::taken_over() const
@@ -315,6 +387,11 @@ std::string Generation::reload()
 {
     std::string found = product::reload(origin_.file, *settings_, admission_,
                                         around_.environment.wall_clock->now());
+    const char* separator = "; what was changed online counts instead of the file: ";
+    for (const std::string& name : settings_->overruled()) {
+        found += separator + name;
+        separator = ", ";
+    }
     administered_.read_users();
     server_.announce_access_change(std::chrono::steady_clock::now());
     return found;

@@ -23,8 +23,10 @@
 #include "product/machine/machine_backup.hpp"
 #include "product/machine/machine_files.hpp"
 #include "product/machine/plant.hpp"
+#include "product/machine/program_service.hpp"
 #include "product/machine/status.hpp"
 #include "product/model/mapped_model.hpp"
+#include "product/store/received_program.hpp"
 #include "product/store/taken_over.hpp"
 
 namespace busbar::product {
@@ -64,6 +66,8 @@ struct Requests {
     std::function<Configured<void>(const ControllerConfig& next)> check_listeners;
     /// Settings were changed online.
     std::function<void()> settings_changed;
+    /// Carries out what becomes of a machine's program; see ProgramService.
+    std::function<Configured<ProgramVerdict>(const ProgramChange&)> change_program;
 };
 
 /// Everything that is made of one reading of the configuration: a server with its users and
@@ -99,6 +103,17 @@ public:
     /// Has the PLC's program, which may run, become that of `next`. The problem is that this takes
     /// another generation, with the file: nothing was changed.
     [[nodiscard]] Configured<void> edit(const Reading& next);
+    /// Whether edit() would.
+    [[nodiscard]] Configured<void> check_edit(const Reading& next) const;
+    /// Of a machine.
+    [[nodiscard]] ProgramInForce program() const;
+    /// Keeps the document of a ReceivedProgram, or none, for the next reading.
+    [[nodiscard]] Configured<void> keep_program(const std::optional<std::string>& document)
+    {
+        return keep_received(settings_->files(), document);
+    }
+    /// Those that it runs with.
+    [[nodiscard]] const SourceFiles& sources() const { return settings_->sources(); }
     /// How to reach it and what is left to do, for people.
     void print_welcome() const;
     /// What the PLC did, for people.
@@ -116,6 +131,12 @@ private:
     /// A machine's backups (seed 000, 8-2 and 8-3).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     backups(const Requests& requests);
+    /// Its program.
+    [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
+    programs(const Requests& requests);
+    /// Puts in force what can be of another configuration while it runs.
+    void apply(const ControllerConfig& next);
+    [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
     /// Those, and the project of model mode (seed 001, 9.13).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     transfers(const Requests& requests);
@@ -130,6 +151,7 @@ private:
     // Before the Administration, which they outlive.
     std::optional<MachineFiles> memory_files_;
     std::optional<MachineBackup> backup_;
+    std::optional<ProgramService> program_service_;
     std::shared_ptr<KeptProject> project_;
     Administered administered_;
     Admission admission_;

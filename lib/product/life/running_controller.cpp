@@ -213,7 +213,8 @@ Requests RunningController::requests()
             },
         .may_restart = [this] { return may_restart(); },
         .check_listeners = [this](const ControllerConfig& next) { return check_listeners(next); },
-        .settings_changed = [this] { loop_.post([this] { keep(); }); }};
+        .settings_changed = [this] { loop_.post([this] { keep(); }); },
+        .change_program = [this](const ProgramChange& change) { return change_program(change); }};
 }
 
 void RunningController::happen(HardwareEvent event)
@@ -378,7 +379,7 @@ Configured<void> RunningController::check_listeners(const ControllerConfig& next
     return next.machine.is_used ? listening_.check(listeners_of(next)) : Configured<void>{};
 }
 
-void RunningController::check_download(const ControllerConfig& next, const Problem& edit) const
+void RunningController::check_download(const ControllerConfig& next, const std::string& edit) const
 {
     if (next.machine.is_used != current_->config().machine.is_used) {
         throw ConfigError{"machine.use", "changes with a restart of the controller only"};
@@ -387,9 +388,10 @@ void RunningController::check_download(const ControllerConfig& next, const Probl
         return machine.mode == controller::MachineMode::Run;
     };
     if (is_in_run(current_->config().machine) && is_in_run(next.machine)) {
-        throw ConfigError{next.machine.program_file,
-                          text(edit) + "; a download waits until the machine is not in RUN: set "
-                                       "mode = \"PROGRAM\" in [machine] for it"};
+        throw ConfigError{
+            "", edit + (edit.empty() ? "" : "; ") +
+                    "a download waits until the machine is not in RUN: `busbar admin mode "
+                    "program`, or mode = \"PROGRAM\" in [machine], is for it"};
     }
 }
 
@@ -398,20 +400,106 @@ bool RunningController::download()
     Reading reading = read(origin_);
     const MachineConfig& machine = reading.config.machine;
     if (!machine.program || *machine.program_text == *current_->config().machine.program_text) {
+        tell_of_other_file();
         return false;
     }
-    const std::string file = machine.program_file;
+    const std::string file = machine.program_name;
     const auto edited = current_->edit(reading);
     if (edited) {
         log_.write(LogLevel::Info, "controller", "edited online: " + file);
         keep();
         return false;
     }
-    check_download(reading.config, edited.error());
+    check_download(reading.config, text(edited.error()));
     replace(Machine::Cause::Download, std::move(reading),
             {.reason = "a program is downloaded to the controller"});
     log_.write(LogLevel::Info, "controller", "downloaded: " + file);
     return true;
+}
+
+void RunningController::tell_of_other_file()
+{
+    const ProgramInForce now = current_->program();
+    if (now.is_received && now.is_file_other) {
+        log_.write(LogLevel::Warning, "controller",
+                   now.file + " does not count: " + now.name +
+                       ", which was sent over OPC UA, does, until `busbar admin program restore`");
+    }
+}
+
+Reading RunningController::reading_with(const std::optional<std::string>& program) const
+{
+    TakenOver now = current_->taken_over();
+    const std::string& place = current_->sources().received_place();
+    if (program) {
+        now.files[place] = std::make_shared<const std::string>(*program);
+    } else {
+        now.files.erase(place);
+        now.files.erase(current_->config().machine.program_file);
+    }
+    return read(origin_, {.files = std::move(now.files), .project = now.project});
+}
+
+Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)
+{
+    using Step = ProgramChange::Step;
+    try {
+        Reading next = reading_with(change.document);
+        ProgramVerdict verdict;
+        verdict.is_same =
+            *next.config.machine.program_text == *current_->config().machine.program_text;
+        const auto may_edit = current_->check_edit(next);
+        verdict.against_edit = may_edit ? "" : text(may_edit.error());
+        try {
+            check_download(next.config, "");
+        } catch (const ConfigError& error) {
+            verdict.against_download = error.what();
+        }
+        if (change.step == Step::Check) {
+            return verdict;
+        }
+        if (change.step == Step::Download) {
+            check_download(next.config, "");
+        } else if (!may_edit) {
+            return Unexpected{may_edit.error()};
+        }
+        const auto& texts = current_->sources().texts();
+        const auto known = texts.find(current_->sources().received_place());
+        auto before = known != texts.end() ? std::optional{*known->second} : std::nullopt;
+        expect(current_->keep_program(change.document));
+        if (change.step == Step::Download) {
+            download_soon(std::move(next), std::move(before));
+        } else if (const auto edited = current_->edit(next); !edited) {
+            expect(current_->keep_program(before));
+            return Unexpected{edited.error()};
+        } else {
+            log_.write(LogLevel::Info, "controller",
+                       "edited online: " + next.config.machine.program_name);
+            keep();
+        }
+        return verdict;
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
+}
+
+/// Not in a callback of the server that it takes the place of.
+void RunningController::download_soon(Reading reading, std::optional<std::string> before)
+{
+    const auto next = std::make_shared<Reading>(std::move(reading));
+    loop_.post([this, next, before = std::move(before)] {
+        bool is_done = false;
+        try_to([&] {
+            const std::string name = next->config.machine.program_name;
+            replace(Machine::Cause::Download, std::move(*next),
+                    {.reason = "a program is downloaded to the controller"});
+            is_done = true;
+            log_.write(LogLevel::Info, "controller", "downloaded: " + name);
+        });
+        if (!is_done) {
+            try_to([&] { expect(current_->keep_program(before)); });
+        }
+    });
 }
 
 void RunningController::download_labels()

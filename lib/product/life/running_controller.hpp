@@ -113,11 +113,19 @@ private:
     /// Takes over another program, if there is one: what is only added by an online edit, whatever
     /// the mode, all else as a download. True for the latter, in which everything was read again.
     [[nodiscard]] bool download();
+    /// Whoever changed the file learns that it does not count.
+    void tell_of_other_file();
+    /// A change of the program that is asked for over OPC UA: all else is as it runs. A download
+    /// takes place soon, and is kept before. The problem is why nothing was changed.
+    [[nodiscard]] Configured<ProgramVerdict> change_program(const ProgramChange& change);
+    /// What is there now with another program, or with that of the file. Throws ConfigError.
+    [[nodiscard]] Reading reading_with(const std::optional<std::string>& program) const;
+    void download_soon(Reading reading, std::optional<std::string> before);
     /// A download may bring other settings of the server, which change in PROGRAM only (seed 000,
     /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
     /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online
-    /// edit. Throws ConfigError.
-    void check_download(const ControllerConfig& next, const Problem& edit) const;
+    /// edit; empty: it could be. Throws ConfigError.
+    void check_download(const ControllerConfig& next, const std::string& edit) const;
     /// Takes over another program of labels, if there is one.
     void download_labels();
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;

@@ -114,6 +114,7 @@ public:
     [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }
 
     [[nodiscard]] controller::MachineMode mode() const { return life_->mode(); }
+    void change_mode(controller::MachineMode mode) { life_->mode_changed(mode); }
     /// The event log as it is kept, which only the machine changes.
     [[nodiscard]] Storage& event_files() { return event_files_; }
     /// Runs `act` while the event log's files have all that happened, and stay as they are.

@@ -10,6 +10,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "core/json_writer.hpp"
+#include "problem_report.hpp"
 
 namespace busbar::product {
 
@@ -22,16 +23,6 @@ constexpr const char* transaction = "transaction";
 constexpr const char* source = "memory";
 /// Before the text of a RestoreCommand.ini.
 constexpr std::string_view by_command = "restore by command\n";
-
-std::string problem_report(const Problem& problem)
-{
-    detail::JsonWriter json;
-    json.begin_object();
-    json.name("problem");
-    json.string(text(problem));
-    json.end_object();
-    return json.take();
-}
 
 std::string restore_report(bool has_data, bool lacks_profile)
 {

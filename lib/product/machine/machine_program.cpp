@@ -72,11 +72,16 @@ model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t s
     model::AddressSpace& space = server.address_space();
     nodes_ = expect(controller::MachineNodes::create(
         space, program_->program(), program_->publication(), node_options(source)));
-    nodes_->set_mode(space, config_.machine.mode == controller::MachineMode::Run
-                                ? controller::OperatingMode::Run
-                                : controller::OperatingMode::Program);
+    show_mode(server, config_.machine.mode);
     expect(view_.attach(server, *nodes_, log), "the machine's events");
     return space.resolve(nodes_->folder());
+}
+
+void MachineProgram::show_mode(server::Server& server, controller::MachineMode mode) const
+{
+    nodes_->set_mode(server.address_space(), mode == controller::MachineMode::Run
+                                                 ? controller::OperatingMode::Run
+                                                 : controller::OperatingMode::Program);
 }
 
 Configured<controller::ProgramAddition> MachineProgram::edit(const controller::Program& edited,

@@ -46,6 +46,14 @@ public:
     [[nodiscard]] Configured<controller::ProgramAddition> edit(const controller::Program& edited,
                                                                server::Server& server);
 
+    /// Whether edit() would do; the image's room is not looked at.
+    [[nodiscard]] Configured<void> check_edit(const controller::Program& edited) const
+    {
+        return program_->check_edit(edited);
+    }
+    /// After publish(): what clients see as the mode.
+    void show_mode(server::Server& server, controller::MachineMode mode) const;
+
     [[nodiscard]] const controller::Publication& publication() const
     {
         return program_->publication();

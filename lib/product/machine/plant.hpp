@@ -36,6 +36,7 @@ public:
     [[nodiscard]] const controller::Plc& plc() const { return *plc_; }
     /// Null if there is none.
     [[nodiscard]] MachineProgram* program() { return program_ ? &*program_ : nullptr; }
+    [[nodiscard]] const MachineProgram* program() const { return program_ ? &*program_ : nullptr; }
     /// How many variables clients see.
     [[nodiscard]] std::size_t visible_variables() const
     {

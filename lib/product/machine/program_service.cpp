@@ -1,0 +1,255 @@
+#include "program_service.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include <busbar/core/record.hpp>
+#include <busbar/core/status_codes.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "controller/life/checksum.hpp"
+#include "core/json_writer.hpp"
+#include "problem_report.hpp"
+#include "product/store/received_program.hpp"
+#include "program_change.hpp"
+#include "program_file.hpp"
+
+namespace busbar::product {
+
+using administration::TransferRequest;
+
+namespace {
+
+constexpr const char* program_source = "program";
+
+std::string_view mode_name(controller::MachineMode mode)
+{
+    return mode == controller::MachineMode::Run ? "RUN" : "PROGRAM";
+}
+
+void write_member(detail::JsonWriter& json, std::string_view name, std::string_view text)
+{
+    json.name(name);
+    json.string(text);
+}
+
+std::string verdict_report(const ProgramVerdict& verdict)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("same");
+    json.word(verdict.is_same ? "true" : "false");
+    write_member(json, "edit", verdict.against_edit);
+    write_member(json, "download", verdict.against_download);
+    json.end_object();
+    return json.take();
+}
+
+} // namespace
+
+struct ProgramService::Wish {
+    enum class Task : std::uint8_t { Check, Compare, Edit, Download, Restore, Mode };
+
+    Task task;
+    std::string_view verb;
+    /// Of a program, or a mode.
+    std::string_view name;
+};
+
+std::optional<ProgramService::Wish> ProgramService::wish_of(const Variant& options)
+{
+    using Task = Wish::Task;
+    static constexpr std::array<std::pair<std::string_view, Task>, 6> verbs{
+        {{"check", Task::Check},
+         {"compare", Task::Compare},
+         {"edit", Task::Edit},
+         {"download", Task::Download},
+         {"restore", Task::Restore},
+         {"mode", Task::Mode}}};
+    const auto* const text = options.get_if<String>();
+    const std::string_view all = text != nullptr ? text->view() : std::string_view{};
+    const std::size_t end = std::min(all.find(' '), all.size());
+    const std::string_view name = all.substr(std::min(end + 1, all.size()));
+    for (const auto& [verb, task] : verbs) {
+        if (all.substr(0, end) != verb) {
+            continue;
+        }
+        const bool is_right = task == Task::Restore ? name.empty() && end == all.size()
+                              : task == Task::Mode  ? name == "RUN" || name == "PROGRAM"
+                                                    : is_program_name(name);
+        return is_right ? std::optional{Wish{task, verb, name}} : std::nullopt;
+    }
+    return std::nullopt;
+}
+
+ProgramService::ProgramService(Needs needs) : needs_{std::move(needs)} {}
+
+administration::TemporaryFileTransfer ProgramService::transfer()
+{
+    const std::vector<NodeId> designers{NodeId{0, id::WellKnownRole_Engineer},
+                                        NodeId{0, id::WellKnownRole_ConfigureAdmin},
+                                        NodeId{0, id::WellKnownRole_SecurityAdmin}};
+    return {.name = "Program",
+            .owner = this,
+            .limits = {.max_file_size = ReceivedProgram::max_text,
+                       .max_held = 2 * ReceivedProgram::max_text,
+                       .max_written = 1},
+            .readers = designers,
+            .writers = designers};
+}
+
+std::string ProgramService::status_text() const
+{
+    const ProgramInForce now = needs_.program();
+    detail::JsonWriter json;
+    json.begin_object();
+    write_member(json, "name", now.name);
+    write_member(json, "source", now.is_received ? "received" : "file");
+    write_member(json, "file", now.file);
+    write_member(json, "user", now.user);
+    write_member(json, "received", now.is_received ? to_string(now.time) : "");
+    write_member(json, "checksum", controller::detail::checksum_text(*now.text));
+    write_member(json, "mode", mode_name(needs_.mode()));
+    json.name("bytes");
+    json.word(std::to_string(now.text->size()));
+    json.name("variables");
+    json.word(std::to_string(now.program->variables.size()));
+    json.name("published");
+    json.word(std::to_string(now.published));
+    json.name("fileIsOther");
+    json.word(now.is_file_other ? "true" : "false");
+    json.end_object();
+    return json.take();
+}
+
+Result<std::vector<std::byte>> ProgramService::generate(const TransferRequest& request,
+                                                        std::size_t max_size)
+{
+    const auto* const wanted = request.options.get_if<String>();
+    const bool is_report = wanted != nullptr && wanted->view() == "report";
+    if (!request.options.is_null() && !is_report &&
+        (wanted == nullptr || wanted->view() != "status")) {
+        return fail(status::Bad_InvalidArgument);
+    }
+    if (is_report && (report_.text.empty() || report_.session != request.session)) {
+        return fail(status::Bad_NotFound);
+    }
+    const std::string text = request.options.is_null() ? *needs_.program().text
+                             : is_report               ? report_.text
+                                                       : status_text();
+    if (text.size() > max_size) {
+        return fail(status::Bad_EncodingLimitsExceeded);
+    }
+    const auto bytes = std::as_bytes(std::span{text});
+    return std::vector<std::byte>{bytes.begin(), bytes.end()};
+}
+
+StatusCode ProgramService::may_take(const TransferRequest& request)
+{
+    return wish_of(request.options) ? status::Good : status::Bad_InvalidArgument;
+}
+
+StatusCode ProgramService::take(const TransferRequest& request, std::span<const std::byte> bytes)
+{
+    const auto wish = wish_of(request.options);
+    if (!wish) {
+        return status::Bad_InvalidArgument;
+    }
+    const auto done = carry_out(*wish, request.user.name,
+                                {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    report_ = {request.session, done ? *done : problem_report(done.error())};
+    const bool has_changed = wish->task != Wish::Task::Check && wish->task != Wish::Task::Compare;
+    if (!done && has_changed) {
+        needs_.log.write(LogLevel::Error, program_source,
+                         std::string{wish->verb} + ": nothing was changed: " + text(done.error()));
+    } else if (has_changed) {
+        Record record{.kind = RecordKind::SettingsChanged, .source = program_source};
+        record.actor.session_id = &request.session;
+        record.actor.user = request.user.name;
+        tell(needs_.log, record);
+    }
+    return done ? StatusCode{status::Good} : done.error().status;
+}
+
+Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::string& user,
+                                                  std::string_view text) const
+{
+    using Task = Wish::Task;
+    using Step = ProgramChange::Step;
+    const bool has_file = wish.task != Task::Restore && wish.task != Task::Mode;
+    if (!has_file && !text.empty()) {
+        return misconfigured(std::string{wish.verb}, "found a file, expected an empty one",
+                             status::Bad_InvalidArgument);
+    }
+    switch (wish.task) {
+    case Task::Compare:
+        return compare(wish, text);
+    case Task::Restore:
+        return restore();
+    case Task::Mode:
+        return change_mode(wish);
+    default:
+        break;
+    }
+    const std::string document =
+        document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}});
+    const Step step = wish.task == Task::Check  ? Step::Check
+                      : wish.task == Task::Edit ? Step::Edit
+                                                : Step::Download;
+    return needs_.change({step, document}).transform([&](const ProgramVerdict& verdict) {
+        return step == Step::Check  ? verdict_report(verdict)
+               : step == Step::Edit ? std::string{R"({"edited":true})"}
+                                    : std::string{R"({"downloaded":true})"};
+    });
+}
+
+Configured<std::string> ProgramService::compare(const Wish& wish, std::string_view text) const
+{
+    const auto file = read_program(text, std::string{wish.name});
+    if (!file) {
+        return Unexpected{file.error()};
+    }
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("differences");
+    json.begin_list();
+    for (const ProgramDifference& each : differences(*file, *needs_.program().program)) {
+        json.begin_object();
+        write_member(json, "what", each.what);
+        write_member(json, "file", each.file);
+        write_member(json, "controller", each.controller);
+        json.end_object();
+    }
+    json.end_list();
+    json.end_object();
+    return json.take();
+}
+
+/// By an online edit if that does.
+Configured<std::string> ProgramService::restore() const
+{
+    using Step = ProgramChange::Step;
+    if (!needs_.program().is_received) {
+        return misconfigured("restore", "the program is the file's already",
+                             status::Bad_NothingToDo);
+    }
+    return needs_.change({Step::Check}).and_then([&](const ProgramVerdict& verdict) {
+        const bool is_edit = verdict.is_same || verdict.against_edit.empty();
+        return needs_.change({is_edit ? Step::Edit : Step::Download})
+            .transform([&](const ProgramVerdict&) {
+                return std::string{is_edit ? R"({"edited":true})" : R"({"downloaded":true})"};
+            });
+    });
+}
+
+Configured<std::string> ProgramService::change_mode(const Wish& wish) const
+{
+    const auto mode =
+        wish.name == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
+    return needs_.set_mode(mode).transform(
+        [&] { return R"({"mode":")" + std::string{wish.name} + R"("})"; });
+}
+
+} // namespace busbar::product
