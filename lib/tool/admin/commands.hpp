@@ -61,6 +61,8 @@ struct AdminArguments {
     LogChoice log;
     EventChoice events;
     BackupOptions backup;
+    /// Where the program goes that a controller runs.
+    std::string save_to;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -98,6 +100,8 @@ void add_audit(CLI::App& admin, Run& run);
 void add_log(CLI::App& admin, Run& run);
 void add_events(CLI::App& admin, Run& run);
 void add_backup(CLI::App& admin, Run& run);
+void add_program(CLI::App& admin, Run& run);
+void add_mode(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 

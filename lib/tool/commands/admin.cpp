@@ -19,6 +19,8 @@ void add_admin(CLI::App& app, Run& run)
     admin::add_log(*command, run);
     admin::add_events(*command, run);
     admin::add_backup(*command, run);
+    admin::add_program(*command, run);
+    admin::add_mode(*command, run);
     admin::add_setup(*command, run);
     admin::add_shutdown(*command, run);
 }

@@ -1,0 +1,276 @@
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <busbar/controller/declaration_reader.hpp>
+
+#include "commands.hpp"
+#include "core/json.hpp"
+#include "remote_files.hpp"
+#include "remote_transfer.hpp"
+#include "tool/printing/display_text.hpp"
+#include "tool/printing/file.hpp"
+#include "tool/printing/json_writer.hpp"
+#include "tool/printing/table.hpp"
+
+namespace busbar::tool::admin {
+
+namespace program {
+namespace {
+
+using busbar::detail::Json;
+
+constexpr std::size_t max_program = controller::DeclarationLimits{}.max_text_size;
+constexpr std::size_t max_report = 256U << 20U;
+
+RemoteTransfer transfer_of(Connection& connection)
+{
+    return {connection, "Program",
+            "the controller has no program, which [machine] gives it, or this user may not see it: "
+            "log in as one with the role Engineer, ConfigureAdmin or SecurityAdmin"};
+}
+
+Json answer_of(RemoteTransfer& transfer, const char* what)
+{
+    auto json = busbar::detail::parse_json(transfer.fetch(Variant{what}), {.max_size = max_report});
+    return json ? *std::move(json) : Json{};
+}
+
+std::string text_in(const Json& json, std::string_view name)
+{
+    const Json* const found = json.find(name);
+    return found != nullptr ? found->text : std::string{};
+}
+
+bool is_true(const Json& json, std::string_view name)
+{
+    const Json* const found = json.find(name);
+    return found != nullptr && found->kind == Json::Kind::True;
+}
+
+/// Has the controller take the file. A refusal has its reason, which the status does not say.
+void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
+          const std::string& file)
+{
+    try {
+        transfer.send(Variant{String{wish}}, file,
+                      [&](std::size_t done) { show_progress(context, done, file.size()); });
+    } catch (const Failure& failure) {
+        std::string reason;
+        try {
+            reason = text_in(answer_of(transfer, "report"), "problem");
+        } catch (const Failure&) {
+            // It was refused before it was looked at: the status says why.
+        }
+        if (reason.empty()) {
+            throw;
+        }
+        throw Failure{Exit::Failed, safe(reason), "nothing was changed"};
+    }
+}
+
+/// The program in the file, sent with this verb and the file's name.
+void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
+               const std::string& path)
+{
+    const std::string file = read_file(path, max_program);
+    send(context, transfer, verb + " " + std::filesystem::path{path}.filename().string(), file);
+}
+
+std::string source_text(const Json& status)
+{
+    const std::string file = safe(text_in(status, "file"));
+    const bool is_other = is_true(status, "fileIsOther");
+    if (text_in(status, "source") == "received") {
+        return "sent over OPC UA by " + safe(text_in(status, "user")) + " at " +
+               safe(text_in(status, "received")) + "; it counts instead of " + file +
+               (is_other ? ", which is another one or not there" : ", which is the same");
+    }
+    return file +
+           (is_other ? ", which is another one by now: SIGHUP or a restart takes it up" : "");
+}
+
+Exit show(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    if (!arguments.save_to.empty()) {
+        if (std::error_code ignored; std::filesystem::exists(arguments.save_to, ignored)) {
+            make_sure(context, arguments, "replace " + arguments.save_to + "?");
+        }
+        const std::string text = transfer.fetch(Variant{});
+        write_file(arguments.save_to, text);
+        return report(context, "the program was saved to " + arguments.save_to + ": " +
+                                   std::to_string(text.size()) + " bytes");
+    }
+    const Json status = answer_of(transfer, "status");
+    if (context.options.is_json) {
+        JsonLine json;
+        json.open_object();
+        for (const char* name :
+             {"name", "source", "file", "user", "received", "checksum", "mode"}) {
+            json.member(name, text_in(status, name));
+        }
+        for (const char* name : {"bytes", "variables", "published"}) {
+            json.member(name, static_cast<std::int64_t>(std::stoll("0" + text_in(status, name))));
+        }
+        context.out.line(
+            json.member("fileIsOther", is_true(status, "fileIsOther")).close_object().document());
+        return Exit::Good;
+    }
+    const std::pair<const char*, std::string> facts[] = {
+        {"program", safe(text_in(status, "name"))},
+        {"from", source_text(status)},
+        {"size", text_in(status, "bytes") + " bytes, checksum " + text_in(status, "checksum")},
+        {"variables",
+         text_in(status, "variables") + ", of which clients see " + text_in(status, "published")},
+        {"mode", safe(text_in(status, "mode"))}};
+    for (const auto& [name, text] : facts) {
+        std::string line = std::string{name} + ":";
+        line.resize(12, ' ');
+        context.out.line(line + text);
+    }
+    return Exit::Good;
+}
+
+Exit check(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    send_file(context, transfer, "check", arguments.words[0]);
+    const Json verdict = answer_of(transfer, "report");
+    const std::string against_edit = text_in(verdict, "edit");
+    const std::string against_download = text_in(verdict, "download");
+    if (context.options.is_json) {
+        JsonLine json;
+        json.open_object().member("isSame", is_true(verdict, "same"));
+        json.member("againstEdit", against_edit).member("againstDownload", against_download);
+        context.out.line(json.close_object().document());
+        return Exit::Good;
+    }
+    const std::string file = safe(arguments.words[0]);
+    if (is_true(verdict, "same")) {
+        return report(context, file + " is the program that runs");
+    }
+    if (against_edit.empty()) {
+        return report(context, file + " is right, and an online edit takes it");
+    }
+    return report(context, file + " is right, and takes a download: " + safe(against_edit) +
+                               (against_download.empty() ? "" : "; " + safe(against_download)));
+}
+
+Exit compare(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    send_file(context, transfer, "compare", arguments.words[0]);
+    const Json report = answer_of(transfer, "report");
+    const Json* const list = report.find("differences");
+    JsonLine json;
+    json.open_object().key("differences").open_array();
+    Table table{{{"WHAT", 24}, {"FILE", 16, false, true}, {"CONTROLLER", 16, false, true}}};
+    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+        const std::string what = text_in(each, "what");
+        const std::string file = text_in(each, "file");
+        const std::string controller = text_in(each, "controller");
+        json.open_object().member("what", what).member("file", file);
+        json.member("controller", controller).close_object();
+        table.add({{safe(what)},
+                   {file.empty() ? "not there" : safe(file)},
+                   {controller.empty() ? "not there" : safe(controller)}});
+    }
+    const bool is_same = table.row_count() == 0;
+    if (context.options.is_json) {
+        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
+    } else if (is_same) {
+        context.out.line("no differences");
+    } else {
+        table.print(context.out);
+    }
+    return is_same ? Exit::Good : Exit::Failed;
+}
+
+Exit edit(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    make_sure(context, arguments, "Edit the program of the controller while it runs?");
+    send_file(context, transfer, "edit", arguments.words[0]);
+    return report(context, "edited online: clients stay connected");
+}
+
+Exit download(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    make_sure(context, arguments,
+              "Replace the program of the controller? Clients have to connect again.");
+    send_file(context, transfer, "download", arguments.words[0]);
+    return report(context, "downloaded: the controller has the program and takes it up");
+}
+
+Exit restore(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    make_sure(context, arguments, "Go back to the program of the controller's own file?");
+    send(context, transfer, "restore", {});
+    return report(context, "the program of the controller's file counts again");
+}
+
+} // namespace
+} // namespace program
+
+namespace mode {
+namespace {
+
+Exit change(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    const auto& words = arguments.words;
+    if (words.size() > 1 || (words.size() == 1 && words[0] != "run" && words[0] != "program")) {
+        throw Failure{Exit::Usage, "the mode is not one", "expected run or program"};
+    }
+    RemoteTransfer transfer = program::transfer_of(connection);
+    if (words.empty()) {
+        const std::string now = program::text_in(program::answer_of(transfer, "status"), "mode");
+        JsonLine json;
+        json.open_object().member("mode", now).close_object();
+        context.out.line(context.options.is_json ? json.document() : safe(now));
+        return Exit::Good;
+    }
+    const std::string wanted = words[0] == "run" ? "RUN" : "PROGRAM";
+    make_sure(context, arguments, "Put the controller into " + wanted + "?");
+    program::send(context, transfer, "mode " + wanted, {});
+    return report(context, "the controller is in " + wanted);
+}
+
+} // namespace
+} // namespace mode
+
+void add_program(CLI::App& admin, Run& run)
+{
+    Group group{admin, run, "program", "The program that a controller runs."};
+    AdminArguments& arguments = group.arguments();
+    const auto asks = [&](CLI::App* command) {
+        command->add_flag("--yes", arguments.is_sure, "ask nothing");
+        return command;
+    };
+    asks(group.add("show", "Shows what runs, and where it is from.", 0, "URL", program::show))
+        ->add_option("--save", arguments.save_to, "a file that the program is written to instead");
+    group.add("check", "Tells whether a controller would take a program, and how.", 1, "FILE",
+              program::check);
+    group.add("compare", "Lists what differs between a program and that of a controller.", 1,
+              "FILE", program::compare);
+    asks(group.add("download", "Replaces the program, in PROGRAM mode, whole or not at all.", 1,
+                   "FILE", program::download));
+    asks(group.add("edit", "Adds and deletes variables while the program runs.", 1, "FILE",
+                   program::edit));
+    asks(group.add("restore", "Goes back to the program of the controller's own file.", 0, "URL",
+                   program::restore));
+}
+
+void add_mode(CLI::App& admin, Run& run)
+{
+    Group group{admin, run, nullptr, ""};
+    group
+        .add_any("mode", "Shows a controller's operating mode, or changes it.", "[run|program]",
+                 mode::change)
+        ->add_flag("--yes", group.arguments().is_sure, "ask nothing");
+}
+
+} // namespace busbar::tool::admin

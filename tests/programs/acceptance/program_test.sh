@@ -1,0 +1,208 @@
+#!/bin/sh
+# The program of a controller, at the machine and from afar: checked, compared, edited online,
+# downloaded and taken back, and the mode that a download waits for (seed 000, 3-3-2, 4-1-4 and
+# 8-1). After each step the power goes, and what was acknowledged is there again.
+# usage: program_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/../functions.sh"
+
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+as() {
+    who=$1 wanted=$2
+    shift 2
+    run "$wanted" --user "$who" --password-file password --trust "$@"
+}
+value() {
+    as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=$1"
+    says "^$2\$"
+}
+gone() {
+    as chief 1 read --value "$url" "nsu=urn:busbar:machine;s=$1"
+    says 'Bad_NodeIdUnknown'
+}
+mode_is() {
+    as chief 0 admin mode "$url"
+    says "^$1\$"
+    value Controller/DeviceState/Mode "\"$1\""
+}
+power_cycle() {
+    kill -9 "$pid"
+    wait "$pid" 2> /dev/null
+    serve --config controller.toml
+}
+
+echo "patience is all" > password
+hash=$(quick_hash password)
+cat > controller.toml << END
+[server]
+address = "127.0.0.1"
+port = $((20000 + $$ % 12000))
+[certificates]
+folder = "pki"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+$quick_logins
+[[users.account]]
+name = "chief"
+password = "$hash"
+roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
+[[users.account]]
+name = "designer"
+password = "$hash"
+roles = ["Engineer"]
+[[users.account]]
+name = "operator"
+password = "$hash"
+roles = ["Operator"]
+[machine]
+mode = "RUN"
+program = "press.st"
+state = "state"
+medium = "medium"
+execution_log = true
+retained_ms = 100
+END
+# program FILE SPEED [MORE [RETAIN]]: the value of Speed, and declarations.
+program() {
+    cat > "$1" << END
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL
+    Speed : $2;
+    ${3:-}
+END_VAR
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL RETAIN
+    Total : DINT := 5;
+    ${4:-}
+END_VAR
+END
+}
+program press.st 'INT := 17' 'Depth : INT := 3; Width : INT := 8;'
+
+run 0 cert create
+serve --config controller.toml
+as chief 4 admin status "$url"
+mv pki/rejected/certs/* pki/trusted/certs/
+value Speed 17
+
+# Who may: administrator and designer.
+as designer 0 admin program show "$url"
+says 'press.st'
+as operator 1 admin program show "$url"
+says 'role Engineer'
+as operator 1 admin mode "$url" program --yes
+
+# A file that is wrong, and what a program comes to.
+program bad.st 'INTEGER'
+as designer 1 admin program check "$url" bad.st
+says 'bad.st:3:5: .*(Speed): .* INTEGER'
+as designer 1 admin program edit "$url" bad.st --yes
+says 'nothing was changed'
+program edited.st 'INT := 17' 'Depth : INT := 3; Fresh : INT := 21;' 'Kept : INT := 1;'
+as designer 0 admin program check "$url" edited.st
+says 'an online edit takes it'
+program other.st 'REAL := 2.5'
+as designer 0 admin program check "$url" other.st
+says 'takes a download: other.st:3:5: variables.*(Speed): .*had another type.*'
+says 'waits until the machine is not in RUN'
+as designer 1 admin program compare "$url" edited.st
+says 'variable Fresh .*INT := 21, published .*not there'
+says 'variable Width .*not there .*INT := 8'
+as designer 0 admin program compare "$url" press.st
+says 'no differences'
+
+# An online edit in RUN: what is deleted goes, and nobody has to connect again.
+timeout 60 "$busbar" --user chief --password-file password --trust --json subscribe "$url" \
+    "nsu=urn:busbar:machine;s=Speed" "nsu=urn:busbar:machine;s=Width" --interval 50 \
+    --duration 60 > followed 2>&1 < /dev/null &
+follower=$!
+await grep -q -s '"value":8\b' followed
+as designer 0 admin program edit "$url" edited.st --yes
+says 'edited online'
+await grep -q -s 'Bad_NodeIdUnknown' followed
+grep -q -s 'connection lost' followed && fail "a client had to connect again"
+kill -INT "$follower"
+wait "$follower"
+value Fresh 21
+gone Width
+as chief 0 write "$url" "nsu=urn:busbar:machine;s=Kept" 77
+await grep -q -s Kept state/retained
+sleep_scans() { as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Kept"; grep -q 77 out; }
+await sleep_scans
+power_cycle
+value Fresh 21
+gone Width
+as chief 0 admin program show "$url"
+says 'edited.st'
+says 'sent over OPC UA by designer at .*counts instead of press.st, which is another one'
+as chief 0 admin program show "$url" --save saved.st
+cmp -s saved.st edited.st || fail "the program that runs is not the one that was sent"
+
+# The file does not count, and whoever changes it learns so.
+program press.st 'INT := 18'
+kill -HUP "$pid"
+await logged 'press.st does not count: edited.st, which was sent over OPC UA, does'
+value Speed 17
+
+# A download waits for PROGRAM, and the mode changes while sessions go on.
+as designer 1 admin program download "$url" other.st --yes
+says 'waits until the machine is not in RUN'
+mode_is RUN
+power_cycle
+mode_is RUN
+as designer 0 admin mode "$url" program --yes
+mode_is PROGRAM
+power_cycle
+mode_is PROGRAM
+as designer 0 admin program download "$url" other.st --yes
+says 'downloaded'
+power_cycle
+value Speed 2.5
+gone Fresh
+as designer 0 admin program download "$url" edited.st --yes
+await logged 'downloaded: edited.st'
+value Speed 17
+value Fresh 21
+
+# Back to the file.
+as designer 0 admin program restore "$url" --yes
+await logged 'press.st'
+value Speed 17 # an online edit: the variable stays what it is
+gone Fresh
+as designer 1 admin program restore "$url" --yes
+says "the program is the file's already"
+power_cycle
+value Speed 18
+as chief 0 admin program show "$url"
+says '^from: *press.st$'
+
+# RUN after PROGRAM by SIGHUP: an administrator's word counts, and the log says so; without one the
+# file's does.
+kill -HUP "$pid"
+await logged 'what was changed online counts instead of the file: machine.mode'
+mode_is PROGRAM
+as designer 0 admin mode "$url" run --yes
+sed -i 's/^mode = "RUN"/mode = "PROGRAM"/' controller.toml
+kill -HUP "$pid"
+await logged 'the machine is in PROGRAM'
+mode_is PROGRAM
+sed -i 's/^mode = "PROGRAM"/mode = "RUN"/' controller.toml
+kill -HUP "$pid"
+in_run() { [ "$(grep -c 'the machine is in RUN' log)" -eq 2 ]; }
+await in_run
+mode_is RUN
+power_cycle
+mode_is RUN
+
+# What was sent and is damaged since keeps nobody from starting.
+as designer 0 admin program edit "$url" press.st --yes
+power_cycle
+echo damaged >> pki/program.received
+power_cycle
+logged 'program.received.*; it begins with what it ran with last' || fail "damage: no line"
+value Speed 18
+kill "$pid"
+await ended
+exit $((failures > 0))
