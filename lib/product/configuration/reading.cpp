@@ -2,17 +2,40 @@
 
 #include <utility>
 
+#include <busbar/storage/folder_storage.hpp>
+
+#include "setting_keys.hpp"
+
 namespace busbar::product {
 
 namespace {
 
-void set_names(server::ServerConfig& server, const ProductNames& names)
+Overlays overlays_of(const Origin& origin, const std::shared_ptr<const KeptProject>& project)
 {
-    server.build.manufacturer_name = names.manufacturer;
-    server.build.software_version = names.version;
-    if (!names.product_uri.empty()) {
-        server.product_uri = names.product_uri;
+    Overlays over{.preset = origin.preset, .port = origin.port, .names = origin.names};
+    if (project != nullptr) {
+        over.project = [project](ControllerConfig& config,
+                                 const administration::SettingValues& changes) {
+            project->apply(config, changes);
+        };
+        if (const controller::Project* const served = project->project()) {
+            over.project_preset = served->preset;
+        }
     }
+    return over;
+}
+
+/// The project in the folder, which may be another process's; null if there is none.
+std::shared_ptr<const KeptProject> project_in(const std::string& folder)
+{
+    constexpr std::size_t most = 256U << 20U;
+    storage::FolderStorage files{folder};
+    const auto bytes = read_file(files, storage_path("project", "project.busbar"), most);
+    if (!bytes) {
+        return nullptr;
+    }
+    std::string document{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    return std::make_shared<const KeptProject>(std::string{}, std::move(document), true);
 }
 
 } // namespace
@@ -20,28 +43,30 @@ void set_names(server::ServerConfig& server, const ProductNames& names)
 Reading read_sources(const Origin& origin, Substitutes substitutes)
 {
     Reading reading;
-    std::string preset = origin.preset;
     if (!origin.project.empty()) {
         reading.project = std::make_shared<KeptProject>(origin.project, substitutes.project,
                                                         substitutes.takes_other_project);
-        const controller::Project* const project = reading.project->project();
-        if (preset.empty() && project != nullptr) {
-            preset = project->preset;
-        }
     }
-    const auto complete = [project = reading.project, port = origin.port,
-                           names = origin.names](ControllerConfig& config,
-                                                 const administration::SettingValues& changes) {
-        set_names(config.server, names);
-        if (project != nullptr) {
-            project->apply(config, changes);
-        }
-        config.port = port.value_or(config.port);
-    };
-    reading.settings = std::make_unique<Settings>(origin.file, std::move(preset), complete,
+    reading.settings = std::make_unique<Settings>(origin.file, overlays_of(origin, reading.project),
                                                   SourceFiles{std::move(substitutes.files)});
     reading.config = reading.settings->config();
     return reading;
+}
+
+Provenance provenance_of(const Origin& origin)
+{
+    SourceFiles sources;
+    Layers layers{.text = read_config_text(origin.file, sources),
+                  .name = name_of_file(origin.file)};
+    layers.over =
+        overlays_of(origin, origin.project.empty() ? nullptr : project_in(origin.project));
+    auto settings =
+        controller_settings(with_preset(parse_table(layers.text, layers.name), layers.over));
+    storage::FolderStorage folder{certificate_folder(parse_table(layers.text, layers.name))};
+    administration::SettingList changed{folder, Settings::file_name, settings};
+    expect(changed.load());
+    layers.changes = changed.changes();
+    return {std::move(layers), std::move(settings), sources};
 }
 
 } // namespace busbar::product

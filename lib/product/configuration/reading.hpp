@@ -8,6 +8,7 @@
 #include <busbar/product/configuration.hpp>
 
 #include "config.hpp"
+#include "layers.hpp"
 #include "product/model/kept_project.hpp"
 #include "settings.hpp"
 
@@ -15,14 +16,8 @@ namespace busbar::product {
 
 using Origin = Configuration;
 
-/// The effective configuration: what is in force is made here and nowhere else, for a start as for
-/// each change of a running controller. Later ones count:
-///
-///     built-in values, with those of the preset
-///     the file
-///     the project of model mode
-///     what administrators changed online
-///     the command line
+/// The effective configuration: what is in force is made by merge() and nowhere else, for a start
+/// as for each change of a running controller. Later layers count more (see Layer).
 struct Reading {
     /// Its config() is all of these, now and after each change.
     std::unique_ptr<Settings> settings;
@@ -42,8 +37,10 @@ struct Substitutes {
     bool takes_other_project{false};
 };
 
-/// Whether anybody can log in or not. The command line's preset counts instead of the project's,
-/// and that instead of the file's. Throws ConfigError.
+/// Whether anybody can log in or not. Throws ConfigError.
 [[nodiscard]] Reading read_sources(const Origin& origin, Substitutes substitutes = {});
+/// Where all values of that come from. It only reads, so that it may be asked beside a controller
+/// that runs. Throws ConfigError.
+[[nodiscard]] Provenance provenance_of(const Origin& origin);
 
 } // namespace busbar::product

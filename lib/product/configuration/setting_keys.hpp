@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,5 +33,13 @@ namespace busbar::product {
 [[nodiscard]] bool is_security_setting(std::string_view name);
 /// True if a change is in force at once.
 [[nodiscard]] bool is_live(std::string_view name);
+
+/// Where a manual or the standard says what a key is to be.
+struct Rule {
+    /// "server.port"; with a star at its end all that begin like this.
+    std::string_view key;
+    std::string_view source;
+};
+[[nodiscard]] std::span<const Rule> rules();
 
 } // namespace busbar::product

@@ -12,9 +12,12 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
-#include "toml.hpp"
+#include "layers.hpp"
 
 namespace busbar::product {
+
+/// How messages call the file at `path`, which is empty for the built-in one.
+[[nodiscard]] std::string name_of_file(const std::string& path);
 
 /// The settings of a controller: what its file says, and over it what was changed online, which
 /// lies in the folder of certificates. The file is read, never written.
@@ -31,16 +34,9 @@ public:
         std::function<void(const ControllerConfig& config)> apply;
     };
 
-    /// What else a configuration is made of than a file and what was changed over it: completes
-    /// `config`, which has both. `changes` count more than what it says. May throw ConfigError.
-    using Completion =
-        std::function<void(ControllerConfig& config, const administration::SettingValues& changes)>;
-
-    /// `path` is that of the file, empty for the built-in one; `preset`, unless it is empty, counts
-    /// instead of the file's. Throws ConfigError, also where what was changed does not fit the file
-    /// any more.
-    explicit Settings(const std::string& path, std::string preset = {}, Completion completion = {},
-                      SourceFiles sources = {});
+    /// `path` is that of the file, empty for the built-in one. Throws ConfigError, also where what
+    /// was changed does not fit the file any more.
+    explicit Settings(const std::string& path, Overlays overlays = {}, SourceFiles sources = {});
 
     /// The configuration in force: the file's with what was changed, and complete. What was changed
     /// takes over no other text of a file that the configuration names.
@@ -77,19 +73,16 @@ public:
 
 private:
     struct Version {
-        ControllerConfig config;
-        administration::SettingValues values;
+        Merged merged;
         SourceFiles sources;
     };
 
-    [[nodiscard]] toml::table table_of(const std::string& text) const;
     [[nodiscard]] Version version(const std::string& text, SourceFiles sources,
                                   const administration::SettingValues& changes) const;
     void take(Version version);
 
     std::string path_;
-    std::string preset_;
-    Completion completion_;
+    Overlays overlays_;
     SourceFiles sources_;
     /// How messages call the file.
     std::string name_;

@@ -103,7 +103,7 @@ int run(int argc, char** argv, Runtime& runtime)
     if (wants_hash) {
         return hash_password(origin.file);
     }
-    if (const auto end = prints.run(origin.file)) {
+    if (const auto end = prints.run(origin)) {
         return *end;
     }
     // Messages of some 100 kB come and go all the time: keep their pages.

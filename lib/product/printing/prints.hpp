@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <busbar/net/system.hpp>
 
+#include "explain.hpp"
 #include "print_capacities.hpp"
 #include "print_conformance.hpp"
 #include "print_limits.hpp"
 #include "product/configuration/presets.hpp"
+#include "product/configuration/reading.hpp"
 
 namespace busbar::product {
 
@@ -31,11 +33,19 @@ struct Prints {
         app.add_option("--print-preset", preset,
                        "print the limits of a product as JSON: nj501, nx102 or rd81opc96")
             ->type_name("NAME");
+        explanation = app.add_option("--explain", explained,
+                                     "print the value of a key of the configuration, what says so, "
+                                     "what it would be without that and when a change counts; "
+                                     "without a key or of \"all\" a line for each")
+                          ->expected(0, 1)
+                          ->type_name("[KEY]");
         app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     }
-    /// The program's end; nothing if none of them is wanted. `file` is that of --config.
-    [[nodiscard]] std::optional<int> run(const std::string& file) const
+    /// The program's end; nothing if none of them is wanted. `origin` is what the rest of the
+    /// command line says.
+    [[nodiscard]] std::optional<int> run(const Origin& origin) const
     {
+        const std::string& file = origin.file;
         const auto of = [&](const std::string& own) { return own.empty() ? file : own; };
         if (limits->count() != 0) {
             return print_limits(of(limits_file));
@@ -47,13 +57,18 @@ struct Prints {
             return print_conformance(of(conformance_file), wants_json, net::SystemWallClock{}.now(),
                                      net::is_clock_synchronized());
         }
+        if (explanation->count() != 0) {
+            return print_explanation(origin, explained);
+        }
         return preset.empty() ? std::nullopt : std::optional{print_preset(preset)};
     }
 
     CLI::Option* limits{nullptr};
     CLI::Option* capacities{nullptr};
     CLI::Option* conformance{nullptr};
+    CLI::Option* explanation{nullptr};
     std::string preset;
+    std::string explained;
     std::string limits_file;
     std::string capacities_file;
     std::string conformance_file;

@@ -1,37 +1,15 @@
 #include "usage.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include <CLI/CLI.hpp>
 
+#include "core/nearest.hpp"
 #include "url.hpp"
 
 namespace busbar::tool {
 
 namespace {
-
-/// Letters to change, add, leave out or exchange with their neighbours.
-std::size_t distance(std::string_view a, std::string_view b)
-{
-    std::vector<std::size_t> before(b.size() + 1);
-    std::vector<std::size_t> row(b.size() + 1);
-    std::vector<std::size_t> next(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        next[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t change = row[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-            next[j] = std::min({change, row[j] + 1, next[j - 1] + 1});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-                next[j] = std::min(next[j], before[j - 2] + 1);
-            }
-        }
-        before.swap(row);
-        row.swap(next);
-    }
-    return row.back();
-}
 
 /// The innermost command that was recognised.
 const CLI::App& command_of(const CLI::App& app)
@@ -111,17 +89,8 @@ std::vector<std::string> options_of(const CLI::App& app)
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates)
 {
-    std::string best;
-    std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (const std::string& candidate : candidates) {
-        const std::size_t count = distance(word, candidate);
-        // Not all letters may differ: "xy" is no misspelt "cert".
-        if (count < least && count * 2 <= std::max(word.size(), candidate.size())) {
-            least = count;
-            best = candidate;
-        }
-    }
-    return best;
+    const auto found = busbar::detail::nearest(word, candidates);
+    return found.empty() ? std::string{} : found.front();
 }
 
 Failure usage_failure(const CLI::App& app, const CLI::ParseError& error)
