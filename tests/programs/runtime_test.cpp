@@ -105,6 +105,11 @@ public:
         return std::make_unique<ToldProgram>(story, has_task, level);
     }
 
+    void mode_changed(controller::MachineMode mode) override
+    {
+        story.add(mode == controller::MachineMode::Run ? "RUN" : "PROGRAM");
+    }
+
     Story story;
     RuntimeHost* host_{nullptr};
     bool has_task{false};
@@ -160,12 +165,14 @@ TEST_CASE("a runtime's program runs in the controller's task, in the runtime's m
         place.program("Level : LREAL; Third : INT; Fourth : INT;");
         runtime.host_->reload();
         runtime.story.wait_for("edited: 2 more, 1 less");
+        runtime.host_->switch_mode(controller::MachineMode::Program);
+        runtime.story.wait_for("PROGRAM");
         (*controller)->stop();
         serving.join();
     }
-    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "started",
+    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "RUN", "started",
                                                           "scanned", "edited: 2 more, 1 less",
-                                                          "unloaded", "end"});
+                                                          "PROGRAM", "unloaded", "end"});
     CHECK(runtime.level > 41);
 }
 
@@ -181,7 +188,7 @@ TEST_CASE("a runtime's own task scans instead of the controller's and is stopped
         (*controller)->stop(); // before run(), which ends at once then
         CHECK((*controller)->run());
     }
-    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "started",
+    CHECK(runtime.story.all() == std::vector<std::string>{"begin", "loaded Level", "RUN", "started",
                                                           "scanned", "stopped", "unloaded", "end"});
     CHECK(runtime.level == 42);
 }

@@ -9,6 +9,7 @@
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/program.hpp>
 #include <busbar/controller/published_program.hpp>
@@ -43,6 +44,9 @@ public:
     /// The program's file is another one: soon it is edited online or downloaded, or the log says
     /// why not. As SIGHUP does.
     virtual void reload() = 0;
+    /// Somebody turned the mode switch. Soon the controller is in that mode, or the log says why
+    /// not; Runtime::mode_changed tells.
+    virtual void switch_mode(controller::MachineMode mode) = 0;
     /// What the instruction GetPLCError tells (seed 000, 9-1-1).
     [[nodiscard]] virtual std::optional<controller::PlcError> plc_error() const = 0;
 
@@ -96,6 +100,9 @@ public:
     [[nodiscard]] virtual Configured<std::unique_ptr<LoadedProgram>>
     load(controller::Plc& plc, const controller::Program* program) = 0;
 
+    /// The controller is in this mode: before a loaded program starts, and when it changes, by whom
+    /// ever. Whether programs run in PROGRAM is the runtime's.
+    virtual void mode_changed(controller::MachineMode mode);
     /// Labels for a project of model mode to be mapped to; null, as here: there are none, and a
     /// project is refused.
     [[nodiscard]] virtual std::shared_ptr<backend::LabelBackend> labels();

@@ -109,6 +109,9 @@ void Generation::publish(const Requests& requests)
 
 void Generation::start()
 {
+    if (config_.machine.program != nullptr) {
+        around_.runtime.mode_changed(config_.machine.mode);
+    }
     if (task_) {
         has_own_task_ = plant_.loaded().start([this](DateTime now, Duration elapsed) {
             plant_.plc().scan(now, elapsed);
@@ -266,6 +269,7 @@ void Generation::apply(const ControllerConfig& next)
         config_.machine.mode = next.machine.mode;
         around_.machine->change_mode(next.machine.mode);
         plant_.program()->show_mode(server_, next.machine.mode);
+        around_.runtime.mode_changed(next.machine.mode);
         administered_.log().write(
             LogLevel::Info, "controller",
             std::string{"the machine is in "} +

@@ -114,6 +114,8 @@ public:
     }
     /// Those that it runs with.
     [[nodiscard]] const SourceFiles& sources() const { return settings_->sources(); }
+    /// As a setting that was changed online, of a machine. The problem is that it cannot be kept.
+    [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
     /// How to reach it and what is left to do, for people.
     void print_welcome() const;
     /// What the PLC did, for people.
@@ -136,7 +138,6 @@ private:
     programs(const Requests& requests);
     /// Puts in force what can be of another configuration while it runs.
     void apply(const ControllerConfig& next);
-    [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
     /// Those, and the project of model mode (seed 001, 9.13).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     transfers(const Requests& requests);

@@ -236,6 +236,15 @@ void RunningController::reload()
     loop_.post([this] { read_again(); });
 }
 
+void RunningController::switch_mode(controller::MachineMode mode)
+{
+    loop_.post([this, mode] {
+        if (machine_) {
+            try_to([&] { expect(current_->set_mode(mode)); });
+        }
+    });
+}
+
 std::optional<controller::PlcError> RunningController::plc_error() const
 {
     return machine_ ? machine_->event_log().plc_error() : std::nullopt;

@@ -83,6 +83,7 @@ public:
 private:
     void happen(HardwareEvent event) override;
     void power_going() override;
+    void switch_mode(controller::MachineMode mode) override;
     [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
     /// As `config` says, or elsewhere.
     void listen(const ControllerConfig& config, Listening::Listeners last);

@@ -16,6 +16,8 @@ std::span<std::byte> Runtime::memory_of(const controller::GlobalVariable&)
     return {};
 }
 
+void Runtime::mode_changed(controller::MachineMode) {}
+
 std::shared_ptr<backend::LabelBackend> Runtime::labels()
 {
     return nullptr;
