@@ -6,6 +6,10 @@
 #include <mutex>
 #include <thread>
 
+#include <busbar/backend/label_backend.hpp>
+#include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/machine_settings.hpp>
+#include <busbar/controller/published_program.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/product/controller.hpp>
 

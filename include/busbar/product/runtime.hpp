@@ -7,14 +7,20 @@
 #include <optional>
 #include <span>
 
-#include <busbar/backend/label_backend.hpp>
-#include <busbar/controller/machine_event_log.hpp>
-#include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/program.hpp>
-#include <busbar/controller/published_program.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
+
+namespace busbar::backend {
+class LabelBackend;
+}
+
+namespace busbar::controller {
+enum class MachineMode : std::uint8_t;
+struct PlcError;
+struct ProgramAddition;
+} // namespace busbar::controller
 
 namespace busbar::product {
 
@@ -47,7 +53,8 @@ public:
     /// Somebody turned the mode switch. Soon the controller is in that mode, or the log says why
     /// not; Runtime::mode_changed tells.
     virtual void switch_mode(controller::MachineMode mode) = 0;
-    /// What the instruction GetPLCError tells (seed 000, 9-1-1).
+    /// What the instruction GetPLCError tells (seed 000, 9-1-1); see
+    /// controller/machine_event_log.hpp.
     [[nodiscard]] virtual std::optional<controller::PlcError> plc_error() const = 0;
 
 protected:

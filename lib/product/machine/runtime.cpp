@@ -1,5 +1,9 @@
 #include <busbar/product/runtime.hpp>
 
+#include <busbar/backend/label_backend.hpp>
+#include <busbar/controller/machine_settings.hpp>
+#include <busbar/controller/published_program.hpp>
+
 namespace busbar::product {
 
 bool LoadedProgram::start(const Cycle&)
