@@ -20,6 +20,9 @@ namespace busbar::detail {
 /// ends. Names from clients become BrowseNames, which all others are sent.
 [[nodiscard]] BUSBAR_API bool is_name(std::string_view text);
 
+/// Bytes that the text of a BrowseName has at most (Part 3, 8.3: 512 characters).
+inline constexpr std::size_t max_browse_name = 512;
+
 /// The first `max_bytes` bytes of UTF-8, or less where a sequence would be cut through.
 [[nodiscard]] BUSBAR_API std::string_view cut_short(std::string_view text, std::size_t max_bytes);
 

@@ -1,6 +1,7 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/address_space.hpp>
 
+#include "core/utf8.hpp"
 #include "tables.hpp"
 
 namespace busbar::model {
@@ -11,8 +12,6 @@ using detail::Tables;
 
 namespace {
 
-/// The longest name of a node in characters (Part 3, 8.3).
-constexpr std::size_t max_name_size = 512;
 /// The longest String or Opaque identifier in bytes (Part 3, 8.2.4).
 constexpr std::size_t max_identifier_size = 4096;
 
@@ -74,7 +73,7 @@ StatusCode check_names(const SpaceReader& space, const Tables& tables, const New
         }
     }
     const QualifiedName& name = node.browse_name;
-    if (name.name.empty() || name.name.size() > max_name_size ||
+    if (name.name.empty() || name.name.size() > busbar::detail::max_browse_name ||
         name.namespace_index >= space.namespace_count()) {
         return status::Bad_BrowseNameInvalid;
     }

@@ -402,4 +402,24 @@ TEST_CASE("folders whose files clients see are configured")
     CHECK_NOTHROW(parse(start + "\"pki2\"")); // a part of the name is no part of the path
 }
 
+TEST_CASE("names that become nodes have at most 512 bytes, and the file's line is told")
+{
+    const auto with = [](const std::string& before, std::size_t size) {
+        return before + " = \"" + std::string(size, 'n') + "\"\n";
+    };
+    for (const std::string before :
+         {"[server]\nname", "[machine]\nname", "[[plc.variable]]\ntype = \"Int16\"\nname"}) {
+        INFO(before);
+        CHECK_NOTHROW(product::parse_config(with(before, 512), "test.toml"));
+        CHECK_THROWS_WITH(product::parse_config(with(before, 513), "test.toml"),
+                          Catch::StartsWith("test.toml:") &&
+                              Catch::Contains("name: found a name of 513 bytes, expected at most "
+                                              "512"));
+    }
+    // Of many variables the last has the longest name.
+    const std::string many = "[[plc.variable]]\ntype = \"Int16\"\ncount = 101\nname";
+    CHECK_NOTHROW(product::parse_config(with(many, 509), "test.toml"));
+    CHECK_THROWS_WITH(product::parse_config(with(many, 510), "test.toml"), Catch::Contains("513 bytes"));
+}
+
 } // namespace config_test

@@ -19,7 +19,7 @@ struct DeclarationLimits {
     std::size_t max_depth{32};
     std::size_t max_dimensions{16};
     /// Bytes of a name.
-    std::size_t max_name_length{1'024};
+    std::size_t max_name_length{512}; // as of a BrowseName (Part 3, 8.3)
 };
 
 /// Types and global variables from declarations as IEC 61131-3, 3rd edition, writes them.

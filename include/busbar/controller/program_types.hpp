@@ -29,7 +29,7 @@ struct ProgramLimits {
     std::size_t max_dimensions{16};
     /// Bytes of one variable.
     std::uint64_t max_variable_size{64U << 20U};
-    std::size_t max_name_length{1'024};
+    std::size_t max_name_length{512}; // as of a BrowseName (Part 3, 8.3)
 };
 
 /// What a declaration comes down to when names are followed.

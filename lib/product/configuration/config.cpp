@@ -60,14 +60,29 @@ bool is_locale(const std::string& text)
            (hyphen == std::string_view::npos || is_short(all.substr(hyphen + 1)));
 }
 
+} // namespace
+
+void check_name(const TomlTable& table, std::string_view key, std::string_view name)
+{
+    if (!busbar::detail::is_name(name)) {
+        table.fail(key, "a name without control characters and without spaces at its ends");
+    }
+    if (name.size() > busbar::detail::max_browse_name) {
+        table.refuse(key, "found a name of " + std::to_string(name.size()) +
+                              " bytes, expected at most " +
+                              std::to_string(busbar::detail::max_browse_name) +
+                              ", which a BrowseName can have");
+    }
+}
+
+namespace {
+
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"name", "application_uri", "address", "port", "host_names",
                  "min_channel_lifetime_ms", "key_log", "nodesets", "locales", "auditing"});
     config.server.application_name = table.text("name", config.server.application_name);
-    if (!busbar::detail::is_name(config.server.application_name)) {
-        table.fail("name", "a name without control characters and without spaces at its ends");
-    }
+    check_name(table, "name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
     if (!config.address.empty() && !is_any_address(config.address)) {

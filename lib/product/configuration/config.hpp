@@ -184,6 +184,8 @@ struct ControllerConfig {
     controller::PlcConfig plc;
 };
 
+/// Refuses a text that cannot be the name of a node.
+void check_name(const TomlTable& table, std::string_view key, std::string_view name);
 /// Has endpoints offer the kinds of user that there are.
 void offer_users(ControllerConfig& config);
 

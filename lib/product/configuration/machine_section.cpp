@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "core/utf8.hpp"
 #include "limit_keys.hpp"
 #include "product/machine/program_file.hpp"
 
@@ -58,8 +57,8 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
-    if (!machine.name.empty() && !busbar::detail::is_name(machine.name)) {
-        table.fail("name", "a name without control characters and without spaces at its ends");
+    if (!machine.name.empty()) {
+        check_name(table, "name", machine.name);
     }
     machine.state_folder = table.text("state", machine.state_folder);
     machine.medium_folder = table.text("medium", machine.medium_folder);

@@ -70,6 +70,11 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
         variable.dimensions.push_back(static_cast<std::uint32_t>(size));
     }
     variable.count = static_cast<std::uint32_t>(table.integer("count", 0, 0, 1'000'000));
+    if (!variable.name.empty()) {
+        check_name(table, "name",
+                   variable.count == 0 ? variable.name
+                                       : variable.name + std::to_string(variable.count - 1));
+    }
     variable.capacity = static_cast<std::uint32_t>(table.integer("capacity", 80, 1, 1'000'000));
     if (const toml::node* node = table.node("initial")) {
         variable.initial = initial_value(*node);
