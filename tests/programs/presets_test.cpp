@@ -1,9 +1,14 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <busbar/server/config_check.hpp>
 
 #include "product/configuration/config.hpp"
 #include "product/configuration/presets.hpp"
+#include "product/configuration/setting_keys.hpp"
 
 namespace presets_test {
 
@@ -105,6 +110,44 @@ anonymous = "read"
         Catch::Contains("test.toml:2: memory: found with the preset \"nj501\""));
     CHECK_THROWS_WITH(parse_config("[limits]\npreset = \"s7\"\n", "test.toml"),
                       Catch::Contains("test.toml:2") && Catch::Contains("nj501"));
+}
+
+TEST_CASE("presets: a product has the ports of its manual (3-2-2)", "[3-2-2]")
+{
+    const auto with = [](const std::string& preset, int port) {
+        return "[server]\nport = " + std::to_string(port) + "\n[limits]\npreset = \"" + preset +
+               "\"\n";
+    };
+    for (const char* const preset : {"nj501", "nx102"}) {
+        CHECK(parse_config(with(preset, 1'025), "test.toml").port == 1'025);
+        for (const int port : {0, 80, 1'024}) {
+            CHECK_THROWS_WITH(parse_config(with(preset, port), "test.toml"),
+                              "test.toml:2: port: found " + std::to_string(port) +
+                                  ", expected a number from 1025 to 65535");
+        }
+        // Online the range is the same.
+        const auto settings = controller_settings(parse_table(with(preset, 4'840), "test.toml"));
+        const auto port =
+            std::ranges::find(settings, "server.port", &administration::Setting::name);
+        CHECK(port->range->low == 1'025);
+    }
+    CHECK(parse_config(with("rd81opc96", 80), "test.toml").port == 80);
+}
+
+TEST_CASE("presets: what is wiser than the manual is said with the reason", "[3-2-2][3-2-6]")
+{
+    const std::string json = preset_json(*find_preset("nj501"));
+    for (const char* const said :
+         {"{\"setting\":\"machine.use\",\"manual\":\"false\",\"here\":\"true\",\"section\":\"3-2-"
+          "2\"",
+          "{\"setting\":\"users.anonymous\",\"manual\":\"\\\"write\\\"\",\"here\":\"\\\"no\\\"\"",
+          "{\"setting\":\"endpoint\"", "\"section\":\"5-1-2\""}) {
+        INFO(said << " in " << json);
+        CHECK(json.find(said) != std::string::npos);
+    }
+    for (const Departure& each : find_preset("nj501")->departures) {
+        CHECK_FALSE(each.reason.empty());
+    }
 }
 
 } // namespace presets_test

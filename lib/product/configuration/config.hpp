@@ -158,6 +158,8 @@ struct ControllerConfig {
     /// "" is every address of the machine.
     std::string address;
     std::uint16_t port{4840};
+    /// The file and administrators set no lower one, as the product of the preset has none.
+    std::uint16_t least_port{0};
     ListenerUse use{ListenerUse::DataAndAdministration};
     /// Of a project of model mode.
     std::vector<FurtherListener> further_listeners;

@@ -15,6 +15,8 @@
 
 #include "core/json_writer.hpp"
 #include "limit_keys.hpp"
+#include "setting_keys.hpp"
+#include "setting_overlay.hpp"
 
 namespace busbar::product {
 
@@ -28,6 +30,7 @@ void take_nj501(ControllerConfig& config)
     config.users.password_rules = server::nj501_password_rules();
     config.machine.publishing = controller::nj501_publishing();
     config.machine.types = controller::nj501_types();
+    config.least_port = 1'025; // seed 000, 3-2-2
 }
 
 void take_nx102(ControllerConfig& config)
@@ -47,8 +50,22 @@ void take_rd81opc96(ControllerConfig& config)
     config.machine.types = {.elementary = controller::ElementaryTypes::BuiltIn};
 }
 
-constexpr std::array presets{Preset{"nj501", &take_nj501}, Preset{"nx102", &take_nx102},
-                             Preset{"rd81opc96", &take_rd81opc96}};
+constexpr Departure nj501_departures[] = {
+    {"machine.use", "false", "3-2-2",
+     "a controller that opens no port cannot be set up over the network; use = false in [machine] "
+     "is the manual's"},
+    {"users.anonymous", "\"write\"", "3-2-6", "anybody in the network could write every variable"},
+    {"endpoint",
+     "None, and Basic128Rsa15, Basic256 and Basic256Sha256 with Sign and SignAndEncrypt", "3-2-6",
+     "None protects nothing, as the manual says itself; Basic128Rsa15 and Basic256 need SHA-1 and "
+     "are deprecated (Part 7); [[endpoint]] can name each of them"},
+    {"users.account", "every user reads and writes all variables", "5-1-2",
+     "a user who is added online has the rights of his roles: role grant NAME Operator"},
+};
+
+constexpr std::array presets{Preset{"nj501", &take_nj501, nj501_departures},
+                             Preset{"nx102", &take_nx102, nj501_departures},
+                             Preset{"rd81opc96", &take_rd81opc96, {}}};
 
 /// What no key sets, and so has no row in limit_keys(), with its place among the figures there.
 struct OtherFigure {
@@ -97,6 +114,33 @@ std::map<int, std::pair<std::string_view, std::uint64_t>> figures_of(const Contr
     return figures;
 }
 
+/// Where it departs from the manual; `here` is what each setting is by default.
+void add_departures(busbar::detail::JsonWriter& json, const Preset& preset)
+{
+    const auto settings = controller_settings(
+        toml::table{{"limits", toml::table{{"preset", std::string{preset.name}}}}});
+    json.name("departures");
+    json.begin_list();
+    for (const Departure& each : preset.departures) {
+        const auto setting =
+            std::ranges::find(settings, each.setting, &administration::Setting::name);
+        json.begin_object();
+        const auto add = [&](std::string_view name, std::string_view text) {
+            json.name(name);
+            json.string(text);
+        };
+        add("setting", each.setting);
+        add("manual", each.manual);
+        if (setting != settings.end()) {
+            add("here", value_text(setting->otherwise));
+        }
+        add("section", each.section);
+        add("reason", each.reason);
+        json.end_object();
+    }
+    json.end_list();
+}
+
 } // namespace
 
 const Preset* find_preset(std::string_view name)
@@ -116,6 +160,13 @@ std::string preset_json(const Preset& preset)
     for (const auto& [place, figure] : figures_of(config)) {
         json.name(figure.first);
         json.word(std::to_string(figure.second));
+    }
+    if (config.least_port != 0) {
+        json.name("least_port");
+        json.word(std::to_string(config.least_port));
+    }
+    if (!preset.departures.empty()) {
+        add_departures(json, preset);
     }
     json.end_object();
     return json.take() + "\n";

@@ -140,6 +140,9 @@ std::vector<Setting> controller_settings(const toml::table& file)
         }
     }
     for (Setting& each : settings) {
+        if (each.name == "server.port") {
+            each.range->low = preset.least_port;
+        }
         each.is_security = is_security_setting(each.name);
     }
     return settings;

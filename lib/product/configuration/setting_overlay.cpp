@@ -1,5 +1,6 @@
 #include "setting_overlay.hpp"
 
+#include <cstdio>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -104,6 +105,21 @@ std::optional<Variant> list_in(const toml::array& array)
     return Variant{std::move(list)};
 }
 
+template <typename T>
+std::string list_text(const Array<T>& list)
+{
+    std::string text;
+    for (const T& each : list) {
+        text += text.empty() ? "" : ", ";
+        if constexpr (std::is_same_v<T, String>) {
+            text += "\"" + each.str() + "\"";
+        } else {
+            text += std::to_string(each);
+        }
+    }
+    return "[" + text + "]";
+}
+
 } // namespace
 
 void overlay(toml::table& file, const administration::SettingValues& changes)
@@ -146,6 +162,31 @@ Variant value_in(const toml::table& file, const administration::Setting& setting
     default:
         return node.is_string() ? Variant{String{*node.value_exact<std::string>()}} : Variant{};
     }
+}
+
+std::string value_text(const Variant& value)
+{
+    if (const auto* const flag = value.get_if<bool>()) {
+        return *flag ? "true" : "false";
+    }
+    if (const auto* const number = value.get_if<std::int64_t>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* const real = value.get_if<double>()) {
+        char digits[32]; // as few as it takes
+        static_cast<void>(std::snprintf(digits, sizeof digits, "%.15g", *real));
+        return digits;
+    }
+    if (const auto* const text = value.get_if<String>()) {
+        return "\"" + text->str() + "\"";
+    }
+    if (const auto* const numbers = value.array_if<std::int64_t>()) {
+        return list_text(*numbers);
+    }
+    if (const auto* const texts = value.array_if<String>()) {
+        return list_text(*texts);
+    }
+    return "nothing that works by itself";
 }
 
 } // namespace busbar::product

@@ -14,6 +14,7 @@
 #include "product/configuration/limit_keys.hpp"
 #include "product/configuration/mode_guard.hpp"
 #include "product/configuration/setting_keys.hpp"
+#include "product/configuration/setting_overlay.hpp"
 #include "product/configuration/settings.hpp"
 
 namespace busbar::product {
@@ -32,52 +33,6 @@ std::string in_quotes(std::string_view text)
 std::string flag_text(bool flag)
 {
     return flag ? "true" : "false";
-}
-
-/// Of a Double, as few digits as it takes.
-std::string number_text(double number)
-{
-    char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.15g", number));
-    return text;
-}
-
-template <typename T>
-std::string list_text(const Array<T>& list)
-{
-    std::string text;
-    for (const T& each : list) {
-        text += text.empty() ? "" : ", ";
-        if constexpr (std::is_same_v<T, String>) {
-            text += in_quotes(each.view());
-        } else {
-            text += std::to_string(each);
-        }
-    }
-    return "[" + text + "]";
-}
-
-std::string value_text(const Variant& value)
-{
-    if (const auto* const flag = value.get_if<bool>()) {
-        return flag_text(*flag);
-    }
-    if (const auto* const number = value.get_if<std::int64_t>()) {
-        return std::to_string(*number);
-    }
-    if (const auto* const real = value.get_if<double>()) {
-        return number_text(*real);
-    }
-    if (const auto* const text = value.get_if<String>()) {
-        return in_quotes(text->view());
-    }
-    if (const auto* const numbers = value.array_if<std::int64_t>()) {
-        return list_text(*numbers);
-    }
-    if (const auto* const texts = value.array_if<String>()) {
-        return list_text(*texts);
-    }
-    return "nothing that works by itself";
 }
 
 std::string with_unit(std::string text, std::string_view unit)
@@ -225,7 +180,8 @@ std::string explain_setting(const Provenance& provenance, const Setting& setting
     }
     text += line("default", value_text(sayings.front().value));
     if (setting.range) {
-        text += range_lines(number_text(setting.range->low), number_text(setting.range->high));
+        text += range_lines(value_text(Variant{setting.range->low}),
+                            value_text(Variant{setting.range->high}));
     }
     return text + line("a change", when_text(setting.name)) + line("rule", rule_of(setting.name));
 }
