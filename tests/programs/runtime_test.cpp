@@ -10,6 +10,7 @@
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/published_program.hpp>
+#include <busbar/controller/simulated_labels.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/product/controller.hpp>
 
@@ -114,7 +115,10 @@ public:
         story.add(mode == controller::MachineMode::Run ? "RUN" : "PROGRAM");
     }
 
+    std::shared_ptr<backend::LabelBackend> labels() override { return all_labels; }
+
     Story story;
+    std::shared_ptr<backend::LabelBackend> all_labels;
     RuntimeHost* host_{nullptr};
     bool has_task{false};
     double level{41};
@@ -225,6 +229,13 @@ TEST_CASE("a runtime that is no simulation takes no simulated programs and no pr
     const auto project = Controller::create(mapped, runtime, place.options);
     REQUIRE_FALSE(project);
     CHECK(project.error().where == mapped.project);
+
+    // But one for labels of the runtime's own.
+    runtime.all_labels = controller::SimulatedLabels::create({}, {}).value();
+    const auto with_labels = Controller::create(mapped, runtime, place.options);
+    REQUIRE(with_labels);
+    (*with_labels)->stop();
+    CHECK((*with_labels)->run());
 }
 
 TEST_CASE("a configuration can be checked without a controller")
