@@ -108,7 +108,8 @@ Configured<void> Administration::Impl::attach(server::Server& server)
 {
     table.set_server(server);
     if (parts.roles != nullptr) {
-        role_set.emplace(server, *parts.roles, table, changed, *parts.log);
+        role_set.emplace(server, *parts.roles, table, changed, *parts.log,
+                         parts.may_change_users);
         if (auto attached = role_set->attach(); !attached) {
             return attached;
         }
@@ -186,7 +187,8 @@ Configured<void> Administration::Impl::attach_certificates(server::Server& serve
         return {};
     }
     user_management.emplace(detail::UserManagement::Needs{
-        server, *parts.users, table, changed, *parts.log, *parts.random, parts.worker});
+        server, *parts.users, table, changed, *parts.log, *parts.random, parts.worker,
+        parts.may_change_users});
     return user_management->attach();
 }
 

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/core/record.hpp>
+#include <busbar/core/refusal.hpp>
 #include <busbar/server/method_table.hpp>
 
 namespace busbar::administration::detail {
@@ -39,6 +43,16 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
         record.fields = fields;
         tell(log, record);
     });
+}
+
+/// What AdministrationParts::may_change_users says against a change; nothing if it has no
+/// objection.
+inline std::optional<Refusal> refusal_of(const std::function<Configured<void>()>& may_change)
+{
+    const auto may = may_change ? may_change() : Configured<void>{};
+    return may ? std::nullopt
+               : std::optional{
+                     Refusal{may.error().status, "users and roles", text(may.error()), {}, {}}};
 }
 
 } // namespace busbar::administration::detail

@@ -51,11 +51,13 @@ NodeIndex well_known_node(const model::AddressSpace& space, std::string_view nam
 } // namespace
 
 RoleSet::RoleSet(server::Server& server, RoleList& roles, NodeTable& table,
-                 NodeTable::Signal& changed, LogSink& log)
+                 NodeTable::Signal& changed, LogSink& log,
+                 const std::function<Configured<void>()>& may_change)
     : server_{server}, space_{server.address_space()}, roles_{roles}, table_{table},
       changed_{changed}, renew_roles_{table.add_signal(
                              [this] { server::RunningServer{server_}.roles_changed(); })},
-      remove_nodes_{table.add_signal([this] { remove_nodes(); })}, log_{log}
+      remove_nodes_{table.add_signal([this] { remove_nodes(); })}, log_{log}, may_change_{
+                                                                                  may_change}
 {
 }
 
@@ -110,6 +112,9 @@ void RoleSet::bind_values(const std::string& name, NodeIndex node)
     using Set = Checked<void> (RoleList::*)(std::string_view, bool);
     const auto setter = [&](Set set) {
         return [this, name, set](const DataValue& value) {
+            if (const auto refusal = refusal_of(may_change_)) {
+                return refusal->status;
+            }
             const auto done = (roles_.*set)(name, value.value.value_or<bool>(true));
             if (!done) {
                 return done.error().status;
@@ -161,6 +166,9 @@ void RoleSet::bind_change(NodeIndex node, std::string_view method, Change change
 {
     table_.bind_method(space_, child_of(space_, node, method),
                        [this, change = std::move(change)](MethodCall call) {
+                           if (is_refused(call)) {
+                               return;
+                           }
                            const Checked<void> done = change(call);
                            if (!done) {
                                return refuse_call(call, done.error());
@@ -181,6 +189,15 @@ void RoleSet::refuse_call(MethodCall& call, const Refusal& refusal)
 {
     tell_method(log_, RecordKind::RolesChanged, call, refusal.status, &refusal);
     call.fail(refusal.status);
+}
+
+bool RoleSet::is_refused(MethodCall& call)
+{
+    const auto refusal = refusal_of(may_change_);
+    if (refusal) {
+        refuse_call(call, *refusal);
+    }
+    return refusal.has_value();
 }
 
 NodeId RoleSet::node_id(const RoleRules& role) const
@@ -211,6 +228,9 @@ Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
 /// Part 18, 4.2.2.
 void RoleSet::add_role(MethodCall call)
 {
+    if (is_refused(call)) {
+        return;
+    }
     const std::string name = text_input(call, 0);
     const std::string uri = text_input(call, 1);
     if (!uri.empty() && !space_.namespace_index(uri)) {
@@ -252,6 +272,9 @@ void RoleSet::remove_nodes()
 /// Part 18, 4.2.3.
 void RoleSet::remove_role(MethodCall call)
 {
+    if (is_refused(call)) {
+        return;
+    }
     const NodeId id = call.input<NodeId>(0);
     const NodeIndex node = space_.find(id);
     std::string name;

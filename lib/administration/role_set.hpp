@@ -17,7 +17,7 @@ class RoleSet {
 public:
     /// `changed` is raised when roles are others.
     RoleSet(server::Server& server, RoleList& roles, NodeTable& table, NodeTable::Signal& changed,
-            LogSink& log);
+            LogSink& log, const std::function<Configured<void>()>& may_change);
 
     /// The problem says what is missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
@@ -39,6 +39,8 @@ private:
     /// What was done, for those who write logs; sessions get their roles anew.
     void changed(const server::MethodCall& call);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
+    /// Refuses what may not change now.
+    [[nodiscard]] bool is_refused(server::MethodCall& call);
 
     server::Server& server_;
     model::AddressSpace& space_;
@@ -49,6 +51,7 @@ private:
     NodeTable::Signal& renew_roles_;
     NodeTable::Signal& remove_nodes_;
     LogSink& log_;
+    const std::function<Configured<void>()>& may_change_;
     std::uint16_t own_namespace_{0};
     /// Nodes of roles that were removed.
     std::vector<NodeId> gone_;

@@ -301,6 +301,11 @@ bool UserManagement::may_start(Job& job)
         job.call.fail(refused);
         return false;
     }
+    if (const auto refusal = refusal_of(may_change_)) {
+        tell_method(log_, RecordKind::UsersChanged, job.call, refusal->status, &*refusal);
+        job.call.fail(refusal->status);
+        return false;
+    }
     if (job.tries_password &&
         !server::RunningServer{server_}.may_try_password(job.holder.session)) {
         const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",

@@ -28,12 +28,14 @@ public:
         crypto::Random& random;
         /// Where passwords are hashed, which takes tens of milliseconds; null: the server's thread.
         server::Worker* worker;
+        /// See AdministrationParts::may_change_users.
+        const std::function<Configured<void>()>& may_change;
     };
 
     explicit UserManagement(const Needs& needs)
         : server_{needs.server}, space_{needs.server.address_space()}, users_{needs.users},
           table_{needs.table}, changed_{needs.changed}, log_{needs.log}, random_{needs.random},
-          worker_{needs.worker}
+          worker_{needs.worker}, may_change_{needs.may_change}
     {
     }
 
@@ -82,6 +84,7 @@ private:
     LogSink& log_;
     crypto::Random& random_;
     server::Worker* worker_;
+    const std::function<Configured<void>()>& may_change_;
     std::list<std::shared_ptr<Job>> jobs_; // that wait
     /// While that exists the worker is at a job, however it ends.
     std::weak_ptr<const void> busy_;

@@ -176,6 +176,8 @@ struct ManagedFixture {
                 .reset = [this] { return reset(); },
                 .is_in_setup = [this] { return changes == 0; },
                 .may_administer = [this](const auto& user) { return user.name != suspended; },
+                .may_change_users =
+                    [this] { return hold ? Unexpected{*hold} : Configured<void>{}; },
                 .settings = &settings,
                 .setting_owner = &owner,
                 .file_systems = {files},
@@ -273,8 +275,8 @@ struct ManagedFixture {
     administration::ConfiguredUsers configured;
     administration::RoleList roles{storage, "roles.json", {}, &configured};
     /// Hashes that cost nothing.
-    administration::UserList user_list{
-        storage, "users.json", {.cost = {.log_n = 1}}, passwords, {}, &configured};
+    administration::UserList user_list{storage,   "users.json", {.cost = {.log_n = 1}},
+                                       passwords, {},           &configured};
     administration::ManagedCertificates certificates{.files = &storage,
                                                      .applications = &applications,
                                                      .users = &user_certificates,
@@ -316,6 +318,8 @@ struct ManagedFixture {
     std::optional<administration::RestartWish> wish;
     /// Why a restart would not work.
     std::optional<Problem> refusal;
+    /// Why users and roles may not change; nothing: they may.
+    std::optional<Problem> hold;
     /// Who may administer no more.
     std::string suspended;
     /// Of users and roles.

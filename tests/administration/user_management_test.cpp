@@ -620,4 +620,28 @@ TEST_CASE_METHOD(Users, "user management: what is not to be modified stays (Part
     CHECK(old.activate(old.user("pat", patience)).is_bad());
 }
 
+TEST_CASE_METHOD(Users, "users, passwords and roles stay where the program says that they may not "
+                        "change")
+{
+    TestClient admin = log_in();
+    CHECK(add(admin, "pat", patience) == "Good");
+    hold = Problem{status::Bad_InvalidState, "users and roles", "cannot change in RUN"};
+    CHECK(add(admin, "kim", patience) == "Bad_InvalidState");
+    CHECK(set_bits(admin, "pat", 1) == "Bad_InvalidState");
+    CHECK(remove(admin, "pat") == "Bad_InvalidState");
+    CHECK(change_password(admin, "admin-secret!", patience) == "Bad_InvalidState");
+    const auto call_role = [&](NodeId object, NodeId method, std::vector<Variant> inputs) {
+        return std::string{name(call(admin, object, method, std::move(inputs)).status_code)};
+    };
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    CHECK(call_role(set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
+                    {Variant{"Painters"}, Variant{String{}}}) == "Bad_InvalidState");
+    CHECK(call_role(set, NodeId{0, id::Server_ServerCapabilities_RoleSet_RemoveRole},
+                    {Variant{NodeId{0, id::WellKnownRole_Observer}}}) == "Bad_InvalidState");
+    CHECK(log.text.find("cannot change in RUN") != std::string::npos);
+    CHECK(user_list.users().size() == 2);
+    hold.reset();
+    CHECK(remove(admin, "pat") == "Good");
+}
+
 } // namespace user_management_test

@@ -26,6 +26,14 @@ restart() {
     serve --config controller.toml
 }
 
+add_pat() {
+    sed -i 's/^\[machine\]$/[machine]\nmode = "PROGRAM"/' controller.toml
+    restart
+    as chief 0 admin user add "$url" pat --new-password-file password
+    sed -i '/^mode = "PROGRAM"$/d' controller.toml
+    restart
+}
+
 # What lies in the folder of certificates, without what comes and goes by itself.
 contents() { (cd pki && find . -type f ! -path './rejected/*' -exec cksum {} + | sort -k 3); }
 
@@ -73,9 +81,9 @@ as chief 0 admin verify "$url" press.backup
 says '^Users *none'
 says_not 'settings.json'
 
-# What was changed since.
+# What was changed since; users change in PROGRAM only.
 as chief 0 admin setting set "$url" limits.sessions 20
-as chief 0 admin user add "$url" pat --new-password-file password
+add_pat
 as chief 1 admin verify "$url" press.backup
 says '^Server settings *settings.json'
 says '^Users *users.json'
@@ -111,7 +119,7 @@ as chief 0 admin user list "$url"
 says_not 'pat'
 
 # Without the security profile the users are those of before.
-as chief 0 admin user add "$url" pat --new-password-file password
+add_pat
 as chief 0 admin setting set "$url" limits.sessions 20
 as chief 0 admin setting set "$url" users.passwords.needs_letters_and_digit true
 printf '[Restore]\nUserProgram=yes\nOpcuaSPF=perhaps\n' > RestoreCommand.ini

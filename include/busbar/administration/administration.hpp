@@ -82,6 +82,9 @@ struct AdministrationParts {
     /// before the session does: false answers Bad_UserAccessDenied. Empty: nothing more than roles
     /// decides.
     std::function<bool(const server::UserIdentity& user)> may_administer{};
+    /// Asked before each change of users, passwords and roles: the problem goes to the log, its
+    /// status to the client. Empty: they may change.
+    std::function<Configured<void>()> may_change_users{};
     /// Settings as Variables below the Object "Settings". Null: there are none; else with the
     /// owner, whose functions are called on the server's thread where it may change the server.
     SettingList* settings{nullptr};

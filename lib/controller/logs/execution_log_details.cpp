@@ -212,6 +212,12 @@ Items log_security_settings(const Record& record, DateTime)
     return record.status.is_bad() ? Items{} : Items{{"Update", ""}};
 }
 
+/// Users and roles are told as such; of settings those of security are meant (seed 000, 3-2-6).
+Items log_settings(const Record& record, DateTime now)
+{
+    return flag_field(record, "IsSecurity", false) ? log_security_settings(record, now) : Items{};
+}
+
 // Of the category CERT.
 
 Items log_own_updated(const Record& record, DateTime)
@@ -303,7 +309,7 @@ constexpr std::array log_rules{
     LogRule{RecordKind::CertificateRefused, log_application_error},
     LogRule{RecordKind::LoginRefused, log_login_refused},
     LogRule{RecordKind::SessionClosed, log_closed},
-    LogRule{RecordKind::SettingsChanged, log_security_settings},
+    LogRule{RecordKind::SettingsChanged, log_settings},
     LogRule{RecordKind::UsersChanged, log_security_settings},
     LogRule{RecordKind::RolesChanged, log_security_settings},
     LogRule{RecordKind::TrustListUpdated, log_security_settings},

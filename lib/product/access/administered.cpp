@@ -7,6 +7,7 @@
 
 #include <busbar/server/running_server.hpp>
 
+#include "product/configuration/mode_guard.hpp"
 #include "product/configuration/toml_reader.hpp"
 #include "product/store/taken_over.hpp"
 
@@ -156,9 +157,18 @@ void Administered::attach(const ToAdminister& what)
         parts.may_administer = [this](const server::UserIdentity& user) {
             return user.name != Setup::user_name || !users_->has_administrator();
         };
-        parts.changed = [this, &server = what.server, offer_changed = what.offer_changed] {
+        // Whoever sets it up is its first administrator, whatever the mode.
+        parts.may_change_users = [this, is_in_run = what.is_in_run]() -> Configured<void> {
+            return is_in_run() && !setup_->is_active() ? refused_in_run("users and roles")
+                                                       : Configured<void>{};
+        };
+        parts.changed = [this, &server = what.server, offer_changed = what.offer_changed,
+                         users_changed = what.users_changed] {
             end_setup(server);
             offer_changed();
+            if (users_changed) {
+                users_changed();
+            }
         };
     }
     expect(administration_.emplace(parts).attach(what.server));

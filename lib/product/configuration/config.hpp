@@ -38,6 +38,8 @@ struct Account {
     AccountAccess access{AccountAccess::Write};
     /// Well-known roles (Part 3, 4.9.2), which the nodes of namespace 0 go by.
     std::vector<std::string> roles{"Operator"};
+
+    friend bool operator==(const Account&, const Account&) = default;
 };
 
 /// Users who show a token that somebody else has issued.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 
 namespace busbar::product {
 
@@ -31,13 +32,18 @@ Configured<void> check_in_run(const administration::SettingValues& now,
         const auto before = now.find(name);
         const auto after = next.find(name);
         if (before != now.end() && after != next.end() && !(before->second == after->second)) {
-            return misconfigured(std::string{name},
-                                 "cannot change while the machine is in RUN; set machine.mode to "
-                                 "PROGRAM before",
-                                 status::Bad_InvalidState);
+            return refused_in_run(std::string{name});
         }
     }
     return {};
+}
+
+Unexpected<Problem> refused_in_run(std::string what)
+{
+    return misconfigured(std::move(what),
+                         "cannot change while the machine is in RUN; set machine.mode to PROGRAM "
+                         "and restart the controller before",
+                         status::Bad_InvalidState);
 }
 
 } // namespace busbar::product

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include <busbar/administration/setting_list.hpp>
@@ -16,5 +17,8 @@ namespace busbar::product {
 /// `now`, by its name.
 [[nodiscard]] Configured<void> check_in_run(const administration::SettingValues& now,
                                             const administration::SettingValues& next);
+
+/// Why a machine that is in RUN does not change that.
+[[nodiscard]] Unexpected<Problem> refused_in_run(std::string what);
 
 } // namespace busbar::product

@@ -92,10 +92,19 @@ std::vector<std::string> Settings::overruled() const
 void Settings::take(Version version)
 {
     config_ = std::move(version.merged.config);
-    values_ = std::move(version.merged.values);
+    const SettingValues before = std::exchange(values_, std::move(version.merged.values));
     sources_ = std::move(version.sources);
     if (running_.apply) {
         running_.apply(config_);
+    }
+    const bool is_secured_otherwise =
+        std::ranges::any_of(list_.settings(), [&](const Setting& each) {
+            const auto value = before.find(each.name);
+            return each.is_security && value != before.end() &&
+                   value->second != values_.at(each.name);
+        });
+    if (is_secured_otherwise && running_.security_changed) {
+        running_.security_changed();
     }
 }
 

@@ -32,6 +32,8 @@ public:
     struct Running {
         std::function<Configured<void>(const ControllerConfig& config)> check;
         std::function<void(const ControllerConfig& config)> apply;
+        /// Called after apply() if a setting of the security profile is another one. May be empty.
+        std::function<void()> security_changed{};
     };
 
     /// `path` is that of the file, empty for the built-in one. Throws ConfigError, also where what

@@ -57,11 +57,10 @@ std::function<void(DateTime)> following_scans(const Plant& plant, Administered& 
 
 Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
                        const Requests& requests)
-    : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
-      config_{complete(std::move(reading.config), around)}, plant_{config_, around.runtime},
-      project_{std::move(reading.project)}, administered_{config_, settings_->files(),
-                                                          *around.environment.wall_clock,
-                                                          log_of(around)},
+    : origin_{origin}, around_{around}, security_changed_{requests.security_changed},
+      settings_{std::move(reading.settings)}, config_{complete(std::move(reading.config), around)},
+      plant_{config_, around.runtime}, project_{std::move(reading.project)},
+      administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
       admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
       worker_{64, &around.lines}, channel_worker_{64, &around.lines}, live_{server_, administered_,
                                                                             config_,
@@ -170,6 +169,11 @@ void Generation::attach(const Requests& requests)
          .stop = requests.stop,
          .restart = requests.restart,
          .may_restart = requests.may_restart,
+         .is_in_run =
+             [machine = around_.machine] {
+                 return machine != nullptr && machine->mode() == controller::MachineMode::Run;
+             },
+         .users_changed = requests.security_changed,
          .offer_changed = [this] { live_.apply(settings_->config()); },
          .renewed = requests.renewed,
          .file_systems = files,
@@ -186,7 +190,18 @@ void Generation::attach(const Requests& requests)
              [this, changed = requests.settings_changed](const ControllerConfig& next) {
                  apply(next);
                  changed();
-             }});
+             },
+         .security_changed = [this] { security_changed(); }});
+}
+
+/// Past the audit, which was told who did it.
+void Generation::security_changed()
+{
+    const RecordField fields[] = {{"IsSecurity", Variant{true}}};
+    Record record{RecordKind::SettingsChanged, LogLevel::Info, "settings"};
+    record.fields = fields;
+    tell(log_of(around_), record);
+    security_changed_();
 }
 
 Configured<void> Generation::check_models(const ControllerConfig& next) const
@@ -389,6 +404,7 @@ void Generation::print_statistics() const
 
 std::string Generation::reload()
 {
+    const std::vector<Account> before = admission_.user_config().accounts;
     std::string found = product::reload(origin_.file, *settings_, admission_,
                                         around_.environment.wall_clock->now());
     const char* separator = "; what was changed online counts instead of the file: ";
@@ -397,6 +413,9 @@ std::string Generation::reload()
         separator = ", ";
     }
     administered_.read_users();
+    if (admission_.user_config().accounts != before) {
+        security_changed();
+    }
     server_.announce_access_change(std::chrono::steady_clock::now());
     return found;
 }

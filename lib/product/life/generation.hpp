@@ -54,6 +54,8 @@ struct Requests {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate is another one.
     std::function<void()> renewed;
+    /// Who may come in, or how, is another one (seed 000, 4-2-5).
+    std::function<void()> security_changed;
     /// The machine has other addresses.
     std::function<void()> address_changed;
     /// Its hardware is simulated. The client has no answer yet.
@@ -126,6 +128,8 @@ public:
 
 private:
     [[nodiscard]] server::Server make_server();
+    /// Settings or accounts of the security profile are others.
+    void security_changed();
     void publish(const Requests& requests);
     void attach(const Requests& requests);
     /// Whether other information models than those that are served could be.
@@ -144,6 +148,7 @@ private:
 
     Origin origin_;
     Surroundings around_;
+    std::function<void()> security_changed_;
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;

@@ -200,6 +200,7 @@ Requests RunningController::requests()
                 renewed();
                 changed(&controller::LifeCycle::certificate_renewed);
             },
+        .security_changed = [this] { changed(&controller::LifeCycle::security_changed); },
         .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
         .hardware = [this](HardwareEvent event) { happen(event); },
         .memory_replaced =

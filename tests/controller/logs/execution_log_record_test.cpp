@@ -194,11 +194,19 @@ TEST_CASE("What stands for authentication of users and their settings (7-1-6)")
     // Another user in the same session.
     CHECK(items_of(Happening{RecordKind::SessionActivated, {{"IsFirst", Variant{false}}}}.by(
               "kim")) == Items{"AUTH 2 User|Success|0x2ADA356B|kim"});
-    for (const RecordKind kind : {RecordKind::SettingsChanged, RecordKind::UsersChanged,
-                                  RecordKind::RolesChanged, RecordKind::TrustListUpdated}) {
+    for (const RecordKind kind :
+         {RecordKind::UsersChanged, RecordKind::RolesChanged, RecordKind::TrustListUpdated}) {
         CHECK(items_of(plain(kind)) == Items{"AUTH 100 Update"});
         CHECK(items_of(plain(kind).with(status::Bad_UserAccessDenied)) == Items{});
     }
+    // Of settings those of security.
+    CHECK(items_of(plain(RecordKind::SettingsChanged)) == Items{});
+    const auto settings = [](bool is_security) {
+        return Happening{RecordKind::SettingsChanged, {{"IsSecurity", Variant{is_security}}}};
+    };
+    CHECK(items_of(settings(true)) == Items{"AUTH 100 Update"});
+    CHECK(items_of(settings(true).with(status::Bad_InvalidState)) == Items{});
+    CHECK(items_of(settings(false)) == Items{});
 }
 
 TEST_CASE("What stands for certificates and revocation lists (7-1-6)")
