@@ -17,6 +17,7 @@
 
 #include "call_turns.hpp"
 #include "file_objects.hpp"
+#include "node_table.hpp"
 #include "transfer_files.hpp"
 
 namespace busbar::administration::detail {
@@ -39,6 +40,10 @@ public:
     /// The problem is one of the namespace, which is too small, or of nodes that are there already.
     [[nodiscard]] Configured<void> add_nodes();
 
+    [[nodiscard]] server::DataSourceOptions options() const override
+    {
+        return own_source_options();
+    }
     void read(server::ReadBatch batch) override;
     void call(server::CallBatch batch) override { turns_.add(std::move(batch)); }
     void attach(server::Waker* waker) override { turns_.attach(waker); }

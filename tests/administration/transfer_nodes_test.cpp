@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/server/running_server.hpp>
 #include <busbar/types/view.hpp>
 
 #include "managed_fixture.hpp"
@@ -174,6 +175,18 @@ TEST_CASE_METHOD(TransferFixture, "transfer nodes: a program takes what is commi
     CHECK(commit(client, closed) == "Bad_InvalidArgument");
     const Made read = make(client, "GenerateFileForRead");
     CHECK(commit(client, read) == "Bad_InvalidState");
+    CHECK(transfers.taken.size() == 1);
+}
+
+TEST_CASE_METHOD(TransferFixture, "transfer nodes: work while the server does not (Part 5, 12.6)")
+{
+    auto client = log_in_as("eng");
+    const ServerState state = GENERATE(ServerState::Suspended, ServerState::Failed);
+    REQUIRE(server::RunningServer{server}.change_state(state, "halted", {}));
+    CHECK(text(client, make(client, "GenerateFileForRead")) == "all of it");
+    const Made file = make(client, "GenerateFileForWrite");
+    CHECK(write(client, file, "what mends it") == "Good");
+    CHECK(commit(client, file) == "Good");
     CHECK(transfers.taken.size() == 1);
 }
 
