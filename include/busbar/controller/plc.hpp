@@ -16,6 +16,7 @@
 
 namespace busbar::controller {
 
+class InstructionDesk;
 class ProgramImage;
 class ProgramTypes;
 
@@ -75,6 +76,8 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> occurrences() const { return occurrences_; }
     /// Sets the targets of Increment programs to 0 at the next scan.
     void reset_counters() { is_reset_requested_ = true; }
+    /// Of the programs' instructions, for the server's thread. Not served, they are busy for ever.
+    [[nodiscard]] InstructionDesk& instructions() { return *instructions_; }
     /// How many variables reset_counters() affects.
     [[nodiscard]] std::size_t counter_count() const;
 
@@ -103,6 +106,7 @@ private:
     std::vector<Variable> variables_;
     /// The handles, sorted by name.
     std::vector<std::uint32_t> by_name_;
+    std::unique_ptr<InstructionDesk> instructions_; // before the steps that use it
     std::vector<detail::PlcStep> steps_;
     std::vector<PlcEvent> events_;
     std::vector<std::uint32_t> event_handles_;

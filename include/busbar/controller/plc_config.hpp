@@ -37,6 +37,9 @@ enum class PlcProgramKind : std::uint8_t {
     // Takes bit 0 of an integer for a call to do something: clears it, and gives `sets` the value
     // `to`. So does a program that carries out Methods of model mode (seed 001, 8.3).
     Acknowledge,
+    // Executes the instruction OPCUA_Shutdown as long as a Boolean is TRUE (seed 000, A-2), and
+    // gives `sets` what comes of it: 0 nothing yet, 1 busy, 2 done, else its ErrorID.
+    Shutdown,
 };
 
 /// A program works on all elements of a variable, and on all variables if that has a `count`.
@@ -49,7 +52,7 @@ struct PlcProgram {
     std::chrono::milliseconds period{0};
     double amplitude{1};
     double offset{0};
-    /// Of Acknowledge only: a variable of numbers; empty: nothing more happens. What its type
+    /// Of Acknowledge and Shutdown: a variable of numbers; empty: nothing more happens. What its type
     /// cannot have becomes the nearest that it can.
     std::string sets{};
     double to{0};

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
+#include <busbar/controller/opcua_shutdown.hpp>
+
 #include "plc_builder.hpp"
 #include "plc_step.hpp"
 #include "plc_watch.hpp"
 
 namespace busbar::controller {
 
-Plc::Plc() = default;
+Plc::Plc() : instructions_{std::make_unique<InstructionDesk>()} {}
 Plc::~Plc() = default;
 
 Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, server::ImageOptions options)

@@ -32,6 +32,8 @@ const char* name_of(PlcProgramKind kind)
         return "toggle";
     case PlcProgramKind::Copy:
         return "copy";
+    case PlcProgramKind::Shutdown:
+        return "shutdown";
     case PlcProgramKind::Acknowledge:
         return "acknowledge";
     }
@@ -262,7 +264,7 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
     if (program.kind == PlcProgramKind::Copy) {
         return add_copy(index, targets);
     }
-    if (program.kind == PlcProgramKind::Acknowledge) {
+    if (program.kind == PlcProgramKind::Acknowledge || program.kind == PlcProgramKind::Shutdown) {
         return add_acknowledge(index, targets);
     }
     for (const detail::PlcPlace& target : targets) {
@@ -311,6 +313,9 @@ Configured<void> PlcBuilder::add_acknowledge(std::size_t index,
     for (const detail::PlcPlace& target : targets) {
         plc_->steps_.emplace_back(program, target.target(),
                                   set.empty() ? detail::PlcTarget{} : set.front().target());
+        if (program.kind == PlcProgramKind::Shutdown) {
+            plc_->steps_.back().use(plc_->instructions());
+        }
     }
     return {};
 }

@@ -57,6 +57,8 @@ PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
         return type == BuiltInType::Boolean ? &toggle : nullptr;
     case PlcProgramKind::Copy:
         return &copy;
+    case PlcProgramKind::Shutdown:
+        return type == BuiltInType::Boolean ? &shut_down : nullptr;
     case PlcProgramKind::Acknowledge:
         return visit_number(type, [](auto tag) -> Run {
             using T = typename decltype(tag)::type;
@@ -76,7 +78,7 @@ PlcStep::PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTa
       target_{target}, source_{source}, period_{program.period},
       amplitude_{program.amplitude}, offset_{program.offset}, to_{program.to}
 {
-    if (program.kind == PlcProgramKind::Acknowledge) {
+    if (program.kind == PlcProgramKind::Acknowledge || program.kind == PlcProgramKind::Shutdown) {
         set_ = visit_number(source.type,
                             [](auto tag) -> Set { return &set_all<typename decltype(tag)::type>; });
     }
@@ -150,6 +152,19 @@ void PlcStep::acknowledge(PlcStep& step, Duration elapsed)
                 step.set_(step.source_, step.to_);
             }
         }
+    }
+}
+
+void PlcStep::shut_down(PlcStep& step, Duration)
+{
+    OpcuaShutdown& instruction = *step.shutdown_;
+    instruction(std::ranges::count(step.target_.values<bool>(), true) != 0);
+    if (step.set_ != nullptr) {
+        constexpr double busy = 1;
+        constexpr double done = 2;
+        step.set_(step.source_, instruction.busy()   ? busy
+                                : instruction.done() ? done
+                                                     : instruction.error_id());
     }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
+#include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/controller/plc_config.hpp>
 
 #include "plc_target.hpp"
@@ -16,8 +18,11 @@ public:
 
     /// The config's program must have been checked.
     /// Only Copy has a `source`, of the same type and with as many elements, none of them larger,
-    /// and Acknowledge, whose `sets` it is.
+    /// and Acknowledge and Shutdown, whose `sets` it is.
     PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source = {});
+
+    /// Of Shutdown only, before the first run(); must outlive this.
+    void use(InstructionDesk& desk) { shutdown_ = std::make_unique<OpcuaShutdown>(desk); }
 
     void run(Duration elapsed) { run_(*this, elapsed); }
     /// True for a program of kind Increment.
@@ -39,6 +44,7 @@ private:
     static void copy(PlcStep& step, Duration elapsed);
     template <typename T>
     static void acknowledge(PlcStep& step, Duration elapsed);
+    static void shut_down(PlcStep& step, Duration elapsed);
     [[nodiscard]] static Run choose(PlcProgramKind kind, BuiltInType type);
 
     Run run_;
@@ -53,6 +59,7 @@ private:
     double amplitude_;
     double offset_;
     double to_;
+    std::unique_ptr<OpcuaShutdown> shutdown_;
 };
 
 } // namespace busbar::controller::detail

@@ -42,7 +42,7 @@ Unexpected<Problem> refused_in_run(std::string what)
 {
     return misconfigured(std::move(what),
                          "cannot change while the machine is in RUN; set machine.mode to PROGRAM "
-                         "and restart the controller before",
+                         "before",
                          status::Bad_InvalidState);
 }
 

@@ -93,19 +93,20 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
 
 PlcProgram read_program(const TomlTable& table)
 {
-    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 5> kinds = {
+    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 6> kinds = {
         {{"increment", PlcProgramKind::Increment},
          {"sine", PlcProgramKind::Sine},
          {"toggle", PlcProgramKind::Toggle},
          {"copy", PlcProgramKind::Copy},
-         {"acknowledge", PlcProgramKind::Acknowledge}}};
+         {"acknowledge", PlcProgramKind::Acknowledge},
+         {"shutdown", PlcProgramKind::Shutdown}}};
     table.allow({"kind", "target", "source", "period_ms", "amplitude", "offset", "sets", "to"});
     PlcProgram program;
     const std::string text = table.text("kind");
     const auto* kind = std::find_if(kinds.begin(), kinds.end(),
                                     [&](const auto& known) { return known.first == text; });
     if (kind == kinds.end()) {
-        table.fail("kind", "increment, sine, toggle, copy or acknowledge");
+        table.fail("kind", "increment, sine, toggle, copy, acknowledge or shutdown");
     }
     program.kind = kind->second;
     program.target = table.text("target");
@@ -200,6 +201,10 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     }
     for (const TomlTable& entry : programs) {
         config.plc.programs.push_back(read_program(entry));
+        if (config.plc.programs.back().kind == PlcProgramKind::Shutdown &&
+            !config.machine.program) {
+            entry.refuse("kind", "found shutdown, expected it with a program in [machine] only");
+        }
     }
     for (const PlcVariable& variable : config.plc.variables) {
         // A text takes a change for each element: all of them can be written at once.

@@ -21,6 +21,8 @@ namespace {
 
 /// How often it tries to listen where it is told to.
 constexpr std::chrono::seconds listening_period{5};
+/// How often instructions of the program are looked at.
+constexpr std::chrono::milliseconds instruction_period{20};
 
 bool has_terminal()
 {
@@ -207,7 +209,8 @@ Requests RunningController::requests()
             [this] {
                 loop_.post([this] {
                     if (machine_->memory_replaced()) {
-                        halt("the controller's memory was replaced, and it is to be restarted");
+                        halt("the controller's memory was replaced, and it is to be restarted",
+                             ServerState::Suspended);
                     }
                     looks_until_restart_ = 2; // whoever replaced it is told before
                 });
@@ -275,9 +278,9 @@ void RunningController::follow(HardwareEvent event)
     }
 }
 
-void RunningController::halt(const std::string& why)
+void RunningController::halt(const std::string& why, ServerState state)
 {
-    server::RunningServer{current_->server()}.change_state(ServerState::Failed, why, {});
+    server::RunningServer{current_->server()}.change_state(state, why, {});
 }
 
 /// Not to a generation that is being left: nobody can ask it any more.
@@ -556,6 +559,22 @@ void RunningController::start()
         machine_->keep(*current_->plant().program());
     }
     current_->start();
+    instructions_.reset();
+    if (machine_ && std::ranges::any_of(current_->config().plc.programs, [](const auto& each) {
+            return each.kind == controller::PlcProgramKind::Shutdown;
+        })) {
+        instructions_.emplace([this] {
+            loop_.post([this] { serve_instructions(); });
+            return instruction_period;
+        });
+    }
+}
+
+void RunningController::serve_instructions()
+{
+    if (machine_->serve(current_->plant().plc().instructions())) {
+        halt("the controller's program has shut the OPC UA server down");
+    }
 }
 
 /// With other listeners, or another machine, which has to let go of its logs first.

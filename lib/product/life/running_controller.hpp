@@ -12,6 +12,7 @@
 #include <busbar/net/system.hpp>
 #include <busbar/product/controller.hpp>
 #include <busbar/storage/folder_storage.hpp>
+#include <busbar/types/enumerations.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
@@ -21,6 +22,7 @@
 #include "product/access/current_validator.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
+#include "product/machine/ticker.hpp"
 #include "product/model/label_plant.hpp"
 #include "product/store/taken_over.hpp"
 
@@ -87,8 +89,10 @@ private:
     [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
     /// As `config` says, or elsewhere.
     void listen(const ControllerConfig& config, Listening::Listeners last);
+    void serve_instructions();
     /// Clients see why it does not serve any more, and an administrator may have it start again.
-    void halt(const std::string& why);
+    /// Suspended still tells what was done.
+    void halt(const std::string& why, ServerState state = ServerState::Failed);
     void refuse_beginning(const std::string& why);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
@@ -172,6 +176,8 @@ private:
     /// Those before the current one, which clients have not left yet.
     std::vector<std::unique_ptr<Generation>> leaving_;
     std::unique_ptr<Generation> current_;
+    /// While the program has instructions.
+    std::optional<Ticker> instructions_;
     bool has_terminal_;
     bool starts_again_{false};
 };

@@ -193,6 +193,13 @@ bool Machine::memory_replaced()
     return has_left_running(before);
 }
 
+bool Machine::serve(controller::InstructionDesk& desk)
+{
+    const auto before = life_->operating_status();
+    desk.serve(*life_, log());
+    return has_left_running(before);
+}
+
 bool Machine::has_left_running(controller::OperatingStatus before) const
 {
     return before == controller::OperatingStatus::Running &&

@@ -13,6 +13,7 @@
 #include <busbar/controller/execution_log.hpp>
 #include <busbar/controller/life_cycle.hpp>
 #include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/controller/publishing.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -88,6 +89,8 @@ public:
     /// What the hardware would tell. True if the server has to halt: the state is Halt error or
     /// Shutdown until a restart.
     [[nodiscard]] bool happen(HardwareEvent event);
+    /// Carries out what instructions of the program ask for. True as happen().
+    [[nodiscard]] bool serve(controller::InstructionDesk& desk);
     /// The server with this program is served from now on, at this URL, if there is to be one.
     /// `program` must outlive it, or shut_down().
     void run(MachineProgram& program, const std::string& endpoint_url);

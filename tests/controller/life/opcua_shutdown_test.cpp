@@ -1,8 +1,12 @@
 #include <catch2/catch.hpp>
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
+#include <utility>
 
 #include <busbar/controller/opcua_shutdown.hpp>
+#include <busbar/controller/plc.hpp>
 
 #include "life_fixture.hpp"
 
@@ -210,6 +214,41 @@ TEST_CASE_METHOD(ShutdownFixture, "OPCUA_Shutdown ends if a reset comes between 
     block(true);
     CHECK(outputs(block) == "done");
     CHECK(status() == "Initializing");
+}
+
+TEST_CASE_METHOD(ShutdownFixture, "A simulated PLC executes OPCUA_Shutdown for a variable (A-2-1)")
+{
+    PlcConfig config;
+    config.variables.resize(2);
+    config.variables[0].name = "Trigger";
+    config.variables[0].type = BuiltInType::Boolean;
+    config.variables[1].name = "Outcome";
+    config.variables[1].type = BuiltInType::UInt16;
+    config.programs.resize(1);
+    config.programs[0].kind = PlcProgramKind::Shutdown;
+    config.programs[0].target = "Trigger";
+    config.programs[0].sets = "Outcome";
+    const auto plc = std::move(Plc::create(config).value());
+    const auto scan = [&](bool trigger) {
+        REQUIRE(plc->image()->memory().store(0, Variant{trigger}).is_good());
+        plc->scan(clock.now(), std::chrono::milliseconds{20});
+        return plc->image()->pin().value(1);
+    };
+    start();
+    CHECK(scan(false) == Variant{std::uint16_t{0}});
+    CHECK(scan(true) == Variant{std::uint16_t{1}});
+    plc->instructions().serve(life, log);
+    CHECK(status() == "Shutdown");
+    life.stopped();
+    plc->instructions().serve(life, log);
+    CHECK(scan(true) == Variant{std::uint16_t{2}});
+    CHECK(scan(false) == Variant{std::uint16_t{0}});
+    CHECK(scan(true) == Variant{std::uint16_t{1}});
+    plc->instructions().serve(life, log);
+    CHECK(scan(true) == Variant{shut_down_code});
+    CHECK(log.take() == Texts{"ServerShutDown", "InstructionFailed 20480 OPCUA_Shutdown"});
+    config.programs[0].target = "Outcome";
+    CHECK_FALSE(Plc::create(config));
 }
 
 TEST_CASE_METHOD(ShutdownFixture, "The sample program shuts the server down (A-2-8)")
