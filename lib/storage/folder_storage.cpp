@@ -180,8 +180,27 @@ Stored<void> FolderStorage::append(std::string_view name, std::span<const std::b
     if (!is_file_name(name)) {
         return not_stored(StorageError::BadName);
     }
-    const auto added = detail::append(place(name), bytes, access);
+    const auto added = detail::append(place(name), bytes, access, detail::Durability::PowerCut);
     return added ? added : not_stored(checked(added.error()));
+}
+
+Stored<void> FolderStorage::append_unsynced(std::string_view name, std::span<const std::byte> bytes,
+                                            FileAccess access)
+{
+    if (!is_file_name(name)) {
+        return not_stored(StorageError::BadName);
+    }
+    const auto added = detail::append(place(name), bytes, access, detail::Durability::ProgramEnd);
+    return added ? added : not_stored(checked(added.error()));
+}
+
+Stored<void> FolderStorage::sync(std::string_view name)
+{
+    if (!is_file_name(name)) {
+        return not_stored(StorageError::BadName);
+    }
+    const auto synced = detail::sync(place(name));
+    return synced ? synced : not_stored(checked(synced.error()));
 }
 
 Stored<void> FolderStorage::move(std::string_view from, std::string_view to, WhenThere when_there)

@@ -33,6 +33,15 @@ void MemoryStorage::restore_power()
     error_.reset();
 }
 
+void MemoryStorage::lose_unsynced(std::size_t kept)
+{
+    for (auto& [name, item] : items_) {
+        const std::size_t lost = item.unsynced - std::min(item.unsynced, kept);
+        item.bytes.resize(item.bytes.size() - lost);
+        item.unsynced = 0;
+    }
+}
+
 void MemoryStorage::fail_once_after(std::size_t steps, StorageError error)
 {
     end_ = steps_ + steps;
@@ -236,6 +245,34 @@ Stored<void> MemoryStorage::replace(std::string_view name, std::span<const std::
 Stored<void> MemoryStorage::append(std::string_view name, std::span<const std::byte> bytes,
                                    FileAccess access)
 {
+    return add(name, bytes, access, true);
+}
+
+Stored<void> MemoryStorage::append_unsynced(std::string_view name, std::span<const std::byte> bytes,
+                                            FileAccess access)
+{
+    return add(name, bytes, access, false);
+}
+
+Stored<void> MemoryStorage::sync(std::string_view name)
+{
+    if (const auto refused = refusal_of_change(name)) {
+        return not_stored(*refused);
+    }
+    const auto found = items_.find(name);
+    if (found == items_.end()) {
+        return not_stored(StorageError::NotFound);
+    }
+    if (auto taken = take_step(); !taken) {
+        return taken;
+    }
+    found->second.unsynced = 0;
+    return {};
+}
+
+Stored<void> MemoryStorage::add(std::string_view name, std::span<const std::byte> bytes,
+                                FileAccess access, bool is_synced)
+{
     if (const auto refused = refusal_of_change(name)) {
         return not_stored(*refused);
     }
@@ -254,11 +291,17 @@ Stored<void> MemoryStorage::append(std::string_view name, std::span<const std::b
     const auto fitting = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), room));
     const auto written = static_cast<std::ptrdiff_t>(take_bytes(fitting));
     found->second.bytes.insert(found->second.bytes.end(), bytes.begin(), bytes.begin() + written);
+    found->second.unsynced += static_cast<std::size_t>(written);
     touch(found->second);
     if (static_cast<std::size_t>(written) < fitting) {
         return take_step();
     }
-    return fitting < bytes.size() ? Stored<void>{not_stored(StorageError::Full)} : take_step();
+    auto added =
+        fitting < bytes.size() ? Stored<void>{not_stored(StorageError::Full)} : take_step();
+    if (added && is_synced) {
+        found->second.unsynced = 0;
+    }
+    return added;
 }
 
 Stored<void> MemoryStorage::move(std::string_view from, std::string_view to, WhenThere when_there)

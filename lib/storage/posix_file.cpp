@@ -172,7 +172,8 @@ Stored<void> save(const std::string& path, std::span<const std::byte> bytes, Fil
     return {};
 }
 
-Stored<void> append(const std::string& path, std::span<const std::byte> bytes, FileAccess access)
+Stored<void> append(const std::string& path, std::span<const std::byte> bytes, FileAccess access,
+                    Durability durability)
 {
     constexpr int flags = O_WRONLY | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
     Descriptor present{::open(path.c_str(), flags)};
@@ -186,12 +187,23 @@ Stored<void> append(const std::string& path, std::span<const std::byte> bytes, F
     if (!S_ISREG(facts.st_mode)) {
         return not_stored(StorageError::Failed);
     }
-    if (!write_all(file.get(), bytes) || ::fsync(file.get()) != 0) {
+    const bool is_synced = durability == Durability::PowerCut;
+    if (!write_all(file.get(), bytes) || (is_synced && ::fsync(file.get()) != 0)) {
         return not_stored(last_error());
     }
-    if (is_new) {
+    if (is_new && is_synced) {
         sync_folder_of(path);
     }
+    return {};
+}
+
+Stored<void> sync(const std::string& path)
+{
+    const Descriptor file{::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+    if (!file.is_open() || ::fsync(file.get()) != 0) {
+        return not_stored(last_error());
+    }
+    sync_folder_of(path); // the file may be new
     return {};
 }
 

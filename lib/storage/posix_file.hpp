@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,9 +26,14 @@ void sync_folder_of(const std::string& path);
 /// See Storage::replace.
 [[nodiscard]] Stored<void> save(const std::string& path, std::span<const std::byte> bytes,
                                 FileAccess access);
-/// See Storage::append.
+/// What the bytes that were written outlast.
+enum class Durability : std::uint8_t { ProgramEnd, PowerCut };
+
+/// See Storage::append and append_unsynced.
 [[nodiscard]] Stored<void> append(const std::string& path, std::span<const std::byte> bytes,
-                                  FileAccess access);
+                                  FileAccess access, Durability durability);
+/// See Storage::sync.
+[[nodiscard]] Stored<void> sync(const std::string& path);
 /// Also to another disk. A file that is at `to` is replaced.
 [[nodiscard]] Stored<void> rename_durably(const std::string& from, const std::string& to);
 /// As many bytes as there are, of a file that is open.

@@ -78,6 +78,38 @@ TEST_CASE("storage: bytes are appended")
     });
 }
 
+TEST_CASE("storage: bytes are appended that a later call brings to the medium")
+{
+    on_each([](Storage& storage) {
+        const auto add_unsynced = [&](std::string_view name, std::string_view text) {
+            return storage.append_unsynced(name, bytes_of(text), FileAccess::Owner);
+        };
+        CHECK(error_of(storage.sync("log")) == StorageError::NotFound);
+        REQUIRE(add_unsynced("log", "one\n"));
+        REQUIRE(add_unsynced("log", "two\n"));
+        CHECK(read(storage, "log") == "one\ntwo\n");
+        REQUIRE(storage.sync("log"));
+        REQUIRE(add(storage, "log", "three\n"));
+        CHECK(read(storage, "log") == "one\ntwo\nthree\n");
+        CHECK(error_of(add_unsynced("no/log", "x")) == StorageError::NotFound);
+        CHECK(error_of(add_unsynced("..", "x")) == StorageError::BadName);
+        CHECK(error_of(storage.sync("..")) == StorageError::BadName);
+    });
+}
+
+TEST_CASE("storage: memory loses what was not synced, as a power cut has it")
+{
+    storage::MemoryStorage storage;
+    REQUIRE(add(storage, "log", "one"));
+    REQUIRE(storage.append_unsynced("log", bytes_of("two"), FileAccess::Owner));
+    REQUIRE(storage.sync("log"));
+    REQUIRE(storage.append_unsynced("log", bytes_of("three"), FileAccess::Owner));
+    storage.lose_unsynced(2);
+    CHECK(read(storage, "log") == "onetwoth");
+    storage.lose_unsynced(0);
+    CHECK(read(storage, "log") == "onetwoth");
+}
+
 TEST_CASE("storage: folders are made with those above, listed and removed when empty")
 {
     on_each([](Storage& storage) {

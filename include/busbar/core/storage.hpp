@@ -84,7 +84,8 @@ struct StorageListing {
 /// is_storage_name. People or tools may change files at any time where the medium allows it.
 ///
 /// What returns success is on the medium and outlasts a power cut. After a power cut within a call
-/// there is the state before it or the one after it, but for `append` as said there.
+/// there is the state before it or the one after it, but for `append` and
+/// `append_unsynced` as said there.
 ///
 /// All functions block on the medium. Several threads may call them at the same time for different
 /// names.
@@ -111,6 +112,17 @@ public:
     /// the file may have gained any first part of `bytes`.
     [[nodiscard]] virtual Stored<void>
     append(std::string_view name, std::span<const std::byte> bytes, FileAccess access) = 0;
+    /// The same, but what was added outlasts the end of the program alone, and a power cut only
+    /// from the next sync() on: after one before that the file may have any bytes instead of them,
+    /// or none. Takes as long as the medium's system needs to remember the bytes. A Storage that
+    /// does not override it appends.
+    [[nodiscard]] virtual Stored<void>
+    append_unsynced(std::string_view name, std::span<const std::byte> bytes, FileAccess access)
+    {
+        return append(name, bytes, access);
+    }
+    /// What append_unsynced has added to a file outlasts a power cut.
+    [[nodiscard]] virtual Stored<void> sync(std::string_view /*name*/) { return {}; }
     /// Gives a file another name, also in another folder. At no moment is it under neither.
     [[nodiscard]] virtual Stored<void> move(std::string_view from, std::string_view to,
                                             WhenThere when_there) = 0;

@@ -37,6 +37,16 @@ public:
     {
         return storage_->append(in_folder(name), bytes, access);
     }
+    [[nodiscard]] Stored<void> append_unsynced(std::string_view name,
+                                               std::span<const std::byte> bytes,
+                                               FileAccess access) override
+    {
+        return storage_->append_unsynced(in_folder(name), bytes, access);
+    }
+    [[nodiscard]] Stored<void> sync(std::string_view name) override
+    {
+        return storage_->sync(in_folder(name));
+    }
     [[nodiscard]] Stored<void> move(std::string_view from, std::string_view to,
                                     WhenThere when_there) override
     {

@@ -50,6 +50,13 @@ public:
     {
         return change<void>([&] { return storage_->append(name, bytes, access); });
     }
+    [[nodiscard]] Stored<void> append_unsynced(std::string_view name,
+                                               std::span<const std::byte> bytes,
+                                               FileAccess access) override
+    {
+        return change<void>([&] { return storage_->append_unsynced(name, bytes, access); });
+    }
+    [[nodiscard]] Stored<void> sync(std::string_view name) override { return storage_->sync(name); }
     [[nodiscard]] Stored<void> move(std::string_view from, std::string_view to,
                                     WhenThere when_there) override
     {

@@ -31,6 +31,9 @@ public:
                          FileAccess access) override;
     Stored<void> append(std::string_view name, std::span<const std::byte> bytes,
                         FileAccess access) override;
+    Stored<void> append_unsynced(std::string_view name, std::span<const std::byte> bytes,
+                                 FileAccess access) override;
+    Stored<void> sync(std::string_view name) override;
     Stored<void> move(std::string_view from, std::string_view to, WhenThere when_there) override;
     Stored<void> remove(std::string_view name) override;
     Stored<StorageListing> list(std::string_view folder, std::size_t most) override;

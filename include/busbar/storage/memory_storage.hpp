@@ -31,6 +31,9 @@ public:
     /// So many steps from now the power goes: every call fails with Away, until restore_power().
     void cut_power_after(std::size_t steps);
     void restore_power();
+    /// What a power cut takes of each file that append_unsynced has added to since its last sync():
+    /// all but the first `kept` bytes of that.
+    void lose_unsynced(std::size_t kept);
     /// The change that is made so many steps from now fails, once.
     void fail_once_after(std::size_t steps, StorageError error);
     /// Steps since the beginning.
@@ -53,6 +56,9 @@ public:
                          FileAccess access) override;
     Stored<void> append(std::string_view name, std::span<const std::byte> bytes,
                         FileAccess access) override;
+    Stored<void> append_unsynced(std::string_view name, std::span<const std::byte> bytes,
+                                 FileAccess access) override;
+    Stored<void> sync(std::string_view name) override;
     Stored<void> move(std::string_view from, std::string_view to, WhenThere when_there) override;
     Stored<void> remove(std::string_view name) override;
     Stored<StorageListing> list(std::string_view folder, std::size_t most) override;
@@ -69,6 +75,7 @@ private:
         std::vector<std::byte> bytes;
         DateTime modified;
         std::uint64_t version{0};
+        std::size_t unsynced{0}; // bytes at the end that a power cut may take
     };
     using Items = std::map<std::string, Item, std::less<>>;
 
@@ -80,6 +87,8 @@ private:
     /// How many of so many bytes are written before the power goes or something fails.
     [[nodiscard]] std::size_t take_bytes(std::size_t count);
     [[nodiscard]] Stored<void> take_step();
+    [[nodiscard]] Stored<void> add(std::string_view name, std::span<const std::byte> bytes,
+                                   FileAccess access, bool is_synced);
     [[nodiscard]] StorageEntry entry_of(std::string_view name, const Item& item) const;
     void touch(Item& item);
     /// A name has come into its folder, or gone.
