@@ -1,5 +1,10 @@
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "image_fixture.hpp"
 
 namespace image_write_test {
@@ -63,6 +68,88 @@ TEST_CASE_METHOD(ImageFixture,
     const Pending hopeless = write({{speed, nullptr, &wrong}});
     CHECK(hopeless.owner->done); // nothing is left to wait for
     CHECK(hopeless.result() == status::Bad_TypeMismatch);
+}
+
+namespace {
+
+/// Keeps the writes of some variables, or refuses to.
+struct WriteLog final : ImageWriteLog {
+    bool keeps(const ProcessImage&, std::uint32_t handle) const override
+    {
+        return handle != unkept;
+    }
+    StatusCode keep(const ProcessImage&, std::span<const ImageWrite> writes) override
+    {
+        for (const ImageWrite& write : writes) {
+            kept.push_back({write.handle, write.offset, write.bytes.size()});
+        }
+        return answer;
+    }
+
+    std::uint32_t unkept{UINT32_MAX};
+    std::vector<std::array<std::size_t, 3>> kept; // handle, offset, size
+    StatusCode answer;
+};
+
+} // namespace
+
+TEST_CASE_METHOD(ImageFixture, "a write is kept after it was published and before it is answered")
+{
+    using Kept = std::vector<std::array<std::size_t, 3>>;
+    WriteLog log;
+    log.unkept = grid;
+    source->keep_writes(&log);
+    scan();
+    const auto range = NumericRange::parse("1:2").value();
+    const DataValue five = of(std::int16_t{5});
+    const DataValue text = of(String{"five"});
+    const DataValue two = of(Array<double>{8, 9});
+    const DataValue wrong = of(std::int32_t{5});
+    const DataValue numbers{Variant::matrix(Array<std::uint32_t>(6), Array<std::uint32_t>{2, 3})};
+    const Pending pending = write({{speed, nullptr, &five},
+                                   {name, nullptr, &text},
+                                   {levels, &range, &two},
+                                   {speed, nullptr, &wrong},
+                                   {grid, nullptr, &numbers}});
+    image->begin_scan();
+    sources->handle_completions();
+    CHECK(log.kept.empty());
+    image->publish(at(2000));
+    CHECK(log.kept.empty()); // not by the task
+    SECTION("kept")
+    {
+        sources->handle_completions();
+        REQUIRE(pending.owner->done);
+        CHECK(log.kept == Kept{{speed, 0, 2}, {name, 0, 8}, {levels, 8, 16}});
+        CHECK(pending.result(0) == status::Good);
+        CHECK(pending.result(2) == status::Good);
+        CHECK(pending.result(3) == status::Bad_TypeMismatch);
+        CHECK(pending.result(4) == status::Good);
+        log.kept.clear();
+        CHECK(write_now({grid, nullptr, &numbers}) == status::Good);
+        CHECK(log.kept.empty());
+    }
+    SECTION("refused")
+    {
+        log.answer = status::Bad_ResourceUnavailable;
+        sources->handle_completions();
+        REQUIRE(pending.owner->done);
+        CHECK(pending.result(0) == status::Bad_ResourceUnavailable);
+        CHECK(pending.result(2) == status::Bad_ResourceUnavailable);
+        CHECK(pending.result(3) == status::Bad_TypeMismatch);
+        CHECK(pending.result(4) == status::Good);
+        CHECK(read(speed).value == Variant{std::int16_t{5}});
+    }
+    SECTION("not applied")
+    {
+        const Pending late = write({{speed, nullptr, &five}});
+        sources->handle_completions();
+        log.kept.clear();
+        image->halt();
+        sources->handle_completions();
+        CHECK(late.result() == status::Bad_NoCommunication);
+        CHECK(log.kept.empty());
+    }
 }
 
 TEST_CASE_METHOD(ImageFixture, "ranges of arrays are written")

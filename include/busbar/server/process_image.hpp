@@ -1,8 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include <busbar/core/api.hpp>
@@ -54,6 +56,32 @@ struct ImageAddition {
 };
 
 class ProcessImage;
+
+/// Bytes that a client wrote into a variable, as they lie in the image: from `offset` of the
+/// variable's first byte on.
+struct ImageWrite {
+    std::uint32_t handle{0};
+    std::uint32_t offset{0};
+    std::span<const std::byte> bytes;
+};
+
+/// Keeps what clients write, before they learn that it was written: see ImageSource::keep_writes.
+/// Called on the server's thread.
+class BUSBAR_API ImageWriteLog {
+public:
+    ImageWriteLog() = default;
+    ImageWriteLog(const ImageWriteLog&) = delete;
+    ImageWriteLog& operator=(const ImageWriteLog&) = delete;
+    virtual ~ImageWriteLog() = default;
+
+    /// Whether writes of the variable are kept.
+    [[nodiscard]] virtual bool keeps(const ProcessImage& image, std::uint32_t handle) const = 0;
+    /// What the task has applied of one Write call, and published, in this order; of such variables
+    /// only, and never nothing. Other than Good is what the client is told of these items, although
+    /// the image has them.
+    [[nodiscard]] virtual StatusCode keep(const ProcessImage& image,
+                                          std::span<const ImageWrite> writes) = 0;
+};
 
 /// Holds one published scan: everything read through it is from one point in time and does not
 /// change. Empty if there is none. Used by one thread at a time; keeps the image's memory alive.
@@ -225,6 +253,10 @@ public:
     explicit ImageSource(std::shared_ptr<ProcessImage> image);
     ~ImageSource() override;
 
+    /// Every Write from here on is answered after `log` has kept it; null: none is. It must outlive
+    /// the source.
+    void keep_writes(ImageWriteLog* log) { log_ = log; }
+
     [[nodiscard]] DataSourceOptions options() const override;
     void read(ReadBatch batch) override;
     void write(WriteBatch batch) override;
@@ -234,6 +266,7 @@ public:
 
 private:
     std::shared_ptr<ProcessImage> image_;
+    ImageWriteLog* log_{nullptr};
 };
 
 } // namespace busbar::server

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "core/range_walk.hpp"
 #include "image_types.hpp"
 #include "structure_codec.hpp"
@@ -242,6 +244,30 @@ void ImageChanges::copy(const Item& item) const
     for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
         const Change& change = changes_[i];
         std::memcpy(variable + change.to, bytes_.data() + change.from, change.size);
+    }
+}
+
+void ImageChanges::keep(ImageWriteLog& log, const ProcessImage& image)
+{
+    const auto is_kept = [&](const Item& item) {
+        return item.result.is_good() && log.keeps(image, item.handle);
+    };
+    std::vector<ImageWrite> writes;
+    StatusCode kept = status::Bad_OutOfMemory;
+    busbar::detail::attempt([&] {
+        for (const Item& item : items_) {
+            for (std::uint32_t i = item.first; is_kept(item) && i < item.first + item.count; ++i) {
+                const Change& change = changes_[i];
+                writes.push_back(
+                    {item.handle, change.to, std::span{bytes_}.subspan(change.from, change.size)});
+            }
+        }
+        kept = writes.empty() ? StatusCode{} : log.keep(image, writes);
+    });
+    if (!kept.is_good()) {
+        for (Item& item : items_) {
+            item.result = is_kept(item) ? kept : item.result;
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <busbar/server/data_source.hpp>
+#include <busbar/server/process_image.hpp>
 
 #include "image_segments.hpp"
 
@@ -49,6 +50,8 @@ public:
         }
     }
 
+    /// What the task has applied is kept by `log`; what that cannot keep has its status.
+    void keep(ImageWriteLog& log, const ProcessImage& image);
     /// Tells the client what came of each item.
     void complete();
     void fail(StatusCode status) { batch_.finish(status); }

@@ -93,6 +93,9 @@ void ImageSource::attach(Waker* waker)
 void ImageSource::handle_completions()
 {
     while (const std::unique_ptr<detail::ImageChanges> call = image_->writes_->collect()) {
+        if (log_ != nullptr) {
+            call->keep(*log_, *image_);
+        }
         call->complete();
     }
 }
