@@ -1,37 +1,18 @@
 #include "retained_file.hpp"
 
 #include <algorithm>
-#include <array>
+
+#include "controller/life/checksum.hpp"
 
 namespace busbar::controller::detail {
 
 namespace {
 
 constexpr std::uint32_t magic = 0x5652'4242; // "BBRV"
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
+/// It has no number of a write.
+constexpr std::uint32_t first_version = 1;
 constexpr std::size_t crc_size = 4;
-
-/// That of Ethernet: reflected, polynomial 0x04C11DB7. By the byte that comes.
-constexpr std::array<std::uint32_t, 256> crc_table = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
-        std::uint32_t crc = byte;
-        for (int bit = 0; bit < 8; ++bit) {
-            crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB8'8320U : 0U);
-        }
-        table[byte] = crc;
-    }
-    return table;
-}();
-
-std::uint32_t crc32(std::span<const std::byte> bytes)
-{
-    std::uint32_t crc = UINT32_MAX;
-    for (const std::byte byte : bytes) {
-        crc = crc_table[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU] ^ (crc >> 8U);
-    }
-    return ~crc;
-}
 
 std::span<const std::byte> without_crc(std::span<const std::byte> file)
 {
@@ -40,10 +21,11 @@ std::span<const std::byte> without_crc(std::span<const std::byte> file)
 
 } // namespace
 
-RetainedWriter::RetainedWriter(std::size_t count) : writer_{sink_}
+RetainedWriter::RetainedWriter(std::size_t count, std::uint64_t last_write) : writer_{sink_}
 {
     writer_.number(magic);
     writer_.number(version);
+    writer_.number(last_write);
     writer_.number(static_cast<std::uint32_t>(count));
 }
 
@@ -59,7 +41,7 @@ void RetainedWriter::add(const RetainedValue& value)
 std::vector<std::byte> RetainedWriter::take()
 {
     std::vector<std::byte> file = sink_.take(writer_.written());
-    const std::uint32_t crc = crc32(file);
+    const std::uint32_t crc = checksum(file);
     for (unsigned shift = 0; shift < 32; shift += 8) {
         file.push_back(static_cast<std::byte>(crc >> shift));
     }
@@ -70,18 +52,22 @@ RetainedReader::RetainedReader(std::span<const std::byte> file) : reader_{withou
 {
     const auto found_magic = reader_.number<std::uint32_t>();
     const auto found_version = reader_.number<std::uint32_t>();
+    if (found_version != first_version) {
+        last_write_ = reader_.number<std::uint64_t>();
+    }
     left_ = reader_.number<std::uint32_t>();
     binary::Reader end{file.last(std::min(file.size(), crc_size))};
     if (!reader_.ok() || found_magic != magic) {
         problem_ = "is no file of retained values";
-    } else if (end.number<std::uint32_t>() != crc32(without_crc(file))) {
+    } else if (end.number<std::uint32_t>() != checksum(without_crc(file))) {
         problem_ = "is damaged: its checksum is another one";
-    } else if (found_version != version) {
+    } else if (found_version != version && found_version != first_version) {
         problem_ = "has version " + std::to_string(found_version) + "; expected " +
                    std::to_string(version);
     }
     if (!problem_.empty()) {
         left_ = 0;
+        last_write_ = 0;
     }
 }
 

@@ -13,9 +13,10 @@
 
 namespace busbar::controller::detail {
 
-// The file of retained values, little-endian: "BBRV", the version, the number of values, the
-// values, and the CRC-32 of all of it. A value is the length of a name, the name, the type's print,
-// the length and the bytes of the variable as they lie in an image.
+// The file of retained values, little-endian: "BBRV", the version, the number of the last
+// write that is in it (see RetainedJournal), the number of values, the values, and the CRC-32 of
+// all of it. A value is the length of a name, the name, the type's print, the length and the bytes
+// of the variable as they lie in an image.
 
 struct RetainedValue {
     std::string_view name;
@@ -25,7 +26,7 @@ struct RetainedValue {
 
 class RetainedWriter {
 public:
-    explicit RetainedWriter(std::size_t count);
+    RetainedWriter(std::size_t count, std::uint64_t last_write);
     void add(const RetainedValue& value);
     /// The file.
     [[nodiscard]] std::vector<std::byte> take();
@@ -42,12 +43,15 @@ public:
 
     /// Empty: it can be read to its end. Else why not.
     [[nodiscard]] const std::string& problem() const { return problem_; }
+    /// 0 if there is a problem, or none was written yet.
+    [[nodiscard]] std::uint64_t last_write() const { return last_write_; }
     /// None behind the last.
     [[nodiscard]] std::optional<RetainedValue> next();
 
 private:
     binary::Reader reader_;
     std::uint32_t left_{0};
+    std::uint64_t last_write_{0};
     std::string problem_;
 };
 

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <map>
+#include <set>
 
 #include <busbar/core/text.hpp>
 #include <busbar/server/image_structure.hpp>
 
 #include "retained_file.hpp"
+#include "retained_journal.hpp"
 #include "server/image/image_types.hpp"
 #include "type_print.hpp"
 
@@ -49,10 +53,13 @@ bool is_value(const server::ImagePlace& place, const std::byte* from)
 RetainedValues::RetainedValues(Storage& storage, const ProgramTypes& types,
                                const ProgramImage& image, RetainedOptions options)
     : storage_{&storage}, options_{std::move(options)}, image_{image.image()},
-      elementary_{image.elementary()}
+      elementary_{image.elementary()}, journal_{std::make_unique<detail::RetainedJournal>(
+                                           storage, options_.file)}
 {
     take_in(types, image.variables(), 0);
 }
+
+RetainedValues::~RetainedValues() = default;
 
 void RetainedValues::add(const ProgramTypes& types, const ProgramImageAddition& added)
 {
@@ -66,76 +73,156 @@ void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::siz
     for (std::uint32_t i = 0; i < indices.size(); ++i) {
         const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {
+            const std::uint32_t handle = first_handle + i;
             // One that was there before was removed, and comes back in another place.
             const auto [known, is_new] =
                 by_name_.emplace(fold_name(variable.name), variables_.size());
-            Variable taken{variable.name, first_handle + i, prints.print(variable.type)};
+            Variable taken{variable.name, handle, prints.print(variable.type)};
             if (is_new) {
                 variables_.push_back(std::move(taken));
             } else {
+                by_handle_[variables_[known->second].handle] = 0;
                 variables_[known->second] = std::move(taken);
             }
+            by_handle_.resize(std::max<std::size_t>(by_handle_.size(), handle + 1));
+            by_handle_[handle] = known->second + 1;
         }
     }
 }
+
+/// Values on their way into the image's memory: those of the file, and over them what the journal
+/// has, which may be parts of a variable.
+class RetainedValues::Restoring {
+public:
+    Restoring(const RetainedValues& owner, RetainedRestore& result) : owner_{owner}, result_{result}
+    {
+    }
+
+    void add_file(const detail::RetainedValue& value)
+    {
+        if (const Variable* const variable = find(value.name, value.type_print)) {
+            const std::size_t size = owner_.image_->place(variable->handle).bytes();
+            if (value.bytes.size() != size) {
+                return refuse(*variable);
+            }
+            values_[variable->handle].assign(value.bytes.begin(), value.bytes.end());
+        }
+    }
+    void add_write(const detail::JournalEntry& entry)
+    {
+        const Variable* const variable = find(entry.name, entry.type_print);
+        if (variable == nullptr) {
+            return;
+        }
+        const server::ImagePlace& place = owner_.image_->place(variable->handle);
+        if (entry.offset > place.bytes() || entry.bytes.size() > place.bytes() - entry.offset) {
+            return refuse(*variable);
+        }
+        std::vector<std::byte>& value = values_[variable->handle];
+        if (value.empty()) { // it is as declared
+            const std::byte* const declared = owner_.image_->memory().bytes(place);
+            value.assign(declared, declared + place.bytes());
+        }
+        std::ranges::copy(entry.bytes, value.begin() + entry.offset);
+    }
+    void finish()
+    {
+        for (const auto& [handle, value] : values_) {
+            const server::ImagePlace& place = owner_.image_->place(handle);
+            if (!is_value(place, value.data())) {
+                refuse(owner_.variables_[owner_.by_handle_[handle] - 1]);
+                continue;
+            }
+            std::ranges::copy(value, owner_.image_->memory().bytes(place));
+            ++result_.restored;
+        }
+    }
+
+private:
+    /// Null for one that is gone, was added while the task ran, or has another type.
+    const Variable* find(std::string_view name, std::uint64_t type_print)
+    {
+        const auto found = owner_.by_name_.find(fold_name(name));
+        if (found == owner_.by_name_.end()) {
+            return nullptr; // it is no longer there, or no longer retained
+        }
+        const Variable& variable = owner_.variables_[found->second];
+        if (variable.handle >= owner_.image_->layout().size()) {
+            return nullptr; // it was added, and the task has it already
+        }
+        if (type_print != variable.type_print) {
+            refuse(variable);
+            return nullptr;
+        }
+        return &variable;
+    }
+    void refuse(const Variable& variable)
+    {
+        if (refused_.insert(variable.handle).second) {
+            result_.problems.push_back(
+                {.where = owner_.options_.file + ": " + printable(variable.name),
+                 .text = "has another type than when its value was kept; it begins as declared"});
+        }
+    }
+
+    const RetainedValues& owner_;
+    RetainedRestore& result_;
+    /// By handle.
+    std::map<std::uint32_t, std::vector<std::byte>> values_;
+    std::set<std::uint32_t> refused_;
+};
 
 RetainedRestore RetainedValues::restore()
 {
     RetainedRestore result;
-    const auto file = read_file(*storage_, options_.file, max_file_size);
+    Restoring restoring{*this, result};
+    std::uint64_t last_write = 0;
+    std::string unreadable; // said once of a medium that is away
+    auto file = read_file(*storage_, options_.file, max_file_size);
     if (file) {
-        restore_from(*file, result);
-        saved_ = *file;
+        detail::RetainedReader reader{*file};
+        has_unusable_file_ = !reader.problem().empty();
+        if (has_unusable_file_) {
+            result.problems.push_back({.where = options_.file, .text = reader.problem()});
+        }
+        while (const auto value = reader.next()) {
+            restoring.add_file(*value);
+        }
+        last_write = reader.last_write();
+        saved_ = *std::move(file);
     } else if (file.error() != StorageError::NotFound) {
         has_unusable_file_ = true;
-        result.problems.push_back(
-            {.where = options_.file, .text = "cannot be read: " + std::string{text(file.error())}});
+        unreadable = "cannot be read: " + std::string{text(file.error())};
+        result.problems.push_back({.where = options_.file, .text = unreadable});
+    }
+    const auto problems = journal_->recover(
+        last_write, [&](const detail::JournalEntry& entry) { restoring.add_write(entry); });
+    std::ranges::copy_if(problems, std::back_inserter(result.problems),
+                         [&](const Problem& each) { return each.text != unreadable; });
+    restoring.finish();
+    if (!journal_->is_empty()) {
+        const auto begun = [&](std::uint32_t handle) -> const std::byte* {
+            const bool is_there = handle < image_->layout().size();
+            return is_there ? image_->memory().bytes(image_->place(handle)) : nullptr;
+        };
+        // What fails is due again, and tells why then.
+        static_cast<void>(save(content(begun, journal_->begin_save())));
     }
     return result;
 }
 
-void RetainedValues::restore_from(std::span<const std::byte> file, RetainedRestore& result)
-{
-    detail::RetainedReader reader{file};
-    if (!reader.problem().empty()) {
-        has_unusable_file_ = true;
-        result.problems.push_back({.where = options_.file, .text = reader.problem()});
-    }
-    while (const auto value = reader.next()) {
-        const auto found = by_name_.find(fold_name(value->name));
-        if (found == by_name_.end()) {
-            continue; // it is no longer there, or no longer retained
-        }
-        const Variable& variable = variables_[found->second];
-        if (variable.handle >= image_->layout().size()) {
-            continue; // it was added, and the task has it already
-        }
-        const server::ImagePlace& place = image_->place(variable.handle);
-        if (value->type_print != variable.type_print || value->bytes.size() != place.bytes() ||
-            !is_value(place, value->bytes.data())) {
-            result.problems.push_back(
-                {.where = options_.file + ": " + printable(variable.name),
-                 .text = "has another type than when its value was kept; it begins as declared"});
-            continue;
-        }
-        std::memcpy(image_->memory().bytes(place), value->bytes.data(), value->bytes.size());
-        ++result.restored;
-    }
-}
-
-std::vector<std::byte> RetainedValues::content(const server::ImagePin& pin) const
+std::vector<std::byte> RetainedValues::content(BytesOf bytes_of, std::uint64_t last_write) const
 {
     std::vector<detail::RetainedValue> values;
     values.reserve(variables_.size());
     for (const Variable& variable : variables_) {
-        // Null if it was added after the scan, and has no value yet.
-        if (const std::byte* const bytes = pin.bytes(variable.handle)) {
+        if (const std::byte* const bytes = bytes_of(variable.handle)) {
             values.push_back({variable.name,
                               variable.type_print,
                               {bytes, image_->place(variable.handle).bytes()}});
         }
     }
-    detail::RetainedWriter writer{values.size()};
+    detail::RetainedWriter writer{values.size(), last_write};
     for (const detail::RetainedValue& value : values) {
         writer.add(value);
     }
@@ -144,13 +231,21 @@ std::vector<std::byte> RetainedValues::content(const server::ImagePin& pin) cons
 
 Stored<void> RetainedValues::save()
 {
+    // First the number: the scan that is read after it has all writes up to that.
+    const std::uint64_t last_write = journal_->begin_save();
     const server::ImagePin pin = image_->pin();
     if (!pin) {
         return image_->has_scan() ? Stored<void>{not_stored(StorageError::Failed)} : Stored<void>{};
     }
-    std::vector<std::byte> now = content(pin);
+    // Null if it was added after the scan, and has no value yet.
+    const auto bytes_of = [&](std::uint32_t handle) { return pin.bytes(handle); };
+    return save(content(bytes_of, last_write));
+}
+
+Stored<void> RetainedValues::save(std::vector<std::byte> now)
+{
     if (now == saved_) {
-        return {};
+        return journal_->saved();
     }
     if (auto kept = keep_old_file(); !kept) {
         return kept;
@@ -161,7 +256,28 @@ Stored<void> RetainedValues::save()
         return written;
     }
     saved_ = std::move(now);
-    return {};
+    return journal_->saved();
+}
+
+Stored<void> RetainedValues::keep(std::span<const server::ImageWrite> writes)
+{
+    std::vector<detail::JournalEntry> entries;
+    entries.reserve(writes.size());
+    for (const server::ImageWrite& write : writes) {
+        const Variable& variable = variables_[by_handle_[write.handle] - 1];
+        entries.push_back({variable.name, variable.type_print, write.offset, write.bytes});
+    }
+    return journal_->append(entries);
+}
+
+Stored<void> RetainedValues::sync()
+{
+    return journal_->sync();
+}
+
+TimePoint RetainedValues::next_deadline() const
+{
+    return journal_->needs_save() ? TimePoint::min() : deadline_;
 }
 
 Stored<void> RetainedValues::keep_old_file()
