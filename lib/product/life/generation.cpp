@@ -88,6 +88,9 @@ void Generation::publish(const Requests& requests)
     plant_.publish(server_, settings_->sources(), around_.lines,
                    around_.machine != nullptr ? &around_.machine->event_log() : nullptr,
                    requests.hardware);
+    if (around_.machine != nullptr) {
+        plant_.keep_writes(around_.machine->retained());
+    }
     if (project_ == nullptr) {
         return;
     }

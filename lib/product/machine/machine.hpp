@@ -80,6 +80,8 @@ public:
     /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
     /// on; its task does not run yet. What cannot be restored goes to the log.
     void keep(const MachineProgram& program) { retained_->keep(program); }
+    /// Keeps what clients write into RETAIN variables. Outlives its servers.
+    [[nodiscard]] server::ImageWriteLog& retained() { return *retained_; }
     /// Saves the values of the latest scan now. Throws ConfigError.
     void save_retained();
     /// Power may be gone soon: saves what there is.

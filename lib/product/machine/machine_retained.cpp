@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <busbar/core/status_codes.hpp>
+
 namespace busbar::product {
 
 void MachineRetained::keep(const MachineProgram& program)
@@ -46,9 +48,21 @@ bool MachineRetained::save_when_due(TimePoint now)
         return told(values_->save()).has_value();
     }
     if (values_->next_deadline() > now) {
-        return true;
+        return told(values_->sync()).has_value();
     }
     return told(values_->handle_deadline(now)).has_value();
+}
+
+/// Of a program that was replaced: its last scan was saved then.
+bool MachineRetained::keeps(const server::ProcessImage& image, std::uint32_t handle) const
+{
+    return values_ && values_->is_of(image) && values_->keeps(handle);
+}
+
+StatusCode MachineRetained::keep(const server::ProcessImage&,
+                                 std::span<const server::ImageWrite> writes)
+{
+    return values_->keep(writes) ? status::Good : status::Bad_ResourceUnavailable;
 }
 
 Stored<void> MachineRetained::told(Stored<void> saved)

@@ -31,6 +31,9 @@ public:
     void publish(server::Server& server, SourceFiles& sources, LogSink& log,
                  const controller::MachineEventLog* machine_log,
                  std::function<void(HardwareEvent)> hardware);
+    /// After publish(), and before the server is served: what clients write is kept by `log`, which
+    /// must outlive this, before they are answered.
+    void keep_writes(server::ImageWriteLog& log) { source_->keep_writes(&log); }
     /// From publish() on, but not with a program of labels.
     [[nodiscard]] controller::Plc& plc() { return *plc_; }
     [[nodiscard]] const controller::Plc& plc() const { return *plc_; }
