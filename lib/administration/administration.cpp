@@ -155,7 +155,7 @@ Configured<void> Administration::Impl::attach_files(server::Server& server)
     for (const TemporaryFileTransfer& transfer : parts.file_transfers) {
         auto& nodes = transfer_nodes.emplace_back(
             detail::TransferNodes::Needs{server, transfer, *parts.random, *parts.wall_clock,
-                                         *parts.log});
+                                         *parts.log, table, parts.worker});
         if (auto attached = nodes.add_nodes(); !attached) {
             return attached;
         }

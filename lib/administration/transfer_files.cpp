@@ -15,12 +15,12 @@ std::size_t TransferFiles::held() const
 {
     return std::accumulate(
         files_.begin(), files_.end(), std::size_t{0},
-        [](std::size_t sum, const TransferFile& file) { return sum + file.bytes.size(); });
+        [](std::size_t sum, const TransferFile& file) { return sum + file.bytes->size(); });
 }
 
 void TransferFiles::give_way(std::list<TransferFile>::iterator file)
 {
-    file->bytes = {};
+    file->bytes = std::make_shared<std::vector<std::byte>>();
     gave_way_.splice(gave_way_.end(), files_, file);
 }
 
@@ -41,8 +41,8 @@ bool TransferFiles::make_room(const Holder& holder, std::size_t bytes)
 {
     while (held() + bytes > limits_.max_held) {
         const auto loser = find_giving_way(
-            files_, holder, bytes, [](const TransferFile& file) { return file.bytes.size(); },
-            [](const TransferFile& file) { return ~file.bytes.size(); });
+            files_, holder, bytes, [](const TransferFile& file) { return file.bytes->size(); },
+            [](const TransferFile& file) { return ~file.bytes->size(); });
         if (loser == files_.end()) {
             return false;
         }
@@ -103,6 +103,14 @@ TransferFile* TransferFiles::find(std::uint32_t handle, const Holder& holder, st
     return named != nullptr && named->handle == handle ? find(handle, holder, now) : nullptr;
 }
 
+TransferFile* TransferFiles::find(std::uint32_t handle)
+{
+    const auto found = std::find_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
+        return file.handle == handle;
+    });
+    return found != files_.end() ? &*found : nullptr;
+}
+
 const TransferFile* TransferFiles::find(std::string_view name, TimePoint now) const
 {
     const auto found = std::find_if(files_.begin(), files_.end(), [&](const TransferFile& file) {
@@ -120,8 +128,8 @@ Result<std::vector<std::byte>> TransferFiles::read(TransferFile& file, std::int3
         return fail(status::Bad_InvalidState);
     }
     const std::size_t count = std::min(
-        {file.bytes.size() - file.position, max_read_size, static_cast<std::size_t>(length)});
-    const auto begin = file.bytes.begin() + static_cast<std::ptrdiff_t>(file.position);
+        {file.bytes->size() - file.position, max_read_size, static_cast<std::size_t>(length)});
+    const auto begin = file.bytes->begin() + static_cast<std::ptrdiff_t>(file.position);
     std::vector<std::byte> bytes(begin, begin + static_cast<std::ptrdiff_t>(count));
     file.position += count;
     return bytes;
@@ -129,26 +137,26 @@ Result<std::vector<std::byte>> TransferFiles::read(TransferFile& file, std::int3
 
 StatusCode TransferFiles::write(TransferFile& file, std::span<const std::byte> bytes)
 {
-    if (!file.is_written) {
+    if (!file.is_written || file.is_being_taken) {
         return status::Bad_InvalidState;
     }
     if (bytes.size() > limits_.max_file_size - file.position) {
         return status::Bad_EncodingLimitsExceeded;
     }
-    const std::size_t end = std::max(file.bytes.size(), file.position + bytes.size());
-    if (!make_room(file.holder, end - file.bytes.size())) {
+    const std::size_t end = std::max(file.bytes->size(), file.position + bytes.size());
+    if (!make_room(file.holder, end - file.bytes->size())) {
         return status::Bad_OutOfMemory;
     }
-    file.bytes.resize(end);
+    file.bytes->resize(end);
     std::copy(bytes.begin(), bytes.end(),
-              file.bytes.begin() + static_cast<std::ptrdiff_t>(file.position));
+              file.bytes->begin() + static_cast<std::ptrdiff_t>(file.position));
     file.position += bytes.size();
     return status::Good;
 }
 
 void TransferFiles::set_position(TransferFile& file, std::uint64_t position)
 {
-    file.position = static_cast<std::size_t>(std::min<std::uint64_t>(position, file.bytes.size()));
+    file.position = static_cast<std::size_t>(std::min<std::uint64_t>(position, file.bytes->size()));
 }
 
 void TransferFiles::remove(const TransferFile& file)

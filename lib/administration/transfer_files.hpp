@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,7 +29,9 @@ struct TransferFile {
     /// Written by the client; else read.
     bool is_written{false};
     Variant options{};
-    std::vector<std::byte> bytes{};
+    /// Never null. Whoever takes the file has it, too, and nobody changes it then.
+    std::shared_ptr<std::vector<std::byte>> bytes{std::make_shared<std::vector<std::byte>>()};
+    bool is_being_taken{false};
     std::size_t position{0};
     TimePoint deadline{};
     DateTime modified{};
@@ -56,12 +59,14 @@ public:
     [[nodiscard]] TransferFile* find(std::uint32_t handle, const Holder& holder, TimePoint now);
     [[nodiscard]] TransferFile* find(std::uint32_t handle, const Holder& holder,
                                      std::string_view name, TimePoint now);
+    /// Whoever has it; null if it is gone.
+    [[nodiscard]] TransferFile* find(std::uint32_t handle);
     /// At most `length` bytes, none at the end (Part 20, 4.2.4). Bad_InvalidState for a file that
     /// is written, Bad_InvalidArgument for a negative length.
     [[nodiscard]] static Result<std::vector<std::byte>> read(TransferFile& file,
                                                              std::int32_t length);
-    /// Bad_InvalidState for a file that is read, Bad_EncodingLimitsExceeded and Bad_OutOfMemory
-    /// where it would grow too large.
+    /// Bad_InvalidState for a file that is read or being taken, Bad_EncodingLimitsExceeded and
+    /// Bad_OutOfMemory where it would grow too large.
     [[nodiscard]] StatusCode write(TransferFile& file, std::span<const std::byte> bytes);
     /// At most the end of the file (Part 20, 4.2.7).
     static void set_position(TransferFile& file, std::uint64_t position);
@@ -83,7 +88,7 @@ private:
 
     TransferLimits limits_;
     Duration timeout_;
-    std::list<TransferFile> files_; // the oldest in front
+    std::list<TransferFile> files_;    // the oldest in front
     std::list<TransferFile> gave_way_; // without bytes, until they are removed
     std::uint32_t last_handle_{0};
 };

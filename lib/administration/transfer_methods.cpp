@@ -71,7 +71,8 @@ void TransferNodes::generate_for_read(MethodCall& call)
     if (bytes->size() > *room) {
         return call.fail(status::Bad_EncodingLimitsExceeded);
     }
-    auto kept = keep({.holder = holder_of(server_, call), .bytes = *std::move(bytes)});
+    auto kept = keep({.holder = holder_of(server_, call),
+                      .bytes = std::make_shared<std::vector<std::byte>>(*std::move(bytes))});
     if (!kept) {
         return call.fail(kept.error());
     }
@@ -102,17 +103,51 @@ void TransferNodes::close_and_commit(MethodCall& call)
     if (file == nullptr) {
         return call.fail(status::Bad_InvalidArgument);
     }
-    if (!file->is_written) {
+    if (!file->is_written || file->is_being_taken) {
         return call.fail(status::Bad_InvalidState);
     }
+    const administration::TransferRequest request{file->options, call.user(), call.session_id()};
     auto outputs = one_output(Variant{NodeId{}});
-    const StatusCode taken =
-        transfer_.owner->take({file->options, call.user(), call.session_id()}, file->bytes);
+    const StatusCode may = transfer_.owner->may_take(request);
+    if (may.is_bad() || !transfer_.owner->takes_long(request)) {
+        const StatusCode taken = may.is_bad() ? may : transfer_.owner->take(request, *file->bytes);
+        return end_taking(call, file, taken, std::move(outputs));
+    }
+    if (is_taking_) {
+        return call.fail(status::Bad_TooManyOperations);
+    }
+    // The file may be gone at the end, with its session.
+    const auto kept = std::make_shared<MethodCall>(std::move(call));
+    const auto work = [this, options = file->options, bytes = file->bytes] {
+        transfer_.owner->prepare(options, *bytes);
+    };
+    const auto end = [this, kept, outputs = std::move(outputs), handle = file->handle,
+                      options = file->options, bytes = file->bytes](StatusCode done) mutable {
+        is_taking_ = false;
+        TransferFile* const prepared = files_.find(handle);
+        if (prepared != nullptr) {
+            prepared->is_being_taken = false;
+        }
+        if (done.is_good()) {
+            done = transfer_.owner->take({options, kept->user(), kept->session_id()}, *bytes);
+        }
+        end_taking(*kept, prepared, done, std::move(outputs));
+    };
+    is_taking_ = true;
+    file->is_being_taken = true;
+    table_.run(worker_, work, end);
+}
+
+void TransferNodes::end_taking(MethodCall& call, TransferFile* file, StatusCode taken,
+                               Array<Variant> outputs)
+{
     if (taken.is_bad()) {
         return call.fail(taken); // the client has it still
     }
-    file->deadline = TimePoint::min(); // it is taken: what stays of it now goes with the next call
-    busbar::detail::attempt([&] { drop(*file); });
+    if (file != nullptr) {
+        file->deadline = TimePoint::min(); // what stays of it now goes with the next call
+        busbar::detail::attempt([&] { drop(*file); });
+    }
     call.succeed(std::move(outputs));
 }
 
@@ -186,7 +221,7 @@ DataValue TransferNodes::value_of(const TransferFile& file, FileAspect aspect) c
 {
     switch (aspect) {
     case FileAspect::Size:
-        return DataValue{Variant{std::uint64_t{file.bytes.size()}}};
+        return DataValue{Variant{std::uint64_t{file.bytes->size()}}};
     case FileAspect::OpenCount:
         return DataValue{Variant{std::uint16_t{1}}};
     case FileAspect::MaxByteStringLength:

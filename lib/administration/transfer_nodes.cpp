@@ -34,11 +34,10 @@ std::string in_hexadecimal(std::span<const std::byte> bytes)
 
 TransferNodes::TransferNodes(const Needs& needs)
     : server_{needs.server}, space_{needs.server.address_space()}, transfer_{needs.transfer},
-      random_{needs.random}, clock_{needs.clock}, files_{needs.transfer},
-      turns_{[this](const std::shared_ptr<server::CallBatch>& batch, std::size_t index) {
-                 serve(batch, index);
-             },
-             needs.log}
+      random_{needs.random}, clock_{needs.clock}, table_{needs.table}, worker_{needs.worker},
+      files_{needs.transfer}, turns_{[this](const std::shared_ptr<server::CallBatch>& batch,
+                                            std::size_t index) { serve(batch, index); },
+                                     needs.log}
 {
     turns_.set_server(server_);
 }

@@ -14,6 +14,7 @@
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/server/worker.hpp>
 
 #include "call_turns.hpp"
 #include "file_objects.hpp"
@@ -33,6 +34,9 @@ public:
         crypto::Random& random;
         const WallClock& clock;
         LogSink& log;
+        NodeTable& table;
+        /// Where files are taken; null: on the server's thread.
+        server::Worker* worker;
     };
 
     explicit TransferNodes(const Needs& needs);
@@ -83,6 +87,9 @@ private:
     void generate_for_read(server::MethodCall& call);
     void generate_for_write(server::MethodCall& call);
     void close_and_commit(server::MethodCall& call);
+    /// Answers; `file` may be gone.
+    void end_taking(server::MethodCall& call, TransferFile* file, StatusCode taken,
+                    Array<Variant> outputs);
     void open(server::MethodCall& call);
     void close(server::MethodCall& call);
     void read_file(server::MethodCall& call);
@@ -95,6 +102,9 @@ private:
     const TemporaryFileTransfer& transfer_;
     crypto::Random& random_;
     const WallClock& clock_;
+    NodeTable& table_;
+    server::Worker* worker_;
+    bool is_taking_{false}; // a file that takes long
     TransferFiles files_;
     CallTurns turns_;
     std::uint16_t namespace_{0};

@@ -109,6 +109,17 @@ struct PlainTransfers final : administration::TransferOwner {
         return answer;
     }
 
+    [[nodiscard]] bool takes_long(const administration::TransferRequest&) const override
+    {
+        return is_slow;
+    }
+    void prepare(const Variant&, std::span<const std::byte> bytes) override
+    {
+        prepared.emplace_back(bytes.begin(), bytes.end());
+    }
+
+    bool is_slow{false}; // takes files on a worker
+    std::vector<std::vector<std::byte>> prepared;
     std::vector<std::byte> made;
     std::size_t last_max_size{0};
     StatusCode answer;

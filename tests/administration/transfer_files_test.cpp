@@ -37,7 +37,7 @@ struct Transfers {
         TransferFile file;
         file.name = std::move(name);
         file.holder = holder;
-        file.bytes = bytes_of(text);
+        *file.bytes = bytes_of(text);
         file.is_written = is_written;
         return files.add(std::move(file), now).handle;
     }
@@ -97,9 +97,9 @@ TEST_CASE("transfer files: are written up to their limits")
     CHECK(transfers.files.write(file, bytes_of("01234567")) == status::Good);
     TransferFiles::set_position(file, 6);
     CHECK(transfers.files.write(file, bytes_of("xyz")) == status::Good);
-    CHECK(file.bytes == bytes_of("012345xyz"));
+    CHECK(*file.bytes == bytes_of("012345xyz"));
     CHECK(transfers.files.write(file, bytes_of("89")) == status::Bad_EncodingLimitsExceeded);
-    CHECK(file.bytes == bytes_of("012345xyz"));
+    CHECK(*file.bytes == bytes_of("012345xyz"));
     CHECK(transfers.text(file, 1) == "Bad_InvalidState");
 
     auto& other = *transfers.files.find(transfers.add(two, "b", "", true), two, transfers.now);

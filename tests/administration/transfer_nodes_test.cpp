@@ -32,7 +32,7 @@ struct Made {
 };
 
 struct TransferFixture : ManagedFixture {
-    TransferFixture()
+    explicit TransferFixture(server::Worker* w = nullptr) : ManagedFixture{w}
     {
         REQUIRE(user_list.add({"eng", {}, 0, {}, {"Engineer"}}, "patience is all", random));
         REQUIRE(user_list.add({"op", {}, 0, {}, {"Operator"}}, "patience is all", random));
@@ -374,6 +374,96 @@ TEST_CASE_METHOD(TransferFixture, "transfer nodes: one Call that closes a file a
     CHECK(response->results[1].status_code.is_bad());
     CHECK(response->results[2].status_code.is_bad());
     CHECK(space_is_empty());
+}
+
+namespace {
+
+/// A file that is being taken on a worker, which works when it is told to.
+struct SlowTransfer {
+    SlowTransfer()
+    {
+        fixture.transfers.is_slow = true;
+        REQUIRE(fixture.write(client, file, "a project") == "Good");
+    }
+    void begin()
+    {
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = fixture.root;
+        request.methods_to_call[0].method_id = fixture.below(fixture.root, "CloseAndCommit");
+        request.methods_to_call[0].input_arguments = {file.handle};
+        sent = client.send(request);
+        fixture.complete();
+    }
+    std::string_view finish()
+    {
+        worker.work();
+        fixture.complete();
+        const auto response = client.take<CallResponse>(sent);
+        REQUIRE(response);
+        return name(response->results[0].status_code);
+    }
+
+    ManualWorker worker;
+    TransferFixture fixture{&worker};
+    TestClient client{fixture.log_in_as("eng")};
+    Made file{fixture.make(client, "GenerateFileForWrite")};
+    decltype(client.send(CallRequest{})) sent{};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(SlowTransfer, "transfer nodes: others are served while a file is taken")
+{
+    auto other = fixture.log_in_as("op");
+    begin();
+    CHECK(fixture.transfers.prepared.empty());
+    for (int i = 0; i < 3; ++i) {
+        CHECK(fixture.value(other, fixture.root, "ClientProcessingTimeout").status == status::Good);
+        fixture.now += 10ms;
+        fixture.server.handle_deadline(fixture.now);
+    }
+    CHECK(fixture.value(client, fixture.root, "ClientProcessingTimeout").status == status::Good);
+    // What is being taken stays as it is.
+    CHECK(fixture.write(client, file, "more") == "Bad_InvalidState");
+    CHECK(fixture.commit(client, file) == "Bad_InvalidState");
+    CHECK(fixture.transfers.taken.empty());
+    CHECK(finish() == "Good");
+    CHECK(fixture.transfers.taken.size() == 1);
+    REQUIRE(fixture.transfers.prepared.size() == 1);
+    CHECK(fixture.transfers.prepared[0].size() == 9);
+    CHECK(fixture.space_is_empty());
+}
+
+TEST_CASE_METHOD(SlowTransfer, "transfer nodes: what a worker refuses the client has still")
+{
+    fixture.transfers.answer = status::Bad_ConfigurationError;
+    begin();
+    CHECK(finish() == "Bad_ConfigurationError");
+    CHECK(fixture.write(client, file, ", again") == "Good");
+    worker.has_room = false;
+    begin();
+    CHECK(finish() == "Bad_TooManyOperations");
+    CHECK(fixture.transfers.taken.empty());
+    CHECK(fixture.transfers.prepared.size() == 1); // and nothing is done
+    worker.has_room = true;
+    fixture.transfers.answer = status::Good;
+    begin();
+    CHECK(finish() == "Good");
+    CHECK(fixture.transfers.prepared.back().size() == 16);
+}
+
+TEST_CASE_METHOD(SlowTransfer, "transfer nodes: a file is taken whole though its session ends")
+{
+    begin();
+    auto other = fixture.log_in_as("eng");
+    REQUIRE(client.close_session() == status::Good);
+    CHECK(fixture.why(other, fixture.root, "GenerateFileForRead", {Variant{}}) == "Good");
+    worker.work();
+    fixture.complete();
+    CHECK(fixture.transfers.taken.size() == 1);
+    REQUIRE(fixture.transfers.prepared.size() == 1);
+    CHECK(fixture.transfers.prepared[0].size() == 9);
 }
 
 } // namespace transfer_nodes_test

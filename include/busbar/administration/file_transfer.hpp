@@ -38,7 +38,8 @@ struct TransferRequest {
 };
 
 /// The program on the other side of a TemporaryFileTransfer: it makes files and takes them. On the
-/// server's thread, which everybody waits for meanwhile. Bad statuses go to the client as they are.
+/// server's thread, which everybody waits for meanwhile, but for prepare(). Bad statuses
+/// go to the client as they are.
 class BUSBAR_API TransferOwner {
 public:
     TransferOwner() = default;
@@ -64,6 +65,13 @@ public:
     {
         return status::Bad_NotSupported;
     }
+    /// Whether to take such a file would keep the server waiting. Then prepare() comes before
+    /// take(), others are served meanwhile, and nobody else commits a file. Asked after may_take.
+    [[nodiscard]] virtual bool takes_long(const TransferRequest&) const { return false; }
+    /// On Administration's worker, so it touches nothing that the server's thread may use
+    /// meanwhile; without a worker on the server's thread. If it throws, or there is nobody to do
+    /// it, take() does not come.
+    virtual void prepare(const Variant& /*options*/, std::span<const std::byte>) {}
 };
 
 /// An Object of TemporaryFileTransferType (Part 20, 4.4) below Objects: clients read what a program

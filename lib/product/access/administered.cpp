@@ -133,6 +133,7 @@ void Administered::attach(const ToAdminister& what)
     parts.file_transfers = what.file_transfers;
     parts.status = what.status;
     parts.random = &random_;
+    parts.worker = &what.worker;
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
     if (manages_certificates(what.config)) {
@@ -151,7 +152,6 @@ void Administered::attach(const ToAdminister& what)
         parts.reset = [this] { return reset(); };
         parts.users = &*users_;
         parts.certificates = &certificates_;
-        parts.worker = &what.worker;
         parts.is_in_setup = [this] { return setup_->is_active(); };
         // Not those who log in by the same code and are later: the session ends soon.
         parts.may_administer = [this](const server::UserIdentity& user) {
