@@ -47,6 +47,10 @@ struct UserIdentity {
     /// Names of roles that an issued token claims. They give nothing by themselves: rules of a
     /// RoleMapper with the criteria Role go by them (Part 18, 4.4.4).
     std::vector<std::string> claimed_roles{};
+    /// The user is let in to administer and for nothing else: values, history and Methods of nodes
+    /// are his in namespace 0 and in that of the server's application, which is 1, and in no other,
+    /// whatever mask and roles say.
+    bool administers_only{false};
 
     friend bool operator==(const UserIdentity&, const UserIdentity&) = default;
 };
@@ -70,8 +74,9 @@ struct UserIdentity {
 struct UserRights {
     std::uint8_t access_level_mask{0xFF};
     std::vector<std::string> roles{};
-    /// See UserIdentity.
+    // See UserIdentity.
     bool must_change_password{false};
+    bool administers_only{false};
 };
 
 /// Knows the users. The server checks what clients send; the store says whom it trusts and what

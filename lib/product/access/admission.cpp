@@ -10,9 +10,10 @@ namespace {
 constexpr std::uint8_t read_only = 0x01; // CurrentRead
 constexpr std::uint8_t everything = 0xFF;
 
+/// Who administers reads and writes what belongs to that.
 std::uint8_t mask_of(AccountAccess access)
 {
-    return access == AccountAccess::Write ? everything : read_only;
+    return access == AccountAccess::Read ? read_only : everything;
 }
 
 bool needs_certificates(const ControllerConfig& config)
@@ -76,7 +77,9 @@ void Admission::add_users()
     passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(AccountAccess::Read)));
     for (const Account& account : config_.accounts) {
         if (!passwords.set(account.name, account.password_hash,
-                           {mask_of(account.access), account.roles})) {
+                           {.access_level_mask = mask_of(account.access),
+                            .roles = account.roles,
+                            .administers_only = account.access == AccountAccess::None})) {
             throw ConfigError{"account \"" + account.name + "\"", "the name must not be empty"};
         }
     }

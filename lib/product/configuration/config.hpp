@@ -29,8 +29,8 @@
 
 namespace busbar::product {
 
-/// What users may do with variables.
-enum class AccountAccess : std::uint8_t { Read, Write };
+/// What users may do with variables; with None they administer and do nothing else.
+enum class AccountAccess : std::uint8_t { None, Read, Write };
 
 struct Account {
     std::string name;

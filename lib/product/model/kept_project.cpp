@@ -32,6 +32,8 @@ void apply_users(const Project& project, UserConfig& users, const SettingValues&
             account.roles = {"ConfigureAdmin", "SecurityAdmin"};
             if (user.permission == ProjectPermission::ToolAndClient) {
                 account.roles.emplace_back("Operator");
+            } else { // seed 001, 9.7: Configuration tool only
+                account.access = AccountAccess::None;
             }
         }
         users.accounts.push_back(std::move(account));

@@ -62,6 +62,7 @@ struct NodeRights {
     {
         constexpr auto current_write = static_cast<std::uint8_t>(AccessLevelType::CurrentWrite);
         return (is_servers_own || (user.access_level_mask & current_write) != 0) &&
+               is_in_reach(method) &&
                (control == nullptr || control->may_call(user, space.node_id(method))) &&
                is_permitted(PermissionType::Call, method);
     }
@@ -87,6 +88,9 @@ struct NodeRights {
     [[nodiscard]] std::uint8_t access_level(model::NodeIndex node,
                                             const model::VariableAttributes& variable) const
     {
+        if (!is_in_reach(node)) {
+            return 0;
+        }
         unsigned level = variable.access_level;
         level &= variable.user_access_level;
         level &= user.access_level_mask;
@@ -98,6 +102,12 @@ struct NodeRights {
     }
 
 private:
+    /// See UserIdentity::administers_only.
+    [[nodiscard]] bool is_in_reach(model::NodeIndex node) const
+    {
+        constexpr std::uint16_t last_of_server = 1; // Part 3, 8.2.2
+        return !user.administers_only || space.node_id(node).namespace_index() <= last_of_server;
+    }
     /// See user_permissions.
     [[nodiscard]] std::uint32_t permissions(model::NodeIndex node) const
     {

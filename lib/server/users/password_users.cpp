@@ -165,6 +165,7 @@ Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_vi
     UserIdentity identity{UserTokenType::UserName, std::string{name}, rights->access_level_mask,
                           std::move(rights->roles)};
     identity.must_change_password = rights->must_change_password;
+    identity.administers_only = rights->administers_only;
     return identity;
 }
 

@@ -90,6 +90,7 @@ UserIdentity identity_of(UserTokenType type, std::string name, UserRights rights
     user.name = std::move(name);
     user.access_level_mask = rights.access_level_mask;
     user.roles = std::move(rights.roles);
+    user.administers_only = rights.administers_only;
     return user;
 }
 
