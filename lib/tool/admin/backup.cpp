@@ -93,6 +93,12 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& options
         transfer.send(Variant{String{options}}, file,
                       [&](std::size_t done) { show_progress(context, done, file.size()); });
     } catch (const Failure& failure) {
+        if (transfer.may_be_taken(failure)) {
+            throw Failure{failure.status,
+                          what + ": the server did not answer after all was sent, and whether it "
+                                 "was done is not known",
+                          "`busbar admin status` tells whether a restart is due"};
+        }
         fail_with_report(transfer, failure, what);
     }
 }

@@ -81,6 +81,7 @@ std::string RemoteTransfer::fetch(const Variant& options, const Progress& progre
 
 void RemoteTransfer::send(const Variant& options, std::string_view file, const Progress& progress)
 {
+    has_sent_all_ = false;
     const auto made = on(object_, "GenerateFileForWrite", {options}, 2);
     const NodeId node = made[0].value_or<NodeId>({});
     const Variant& handle = made[1];
@@ -95,7 +96,9 @@ void RemoteTransfer::send(const Variant& options, std::string_view file, const P
             progress(done);
         }
     }
-    on(object_, "CloseAndCommit", {handle}, 0);
+    const NodeId commit = find_method(connection_, object_, "CloseAndCommit");
+    has_sent_all_ = true;
+    on(object_, commit, "CloseAndCommit", {handle}, 0);
 }
 
 } // namespace busbar::tool::admin

@@ -22,6 +22,12 @@ public:
     [[nodiscard]] std::string fetch(const Variant& options, const Progress& progress = {});
     /// Has the server take a file as a whole, or not at all; the failure is the server's answer.
     void send(const Variant& options, std::string_view file, const Progress& progress = {});
+    /// Whether the server may have taken the file although send() failed: it had all of it, and
+    /// there was no answer.
+    [[nodiscard]] bool may_be_taken(const Failure& failure) const
+    {
+        return has_sent_all_ && failure.exit == Exit::NotConnected;
+    }
 
 private:
     /// The outputs, of which there are at least `wanted`.
@@ -34,6 +40,7 @@ private:
     Connection& connection_;
     std::string name_;
     NodeId object_;
+    bool has_sent_all_{false};
 };
 
 } // namespace busbar::tool::admin

@@ -45,6 +45,13 @@ void send(Context& context, RemoteTransfer& transfer, const char* what, const st
         transfer.send(Variant{what}, file,
                       [&](std::size_t done) { admin::show_progress(context, done, file.size()); });
     } catch (const Failure& failure) {
+        if (transfer.may_be_taken(failure)) {
+            throw Failure{failure.status,
+                          std::string{what} + ": the server did not answer after all was sent, and "
+                                              "whether it was done is not known",
+                          "`busbar project status` tells what the server has, and `busbar project "
+                          "verify` whether it is this project"};
+        }
         std::string reason;
         try {
             reason = text_in(answer_of(transfer, "report"), "problem");
