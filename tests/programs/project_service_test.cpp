@@ -37,8 +37,14 @@ struct ServiceFixture {
         const Variant options{wish};
         const administration::TransferRequest request{options, user, session};
         const StatusCode may = service.may_take(request);
-        return std::string{
-            name(may.is_bad() ? may : service.take(request, std::as_bytes(std::span{file})))};
+        if (may.is_bad()) {
+            return std::string{name(may)};
+        }
+        const auto bytes = std::as_bytes(std::span{file});
+        if (service.takes_long(request)) {
+            service.prepare(options, bytes);
+        }
+        return std::string{name(service.take(request, bytes))};
     }
     [[nodiscard]] std::string fetch(const Variant& options, const NodeId& session = first_tool,
                                     std::size_t max_size = 1U << 20U)
@@ -138,6 +144,59 @@ TEST_CASE("9.14 Project service: operation mode, server status and version", "[9
     REQUIRE(server.send("update", "") == "Good");
     CHECK(server.fetch(Variant{"status"}) == begin + "written, an update or restart is due\"}");
     CHECK(ServiceFixture::status_of(server.store) == begin + "in use\"}");
+}
+
+TEST_CASE("9.14 Project service: a damaged project is told, and what runs instead", "[9.14]")
+{
+    storage::MemoryStorage storage;
+    REQUIRE(storage.make_folder("project", FileAccess::Owner));
+    const std::string damaged = "damaged";
+    REQUIRE(storage.replace("project/project.busbar", std::as_bytes(std::span{damaged}),
+                            FileAccess::Owner));
+    controller::ProjectStore store{storage, "project", {}};
+    const auto recovered = store.recover();
+    REQUIRE_FALSE(recovered);
+    controller::Project last;
+    last.network.host_name = "LAST";
+    const auto fetch = [&](const controller::Project* served, const Variant& options) {
+        NullLog log;
+        ProjectService service{{.store = store,
+                                .log = log,
+                                .status = ServiceFixture::status,
+                                .update = {},
+                                .damage = text(recovered.error()),
+                                .served = served}};
+        const server::UserIdentity user;
+        const auto bytes = service.generate({options, user, first_tool}, 10'000);
+        return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
+                     : std::string{name(bytes.error())};
+    };
+    CHECK(fetch(&last, Variant{"status"})
+              .find("damaged, the one that was served last is in use: project:1: ") !=
+          std::string::npos);
+    CHECK(fetch(nullptr, Variant{"status"}).find("damaged, none is in use: project:1: ") !=
+          std::string::npos);
+    CHECK(fetch(&last, Variant{}) == document_of_host("LAST"));
+    CHECK(fetch(nullptr, Variant{}) == "Bad_NotFound");
+}
+
+TEST_CASE("9.13 Project service: what is prepared elsewhere leaves the service as it is", "[9.13]")
+{
+    ServiceFixture server;
+    REQUIRE(server.send("write", document_of_host("A")) == "Good");
+    const Variant options{"write"};
+    const administration::TransferRequest request{options, server.user, first_tool};
+    REQUIRE(server.service.takes_long(request));
+    const std::string document = document_of_host("B");
+    const auto bytes = std::as_bytes(std::span{document});
+    server.service.prepare(options, bytes);
+    CHECK(server.fetch(Variant{}) == document_of_host("A")); // until it is taken
+    CHECK(server.service.take(request, bytes) == status::Good);
+    CHECK(server.fetch(Variant{}) == document);
+    server.service.prepare(options, bytes); // and nobody takes it
+    CHECK(server.send("verify", document) == "Good");
+    CHECK(server.send("write", document_of_host("E")) == "Good");
+    CHECK(server.fetch(Variant{}) == document_of_host("E"));
 }
 
 TEST_CASE("9.13 Project service: it is for administrators, and for one writer at a time", "[9.13]")

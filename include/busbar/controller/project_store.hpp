@@ -55,7 +55,18 @@ public:
     void cancel(std::uint32_t transfer);
     [[nodiscard]] bool is_busy() const { return transfer_.has_value(); }
 
-    /// The three of them at once.
+    /// What stage() has checked.
+    class Staged {
+        friend class ProjectStore;
+        explicit Staged(Project project) : project_{std::move(project)} {}
+        Project project_;
+    };
+    /// A transfer as a whole, in two steps. The first one stages and checks the file, which takes
+    /// long: it may run on another thread than the rest, one at a time, while nobody has begun a
+    /// transfer. The second one makes it the current project.
+    [[nodiscard]] Configured<Staged> stage(std::span<const std::byte> document) const;
+    [[nodiscard]] Configured<void> take_up(Staged staged);
+    /// Both at once.
     [[nodiscard]] Configured<void> replace(std::span<const std::byte> document);
 
 private:
@@ -72,7 +83,6 @@ private:
     }
     [[nodiscard]] Configured<std::string> read(const std::string& name) const;
     [[nodiscard]] Configured<Project> read_checked(const std::string& name) const;
-    [[nodiscard]] Configured<void> make_current();
     void forget_staged();
 
     Storage* storage_;

@@ -20,6 +20,19 @@ Unexpected<Problem> no_transfer()
                          status::Bad_InvalidState);
 }
 
+Unexpected<Problem> busy()
+{
+    return misconfigured("transfer", "another tool is writing a project", status::Bad_InvalidState);
+}
+
+Unexpected<Problem> too_large(const ProjectLimits& limits)
+{
+    return misconfigured("transfer",
+                         "found a project of more than " + std::to_string(limits.max_file_size) +
+                             " bytes",
+                         status::Bad_EncodingLimitsExceeded);
+}
+
 } // namespace
 
 ProjectStore::ProjectStore(Storage& storage, std::string folder, Check check,
@@ -87,8 +100,7 @@ Configured<std::string> ProjectStore::document() const
 Configured<std::uint32_t> ProjectStore::begin()
 {
     if (transfer_) {
-        return misconfigured("transfer", "another tool is writing a project",
-                             status::Bad_InvalidState);
+        return busy();
     }
     if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
         return storage_problem(*storage_, folder_, made.error());
@@ -108,10 +120,7 @@ Configured<void> ProjectStore::write(std::uint32_t transfer, std::span<const std
     }
     if (bytes.size() > limits_.max_file_size - transfer_->size) {
         forget_staged();
-        return misconfigured("transfer",
-                             "found a project of more than " +
-                                 std::to_string(limits_.max_file_size) + " bytes",
-                             status::Bad_EncodingLimitsExceeded);
+        return too_large(limits_);
     }
     busbar::detail::Undo undo{[this] { forget_staged(); }};
     if (auto added = storage_->append(staged(), bytes, FileAccess::Owner); !added) {
@@ -122,32 +131,51 @@ Configured<void> ProjectStore::write(std::uint32_t transfer, std::span<const std
     return {};
 }
 
-Configured<void> ProjectStore::make_current()
-{
-    // What lies there is what counts, and not what was sent.
-    auto project = read_checked(staged());
-    if (!project) {
-        return Unexpected{std::move(project.error())};
-    }
-    if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
-        return storage_problem(*storage_, file(), moved.error());
-    }
-    current_ = *std::move(project);
-    return {};
-}
-
 Configured<void> ProjectStore::commit(std::uint32_t transfer)
 {
     if (!is_of(transfer)) {
         return no_transfer();
     }
     busbar::detail::Undo undo{[this] { forget_staged(); }};
-    auto done = make_current();
+    // What lies there is what counts, and not what was sent.
+    auto project = read_checked(staged());
+    auto done = project ? take_up(Staged{*std::move(project)})
+                        : Configured<void>{Unexpected{std::move(project.error())}};
     if (done) {
         undo.keep();
         transfer_.reset();
     }
     return done;
+}
+
+Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> document) const
+{
+    if (document.size() > limits_.max_file_size) {
+        return too_large(limits_);
+    }
+    if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
+        return storage_problem(*storage_, folder_, made.error());
+    }
+    busbar::detail::Undo undo{[this] { static_cast<void>(storage_->remove(staged())); }};
+    if (auto put = storage_->replace(staged(), document, FileAccess::Owner); !put) {
+        return storage_problem(*storage_, staged(), put.error());
+    }
+    auto project = read_checked(staged());
+    if (!project) {
+        return Unexpected{std::move(project.error())};
+    }
+    undo.keep();
+    return Staged{*std::move(project)};
+}
+
+Configured<void> ProjectStore::take_up(Staged staged_project)
+{
+    if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
+        static_cast<void>(storage_->remove(staged()));
+        return storage_problem(*storage_, file(), moved.error());
+    }
+    current_ = std::move(staged_project.project_);
+    return {};
 }
 
 void ProjectStore::cancel(std::uint32_t transfer)
@@ -159,11 +187,12 @@ void ProjectStore::cancel(std::uint32_t transfer)
 
 Configured<void> ProjectStore::replace(std::span<const std::byte> document)
 {
-    const auto transfer = begin();
-    if (!transfer) {
-        return Unexpected{transfer.error()};
+    if (transfer_) {
+        return busy();
     }
-    return write(*transfer, document).and_then([&] { return commit(*transfer); });
+    auto staged_project = stage(document);
+    return staged_project ? take_up(*std::move(staged_project))
+                          : Configured<void>{Unexpected{std::move(staged_project.error())}};
 }
 
 } // namespace busbar::controller

@@ -223,7 +223,9 @@ KeptProject::transfer(const server::Server& server, std::string version, LogSink
                     operation_mode, server.is_stopped() ? "Shutdown" : "Running", version};
             },
         .update = std::move(restart),
-        .is_update_due = is_other_due_});
+        .is_update_due = is_other_due_,
+        .damage = recovered_ ? std::string{} : text(recovered_.error()),
+        .served = project()});
     return service_->transfer();
 }
 

@@ -47,6 +47,20 @@ std::string differences_report(const std::vector<controller::ProjectDifference>&
     return json.take();
 }
 
+/// The report of a verification.
+Configured<std::string> compare(std::span<const std::byte> bytes, const controller::Project& server)
+{
+    const auto file = controller::read_project(
+        {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "project");
+    if (!file) {
+        return Unexpected{file.error()};
+    }
+    auto differences = controller::setting_differences(*file, server);
+    const auto models = controller::model_differences(*file, server);
+    differences.insert(differences.end(), models.begin(), models.end());
+    return differences_report(differences);
+}
+
 std::string wish_of(const Variant& options)
 {
     const auto* const text = options.get_if<String>();
@@ -78,16 +92,30 @@ std::string ProjectService::status_text() const
     write_object(json, {{"operationMode", status.operation_mode},
                         {"serverStatus", status.server_status},
                         {"version", status.version},
-                        {"project", needs_.store.current() == nullptr ? "none"
-                                    : needs_.is_update_due ? "written, an update or restart is due"
-                                                           : "in use"}});
+                        {"project", project_state()}});
     return json.take();
+}
+
+std::string ProjectService::project_state() const
+{
+    if (needs_.store.current() != nullptr) {
+        return needs_.is_update_due ? "written, an update or restart is due" : "in use";
+    }
+    if (needs_.damage.empty()) {
+        return "none";
+    }
+    return std::string{"damaged, "} +
+           (needs_.served != nullptr ? "the one that was served last is in use: "
+                                     : "none is in use: ") +
+           needs_.damage;
 }
 
 Result<std::string> ProjectService::text_of(const TransferRequest& request) const
 {
     if (request.options.is_null()) {
-        auto document = needs_.store.document();
+        const bool is_damaged = needs_.store.current() == nullptr && needs_.served != nullptr;
+        auto document =
+            is_damaged ? controller::document_of(*needs_.served) : needs_.store.document();
         return document ? Result<std::string>{*std::move(document)} : fail(document.error().status);
     }
     const std::string wish = wish_of(request.options);
@@ -128,6 +156,20 @@ StatusCode ProjectService::may_take(const TransferRequest& request)
     return needs_project && needs_.store.current() == nullptr ? status::Bad_NotFound : status::Good;
 }
 
+bool ProjectService::takes_long(const TransferRequest& request) const
+{
+    return wish_of(request.options) != "update";
+}
+
+void ProjectService::prepare(const Variant& options, std::span<const std::byte> bytes)
+{
+    if (wish_of(options) == "write") {
+        staged_.emplace(std::as_const(needs_.store).stage(bytes));
+    } else {
+        differences_ = compare(bytes, *needs_.store.current());
+    }
+}
+
 StatusCode ProjectService::take(const TransferRequest& request, std::span<const std::byte> bytes)
 {
     // Things may have changed since the client began.
@@ -136,7 +178,7 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
     }
     const std::string wish = wish_of(request.options);
     const auto done = wish == "write"    ? write(bytes)
-                      : wish == "verify" ? verify(bytes)
+                      : wish == "verify" ? std::exchange(differences_, {})
                                          : update(bytes);
     if (done) {
         report_ = {request.session, *done};
@@ -152,27 +194,17 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
 
 Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
 {
-    if (auto written = needs_.store.replace(bytes); !written) {
+    auto staged = std::exchange(staged_, std::nullopt);
+    if (!*staged) {
+        return Unexpected{std::move(staged->error())};
+    }
+    if (auto written = needs_.store.take_up(**std::move(staged)); !written) {
         return Unexpected{std::move(written.error())};
     }
     needs_.is_update_due = true;
     needs_.log.write(LogLevel::Info, project_source,
                      "a project was written: " + std::to_string(bytes.size()) + " bytes");
     return std::string{R"({"written":true})"};
-}
-
-Configured<std::string> ProjectService::verify(std::span<const std::byte> bytes) const
-{
-    const auto file = controller::read_project(
-        {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "project");
-    if (!file) {
-        return Unexpected{file.error()};
-    }
-    const controller::Project& server = *needs_.store.current();
-    auto differences = controller::setting_differences(*file, server);
-    const auto models = controller::model_differences(*file, server);
-    differences.insert(differences.end(), models.begin(), models.end());
-    return differences_report(differences);
 }
 
 Configured<std::string> ProjectService::update(std::span<const std::byte> bytes)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 
 #include <busbar/administration/file_transfer.hpp>
@@ -25,7 +27,8 @@ namespace busbar::product {
 /// verification. A status is JSON, too: {"operationMode", "serverStatus", "version", "project"}.
 ///
 /// Of two tools that write at once the second is refused. Stop and restart are
-/// RequestServerStateChange of the Server. On the server's thread.
+/// RequestServerStateChange of the Server. On the server's thread, but for the check of a project
+/// and the comparison with another one, during which others are served.
 class ProjectService final : public administration::TransferOwner {
 public:
     /// What of the status is the program's to know.
@@ -44,6 +47,10 @@ public:
         std::function<Configured<void>()> update;
         /// The project that the server runs is another one than is in the store.
         bool is_update_due{false};
+        /// Why the project of the store cannot be read; empty: it can, or there is none.
+        std::string damage{};
+        /// What the server runs then; null: none.
+        const controller::Project* served{nullptr};
     };
 
     explicit ProjectService(Needs needs);
@@ -56,6 +63,8 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
+    [[nodiscard]] bool takes_long(const administration::TransferRequest& request) const override;
+    void prepare(const Variant& options, std::span<const std::byte> bytes) override;
 
 private:
     /// Of the last CloseAndCommit.
@@ -66,12 +75,15 @@ private:
 
     [[nodiscard]] Result<std::string> text_of(const administration::TransferRequest& request) const;
     [[nodiscard]] std::string status_text() const;
+    [[nodiscard]] std::string project_state() const;
+    /// What prepare() has staged becomes the project of the store.
     [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
-    [[nodiscard]] Configured<std::string> verify(std::span<const std::byte> bytes) const;
     [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
-
     Needs needs_;
     Report report_;
+    // What prepare() leaves for take().
+    std::optional<Configured<controller::ProjectStore::Staged>> staged_;
+    Configured<std::string> differences_;
 };
 
 } // namespace busbar::product
