@@ -3,10 +3,14 @@
 #include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/self_signed.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "method_arguments.hpp"
+#include "subject_name.hpp"
 
 namespace busbar::administration::detail {
 
@@ -21,12 +25,19 @@ struct CertificateFact {
 
 Variant host_names(const crypto::Certificate& certificate)
 {
-    Array<String> names;
-    names.clear(); // not null
-    for (const std::string& name : certificate.host_names()) {
-        names.push_back(String{name});
-    }
-    return Variant{std::move(names)};
+    return texts(certificate.host_names());
+}
+
+Variant configured_subject(const crypto::CertificateSubject& subject)
+{
+    return Variant{String{text_of_names(subject)}};
+}
+
+Variant configured_hosts(const crypto::CertificateSubject& subject)
+{
+    std::vector<std::string> hosts = subject.dns_names;
+    hosts.insert(hosts.end(), subject.ip_addresses.begin(), subject.ip_addresses.end());
+    return texts(hosts);
 }
 
 constexpr std::array certificate_facts{
@@ -51,22 +62,45 @@ constexpr std::array certificate_facts{
                     }},
 };
 
+Result<model::NodeIndex> add_property(model::AddressSpace& space, model::NodeIndex object,
+                                      const std::string& name, std::uint32_t type, bool is_list)
+{
+    const NodeId of_object = space.node_id(object);
+    model::NewNode node;
+    node.id = NodeId{of_object.namespace_index(), of_object.string().str() + "/" + name};
+    node.browse_name = QualifiedName{of_object.namespace_index(), name};
+    node.parent = object;
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, type};
+    variable.value_rank = is_list ? 1 : -1;
+    if (is_list) {
+        variable.array_dimensions = {0U};
+    }
+    return space.add_property(node, std::move(variable));
+}
+
+Result<void> add_configured(model::AddressSpace& space, NodeTable& table, model::NodeIndex object,
+                            const std::function<crypto::CertificateSubject()>& configured)
+{
+    using Make = Variant (*)(const crypto::CertificateSubject&);
+    for (const auto& [name, make] :
+         {std::pair<const char*, Make>{"ConfiguredSubject", configured_subject},
+          {"ConfiguredHosts", configured_hosts}}) {
+        const auto added = add_property(space, object, name, id::String, make == configured_hosts);
+        if (!added) {
+            return fail(added.error());
+        }
+        table.bind_value(space, *added,
+                         [&configured, make = make] { return DataValue{make(configured())}; });
+    }
+    return {};
+}
+
 Result<void> add_fact(server::Server& server, NodeTable& table, model::NodeIndex object,
                       const CertificateFact& fact)
 {
     model::AddressSpace& space = server.address_space();
-    const NodeId of_object = space.node_id(object);
-    model::NewNode node;
-    node.id = NodeId{of_object.namespace_index(), of_object.string().str() + "/" + fact.name};
-    node.browse_name = QualifiedName{of_object.namespace_index(), fact.name};
-    node.parent = object;
-    model::NewVariable variable;
-    variable.data_type = NodeId{0, fact.type};
-    variable.value_rank = fact.value_rank;
-    if (fact.value_rank == 1) {
-        variable.array_dimensions = {0U};
-    }
-    const auto added = space.add_property(node, std::move(variable));
+    const auto added = add_property(space, object, fact.name, fact.type, fact.value_rank == 1);
     if (!added) {
         return fail(added.error());
     }
@@ -81,7 +115,8 @@ Result<void> add_fact(server::Server& server, NodeTable& table, model::NodeIndex
 
 } // namespace
 
-Configured<void> add_own_certificate(server::Server& server, NodeTable& table)
+Configured<void> add_own_certificate(server::Server& server, NodeTable& table,
+                                     const std::function<crypto::CertificateSubject()>& configured)
 {
     model::AddressSpace& space = server.address_space();
     const std::uint16_t own =
@@ -95,6 +130,9 @@ Configured<void> add_own_certificate(server::Server& server, NodeTable& table)
     Result<void> added = object ? Result<void>{} : fail(object.error());
     for (const CertificateFact& fact : certificate_facts) {
         added = added ? add_fact(server, table, *object, fact) : added;
+    }
+    if (added && configured) {
+        added = add_configured(space, table, *object, configured);
     }
     return added ? Configured<void>{}
                  : misconfigured("certificates", "OwnCertificate cannot be added", added.error());

@@ -81,7 +81,7 @@ Configured<void> ServerConfiguration::add_nodes()
                              &OwnCertificateMethods::create_self_signed)
                 : done;
     done = done ? add_setup() : done;
-    done = done ? add_own_certificate(server_, table_) : done;
+    done = done ? add_own_certificate(server_, table_, files_.configured) : done;
     return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
                              &OwnCertificateMethods::remove)
                 : done;

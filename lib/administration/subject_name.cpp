@@ -97,4 +97,16 @@ Checked<CertificateSubject> with_names(CertificateSubject subject, std::string_v
     return subject;
 }
 
+std::string text_of_names(const CertificateSubject& subject)
+{
+    std::string text;
+    for (const Field& field : fields) {
+        const std::string& value = subject.*field.member;
+        if (!value.empty() && field.name != "ST") { // another name of S
+            text += (text.empty() ? "" : "/") + std::string{field.name} + "=\"" + value + "\"";
+        }
+    }
+    return text;
+}
+
 } // namespace busbar::administration::detail

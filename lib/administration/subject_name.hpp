@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include <busbar/core/refusal.hpp>
@@ -12,5 +13,8 @@ namespace busbar::administration::detail {
 /// as it is. Bad_InvalidArgument for anything else.
 [[nodiscard]] Checked<crypto::CertificateSubject> with_names(crypto::CertificateSubject subject,
                                                              std::string_view text);
+
+/// The names of a subject as with_names() reads them; empty if it has none.
+[[nodiscard]] std::string text_of_names(const crypto::CertificateSubject& subject);
 
 } // namespace busbar::administration::detail

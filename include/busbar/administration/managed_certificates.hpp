@@ -13,6 +13,7 @@
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/own_certificate.hpp>
+#include <busbar/crypto/self_signed.hpp>
 
 namespace busbar::administration {
 
@@ -34,6 +35,10 @@ struct ManagedCertificates {
     /// one by other ways than the server's, such as a registration with a discovery server. May be
     /// empty.
     std::function<void(const crypto::OwnCertificate&)> renewed{};
+    /// What somebody has configured that a certificate says which the server makes by itself, for
+    /// clients who have it make one: names, all empty if nobody has, and hosts beside those that
+    /// it has. May be empty.
+    std::function<crypto::CertificateSubject()> configured{};
     /// Bits of keys that are made: 2048 to 4096.
     std::uint32_t key_bits{2048};
     /// Bytes of a trust list as it is sent and written, all its lists together (MaxTrustListSize).

@@ -7,6 +7,7 @@
 
 #include <busbar/server/running_server.hpp>
 
+#include "identity.hpp"
 #include "product/configuration/mode_guard.hpp"
 #include "product/configuration/toml_reader.hpp"
 #include "product/store/taken_over.hpp"
@@ -141,6 +142,7 @@ void Administered::attach(const ToAdminister& what)
         certificates_.applications = &what.admission.client_store();
         certificates_.users = what.admission.user_store();
         certificates_.users_folder = "users";
+        certificates_.configured = [&config = what.config] { return configured_subject(config); };
         certificates_.key_bits = what.config.certificates.key_bits;
         certificates_.renewed = [&config = what.config,
                                  renewed = what.renewed](const crypto::OwnCertificate& own) {

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include <busbar/administration/managed_certificates.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
@@ -38,6 +39,24 @@ crypto::OwnCertificateSettings settings_of(const CertificateConfig& config, cons
     return settings;
 }
 
+/// Others than the controller has by itself, or by its preset.
+bool are_configured(const SubjectNames& names)
+{
+    return !(names == SubjectNames{} || names == nj501_subject());
+}
+
+/// Whether the certificate says these of its owner; a name with the address is another one with
+/// each address.
+bool has_names(const crypto::Certificate& own, const SubjectNames& names)
+{
+    const crypto::CertificateSubject has = crypto::subject_of(own);
+    const bool has_address = names.common_name.find('{') != std::string::npos;
+    return (names.common_name.empty() || has_address || has.common_name == names.common_name) &&
+           has.organization == names.organization && has.locality == names.locality &&
+           has.state == names.state && has.country == names.country &&
+           has.organizational_unit == names.organizational_unit;
+}
+
 crypto::Secret read_file(const fs::path& path)
 {
     std::ifstream file{path, std::ios::binary};
@@ -63,6 +82,21 @@ void take_over_first_version(const fs::path& own, const crypto::OwnCertificateSt
 
 } // namespace
 
+crypto::CertificateSubject configured_subject(const ControllerConfig& config)
+{
+    const SubjectNames& names = config.certificates.subject;
+    crypto::CertificateSubject subject;
+    if (are_configured(names)) {
+        subject = subject_of(names, config.server.application_name, config.server.host_names);
+        subject.dns_names.clear();
+        subject.ip_addresses.clear();
+    }
+    for (const std::string& host : config.host_names) {
+        crypto::add_host(subject, host);
+    }
+    return subject;
+}
+
 channel::ApplicationIdentity load_identity(const CertificateConfig& config, const std::string& name,
                                            const std::string& application_uri,
                                            const std::vector<std::string>& host_names, DateTime now,
@@ -77,6 +111,13 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
     }
     auto own = expect_own(
         store.load_or_create(settings_of(config, name, application_uri, host_names), now));
+    // One that was made before they were configured keeps its names, as clients may trust it.
+    if (are_configured(config.subject) && !has_names(own.certificates.front(), config.subject)) {
+        log.write(LogLevel::Warning, "certificate",
+                  "the own certificate is " + printable(own.certificates.front().subject()) +
+                      ", and other names are configured: `busbar admin cert regenerate` makes one "
+                      "with these, which clients have to trust");
+    }
     return {std::move(own.certificates), std::move(own.key)};
 }
 

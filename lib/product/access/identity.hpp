@@ -25,4 +25,8 @@ namespace busbar::product {
                                                          const std::vector<std::string>& host_names,
                                                          DateTime now);
 
+/// What file, project and administrators say of names and hosts in the certificate; the names are
+/// empty where nobody has said other ones than the controller has by itself.
+[[nodiscard]] crypto::CertificateSubject configured_subject(const ControllerConfig& config);
+
 } // namespace busbar::product

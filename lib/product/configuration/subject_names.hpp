@@ -19,6 +19,8 @@ struct SubjectNames {
     std::string state{};
     std::string country{}; // two letters
     std::string organizational_unit{};
+
+    friend bool operator==(const SubjectNames&, const SubjectNames&) = default;
 };
 
 /// A key of [certificates] for one of them, with the bytes that it has at most (RFC 5280, A.1).

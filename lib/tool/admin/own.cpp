@@ -142,12 +142,19 @@ bool is_loopback(const std::string& host)
     return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
-/// The names and addresses of the certificate, and the one by which we are connected: it may be
-/// new.
+/// The names and addresses of the certificate, those that are configured, and the one by which we
+/// are connected: it may be new.
 std::vector<std::string> hosts_of_now(const crypto::Certificate& before,
-                                      const std::string& connected)
+                                      const std::string& connected, const Variant& configured)
 {
     std::vector<std::string> hosts = before.host_names();
+    if (const auto* const more = configured.array_if<String>()) {
+        for (const String& each : *more) {
+            if (std::find(hosts.begin(), hosts.end(), each.str()) == hosts.end()) {
+                hosts.push_back(each.str());
+            }
+        }
+    }
     if (!is_loopback(connected) &&
         std::find(hosts.begin(), hosts.end(), connected) == hosts.end()) {
         hosts.insert(hosts.begin(), connected);
@@ -174,6 +181,13 @@ void renew_address(std::string& common_name, const crypto::CertificateSubject& n
     }
 }
 
+/// What somebody has configured there that its certificate says; null from a server that does not
+/// tell.
+Variant configured(Connection& connection, const std::string& what)
+{
+    return read(connection, NodeId{1, "ServerConfiguration/OwnCertificate/Configured" + what});
+}
+
 Exit regenerate(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const crypto::Certificate before = present(connection);
@@ -181,11 +195,13 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
               "Clients have to trust the new certificate. Replace " + before.thumbprint_text() +
                   "?");
     crypto::CertificateSubject names;
-    for (const std::string& host : arguments.hosts.empty()
-                                       ? hosts_of_now(before, host_of(context.options.url))
-                                       : arguments.hosts) {
+    for (const std::string& host :
+         arguments.hosts.empty()
+             ? hosts_of_now(before, host_of(context.options.url), configured(connection, "Hosts"))
+             : arguments.hosts) {
         crypto::add_host(names, host);
     }
+    const std::string wanted = configured(connection, "Subject").value_or<String>(String{""}).str();
     crypto::CertificateSubject kept = crypto::subject_of(before);
     renew_address(kept.common_name, names);
     const auto strings = [](const std::vector<std::string>& texts) {
@@ -199,7 +215,9 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
     const std::string what = "making a new certificate";
     call(connection, configuration, child_of(connection, configuration, "DeleteCertificate"),
          {Variant{NodeId{}}, Variant{rsa}}, what);
-    const std::string subject = arguments.subject.empty() ? subject_name(kept) : arguments.subject;
+    const std::string subject = !arguments.subject.empty() ? arguments.subject
+                                : !wanted.empty()          ? wanted
+                                                           : subject_name(kept);
     const auto outputs = with_hint(
         [&] {
             return call(connection, configuration,
@@ -237,7 +255,8 @@ void add_own(CLI::App& admin, Run& run)
         group.add("regenerate", "Has the server make a new one for itself.", 0, "URL", regenerate);
     for (auto* command : {asked, made}) {
         command->add_option("--subject", arguments.subject,
-                            "CN=Name/O=Organization; as it is by default");
+                            "CN=Name/O=Organization; by default as it is, and of a new one as "
+                            "configured");
     }
     made->add_option("--host", arguments.hosts,
                      "all names and addresses that clients connect to; as they are by default");
