@@ -95,8 +95,8 @@ struct AdministrationParts {
     /// Files that the program makes for clients or takes from them, each with a name of its own;
     /// not without `random`.
     std::vector<TemporaryFileTransfer> file_transfers{};
-    /// How the program is, as Properties of the Object "Status", for the roles Operator, Supervisor,
-    /// Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1, "Service status").
+    /// How the program is, as Properties of the Object "Status", for the roles Operator,
+    /// Supervisor, Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1, "Service status").
     std::vector<StatusFact> status{};
     Authorities authorities{Authorities::Standard};
     /// Called on the server's thread after users or roles have changed. May be empty.

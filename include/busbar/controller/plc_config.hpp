@@ -52,8 +52,8 @@ struct PlcProgram {
     std::chrono::milliseconds period{0};
     double amplitude{1};
     double offset{0};
-    /// Of Acknowledge and Shutdown: a variable of numbers; empty: nothing more happens. What its type
-    /// cannot have becomes the nearest that it can.
+    /// Of Acknowledge and Shutdown: a variable of numbers; empty: nothing more happens. What its
+    /// type cannot have becomes the nearest that it can.
     std::string sets{};
     double to{0};
 };

@@ -25,7 +25,7 @@ struct LogChoice {
 };
 
 /// What `busbar admin events` shows; empty: all.
-struct EventChoice {
+struct PastEventChoice {
     std::string level;
     std::string code;
     std::size_t count{20};
@@ -59,7 +59,7 @@ struct AdminArguments {
     bool restarts{false};
     StreamEnd end;
     LogChoice log;
-    EventChoice events;
+    PastEventChoice events;
     BackupOptions backup;
     /// Where the program goes that a controller runs.
     std::string save_to;

@@ -118,7 +118,7 @@ std::string folded(std::string text)
     return text;
 }
 
-bool fits(const MachineEvent& event, const EventChoice& choice)
+bool fits(const MachineEvent& event, const PastEventChoice& choice)
 {
     return (choice.level.empty() ||
             folded(std::string{name(event.level)}) == folded(choice.level)) &&
@@ -202,7 +202,7 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
 void add_events(CLI::App& admin, Run& run)
 {
     Group group{admin, run, nullptr, ""};
-    EventChoice& choice = group.arguments().events;
+    PastEventChoice& choice = group.arguments().events;
     auto* command =
         group.add("events", "Shows the event log of a controller.", 0, "URL", event_log::show);
     command
