@@ -76,16 +76,17 @@ struct BackupFixture {
         backup = std::make_unique<MachineBackup>(
             MachineBackup::Needs{.files = all,
                                  .gate = *gate,
-                                 .items = machine_items(*settings),
+                                 .items = machine_items(*settings, state),
                                  .controller = "Press 4",
                                  .clock = clock,
                                  .log = log,
                                  .mode = [this] { return mode; },
-                                 .hold_events =
+                                 .hold_files =
                                      [this](FunctionRef<void()> act) {
                                          ++holds;
                                          act();
                                      },
+                                 .values_replaced = [] {},
                                  .replaced = [this] { ++restarts; }});
     }
 
@@ -163,6 +164,7 @@ struct BackupFixture {
     std::unique_ptr<Settings> settings;
     storage::MemoryStorage files;
     storage::MemoryStorage events;
+    storage::MemoryStorage state;
     MachineFiles all{files, events};
     StillClock clock;
     RecordedLog log;

@@ -39,6 +39,7 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: a verification tells what diffe
     const Files changed = there();
     CHECK(take("verify", file) == "Good");
     CHECK(report() == R"({"items":[{"name":"Server settings","differences":["settings.json"]},)"
+                      R"({"name":"Program","differences":[]},)"
                       R"({"name":"Client certificates","differences":["trusted/certs/other.der"]},)"
                       R"({"name":"CA certificates","differences":[]},)"
                       R"({"name":"Certificate revocation lists","differences":[]},)"
@@ -48,7 +49,8 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: a verification tells what diffe
                       R"({"name":"Roles","differences":["roles.json"]}]})");
     CHECK(report({1, 2}) == "Bad_NotFound");
     CHECK(take("verify without security profile", file) == "Good");
-    CHECK(report() == R"({"items":[{"name":"Server settings","differences":["settings.json"]}]})");
+    CHECK(report() == R"({"items":[{"name":"Server settings","differences":["settings.json"]},)"
+                      R"({"name":"Program","differences":[]}]})");
     CHECK(there() == changed);
     CHECK_FALSE(gate->is_closed());
     CHECK(restarts == 0);

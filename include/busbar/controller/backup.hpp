@@ -27,6 +27,7 @@ struct SavedMemory;
 /// neither saved nor cleared.
 enum class MemoryGroup : std::uint8_t {
     ServerSettings,    // saved, restored, cleared
+    RetainedValues,    // saved, restored, cleared; not verified, as they change all the time
     SecurityProfile,   // saved; restored and cleared by choice
     EventLog,          // saved
     ServerCertificate, // belongs to one controller: cleared by choice
@@ -40,7 +41,7 @@ struct FilePart {
     /// The shared file, of the Storage.
     std::string file;
     /// What of `whole` is the item's; empty if nothing is. The same whatever else is in `whole`,
-    /// and of what it gave the same again.
+    /// and of what it gave the same again. Without a file `whole` is empty.
     std::function<Configured<Bytes>(std::span<const std::byte> whole)> take{};
     /// `whole` with `part` in the place of what `take` has of it. Empty is what is not there, also
     /// as the result.
@@ -129,8 +130,8 @@ struct VerifiedItem {
 /// A backup file: "BUSBARBK", version and size of the manifest (32 bits each, little-endian), the
 /// manifest, the bytes of all files in its order, and the CRC-32 of all that comes before it. The
 /// manifest is JSON: "controller", "created", "opc_ua" (false: of a controller without OPC UA
-/// server; no items) and "items", each with "name", "group" ("settings", "security", "events") and
-/// "files" with "name" and "size".
+/// server; no items) and "items", each with "name", "group" ("settings", "values", "security",
+/// "events") and "files" with "name" and "size".
 ///
 /// Compatibility (seed 000, 8-2-3): a file of another version of the format is refused, and so is
 /// one with items that this controller does not know. Items that it knows and the file does not

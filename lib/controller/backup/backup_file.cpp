@@ -31,6 +31,7 @@ struct GroupName {
 };
 /// Those that may be in a backup.
 constexpr std::array group_names{GroupName{MemoryGroup::ServerSettings, "settings"},
+                                 GroupName{MemoryGroup::RetainedValues, "values"},
                                  GroupName{MemoryGroup::SecurityProfile, "security"},
                                  GroupName{MemoryGroup::EventLog, "events"}};
 

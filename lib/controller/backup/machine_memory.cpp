@@ -23,7 +23,7 @@ namespace {
 
 bool is_cleared(MemoryGroup group, bool with_security)
 {
-    return group == MemoryGroup::ServerSettings ||
+    return group == MemoryGroup::ServerSettings || group == MemoryGroup::RetainedValues ||
            (with_security && group != MemoryGroup::EventLog);
 }
 
@@ -190,7 +190,8 @@ Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std:
     }
     std::vector<VerifiedItem> verified;
     for (const SavedItem& saved : memory->items) {
-        if (!detail::is_restored(saved.group, choice)) {
+        if (!detail::is_restored(saved.group, choice) ||
+            saved.group == MemoryGroup::RetainedValues) {
             continue;
         }
         const auto there = item_for(saved, items_).and_then([&](const MemoryItem* item) {

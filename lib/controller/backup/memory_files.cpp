@@ -71,9 +71,6 @@ Configured<std::vector<std::byte>> read_whole(Storage& storage, const FilePart& 
 Configured<std::vector<SavedFile>> part_of(const MemoryItem& item, std::span<const std::byte> whole)
 {
     std::vector<SavedFile> files;
-    if (whole.empty()) {
-        return files;
-    }
     auto taken = item.part->take(whole);
     if (!taken) {
         return Unexpected{std::move(taken.error())};

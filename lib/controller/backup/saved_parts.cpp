@@ -77,7 +77,7 @@ void take_over(SavedItem item, std::vector<SavedItem>& items)
 
 bool is_restored(MemoryGroup group, const RestoreChoice& choice)
 {
-    return group == MemoryGroup::ServerSettings ||
+    return group == MemoryGroup::ServerSettings || group == MemoryGroup::RetainedValues ||
            (group == MemoryGroup::SecurityProfile && choice.security_profile);
 }
 

@@ -148,15 +148,29 @@ Configured<void> Settings::check(const SettingValues& changes)
                 return checked;
             }
         }
-        if (is_encrypted(config_) && !is_encrypted(all.merged.config)) {
-            return misconfigured(
-                "endpoint", "found none with the mode SignAndEncrypt; administration needs one",
-                status::Bad_InvalidArgument);
-        }
-        return running_.check ? running_.check(all.merged.config) : Configured<void>{};
+        return check_version(all);
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
+}
+
+Configured<void> Settings::check_restored(const SettingValues& changes, SourceFiles sources) const
+{
+    try {
+        return check_version(version(text_, std::move(sources), changes));
+    } catch (const ConfigError& error) {
+        return Unexpected{error.problem()};
+    }
+}
+
+Configured<void> Settings::check_version(const Version& all) const
+{
+    if (is_encrypted(config_) && !is_encrypted(all.merged.config)) {
+        return misconfigured("endpoint",
+                             "found none with the mode SignAndEncrypt; administration needs one",
+                             status::Bad_InvalidArgument);
+    }
+    return running_.check ? running_.check(all.merged.config) : Configured<void>{};
 }
 
 void Settings::apply(const SettingValues& changes)

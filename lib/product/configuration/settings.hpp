@@ -45,6 +45,16 @@ public:
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     /// The file's, as it was read last.
     [[nodiscard]] const std::string& text() const { return text_; }
+    /// All of them, as they would be with these changes of what the file says.
+    [[nodiscard]] administration::SettingValues
+    all_values(const administration::SettingValues& changes) const
+    {
+        return version(text_, sources_, changes).values;
+    }
+    /// As check(), of what another controller or an earlier time had, whatever the mode; with
+    /// `sources` instead of sources().
+    [[nodiscard]] Configured<void> check_restored(const administration::SettingValues& changes,
+                                                  SourceFiles sources) const;
     /// What the file says of a setting, or else its default; null if there is none of the name.
     [[nodiscard]] Variant file_value(std::string_view name) const;
     /// The names of those that the file says otherwise than what was changed online, which counts.
@@ -81,6 +91,7 @@ private:
 
     [[nodiscard]] Version version(const std::string& text, SourceFiles sources,
                                   const administration::SettingValues& changes) const;
+    [[nodiscard]] Configured<void> check_version(const Version& all) const;
     void take(Version version);
 
     std::string path_;

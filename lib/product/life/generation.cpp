@@ -238,12 +238,13 @@ std::vector<administration::TemporaryFileTransfer> Generation::backups(const Req
     backup_.emplace(MachineBackup::Needs{
         .files = *memory_files_,
         .gate = settings_->files(),
-        .items = machine_items(*settings_),
+        .items = machine_items(*settings_, machine->state()),
         .controller = controller_name(config_),
         .clock = *around_.environment.wall_clock,
         .log = administered_.log(),
         .mode = [machine] { return machine->mode(); },
-        .hold_events = [machine](FunctionRef<void()> act) { machine->hold_events(act); },
+        .hold_files = [machine](FunctionRef<void()> act) { machine->hold_files(act); },
+        .values_replaced = [machine] { machine->values_replaced(); },
         .replaced = requests.memory_replaced});
     return {backup_->transfer()};
 }

@@ -442,15 +442,9 @@ void RunningController::tell_of_other_file()
 
 Reading RunningController::reading_with(const std::optional<std::string>& program) const
 {
-    TakenOver now = current_->taken_over();
-    const std::string& place = current_->sources().received_place();
-    if (program) {
-        now.files[place] = std::make_shared<const std::string>(*program);
-    } else {
-        now.files.erase(place);
-        now.files.erase(current_->config().machine.program_file);
-    }
-    return read(origin_, {.files = std::move(now.files), .project = now.project});
+    const SourceFiles files =
+        current_->sources().with_program(program, current_->config().machine.program_file);
+    return read(origin_, {.files = files.texts(), .project = current_->taken_over().project});
 }
 
 Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)

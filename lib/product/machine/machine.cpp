@@ -11,6 +11,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "core/unfinished.hpp"
+#include "restored_values.hpp"
 
 namespace busbar::product {
 
@@ -45,8 +46,8 @@ void make_root(storage::FolderStorage& folder)
 
 Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
                  MediumFound medium_found)
-    : config_{config.machine}, max_variables_{std::max(usual_variables,
-                                                       config.machine.program->variables.size())},
+    : config_{config.machine}, files_folder_{config.certificates.folder},
+      max_variables_{std::max(usual_variables, config.machine.program->variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
       medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
       event_files_{state_, controller::MachineEventLogOptions{}.folder}, events_{lines},
@@ -177,11 +178,22 @@ std::vector<administration::FileSystem> Machine::file_systems()
     return execution_log_ ? std::vector{log, events} : std::vector{events};
 }
 
-void Machine::hold_events(FunctionRef<void()> act)
+void Machine::keep(const MachineProgram& program)
+{
+    storage::FolderStorage files{files_folder_};
+    if (const auto taken = take_up_values(files, state_); !taken) {
+        log().write(LogLevel::Error, "controller",
+                    "values of RETAIN variables cannot be restored: " + text(taken.error()));
+    }
+    retained_->keep(program);
+}
+
+void Machine::hold_files(FunctionRef<void()> act)
 {
     const std::lock_guard lock{saving_};
-    // What cannot be saved now is not in the backup either, and the log goes on.
+    // What cannot be saved now is not in the backup either, and all goes on.
     static_cast<void>(event_log_->write_pending());
+    static_cast<void>(retained_->save());
     act();
 }
 

@@ -79,7 +79,7 @@ public:
     void refuse_configuration(std::string_view why);
     /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
     /// on; its task does not run yet. What cannot be restored goes to the log.
-    void keep(const MachineProgram& program) { retained_->keep(program); }
+    void keep(const MachineProgram& program);
     /// Keeps what clients write into RETAIN variables. Outlives its servers.
     [[nodiscard]] server::ImageWriteLog& retained() { return *retained_; }
     /// Saves the values of the latest scan now. Throws ConfigError.
@@ -122,8 +122,14 @@ public:
     void change_mode(controller::MachineMode mode) { life_->mode_changed(mode); }
     /// The event log as it is kept, which only the machine changes.
     [[nodiscard]] Storage& event_files() { return event_files_; }
-    /// Runs `act` while the event log's files have all that happened, and stay as they are.
-    void hold_events(FunctionRef<void()> act);
+    /// Where the values of RETAIN variables are kept.
+    [[nodiscard]] Storage& state() { return state_; }
+    /// Runs `act` while the files of the event log and of RETAIN values have all that happened, and
+    /// stay as they are.
+    void hold_files(FunctionRef<void()> act);
+    /// Within hold_files(): what is kept of RETAIN variables is replaced at the next keep(), and
+    /// nothing is saved until then.
+    void values_replaced() { retained_->stop(); }
     /// Its memory was restored or cleared: the server's state is Shutdown, and a restart is due
     /// (seed 000, 4-1-3). True as happen().
     [[nodiscard]] bool memory_replaced();
@@ -150,6 +156,8 @@ private:
     [[nodiscard]] bool save_records();
 
     MachineConfig config_; // that it was made with
+    /// Of certificates, where a restore leaves what it has.
+    std::string files_folder_;
     std::size_t max_variables_;
     controller::ServerSettings settings_;
     storage::FolderStorage state_;

@@ -130,8 +130,12 @@ MachineBackup::MachineBackup(Needs needs)
 administration::TemporaryFileTransfer MachineBackup::transfer()
 {
     const NodeId administrator{0, id::WellKnownRole_SecurityAdmin};
-    return {
-        .name = "Backup", .owner = this, .readers = {administrator}, .writers = {administrator}};
+    constexpr std::size_t max_size = controller::MemoryLimits{}.max_backup_size;
+    return {.name = "Backup",
+            .owner = this,
+            .limits = {.max_file_size = max_size, .max_held = 2 * max_size},
+            .readers = {administrator},
+            .writers = {administrator}};
 }
 
 Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,
@@ -157,7 +161,7 @@ Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::Back
 {
     Configured<std::vector<std::byte>> made;
     needs_.gate.hold([&] {
-        needs_.hold_events([&] {
+        needs_.hold_files([&] {
             made = memory_.backup({needs_.controller, needs_.clock.now()}, choice);
         });
     });
@@ -209,15 +213,25 @@ Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std
     needs_.gate.hold([&] {
         switch (wish.task) {
         case Wish::Task::Restore:
-            done = restore(wish, bytes);
+            needs_.hold_files([&] {
+                done = restore(wish, bytes);
+                if (done) {
+                    needs_.values_replaced();
+                }
+            });
             break;
         case Wish::Task::Verify:
             done = verify(wish, bytes);
             return;
         case Wish::Task::Clear:
-            done = bytes.empty() ? clear(wish)
-                                 : misconfigured("clear", "found a file, expected an empty one",
-                                                 status::Bad_InvalidArgument);
+            needs_.hold_files([&] {
+                done = bytes.empty() ? clear(wish)
+                                     : misconfigured("clear", "found a file, expected an empty one",
+                                                     status::Bad_InvalidArgument);
+                if (done) {
+                    needs_.values_replaced();
+                }
+            });
             break;
         }
         if (done) {

@@ -58,8 +58,11 @@ public:
         const WallClock& clock;
         LogSink& log;
         std::function<controller::MachineMode()> mode;
-        /// Runs its argument while the files of the event log stay as they are.
-        std::function<void(FunctionRef<void()>)> hold_events;
+        /// Runs its argument while the files of the event log and of RETAIN values stay as they
+        /// are.
+        std::function<void(FunctionRef<void()>)> hold_files;
+        /// Within that: the RETAIN values are others.
+        std::function<void()> values_replaced;
         /// The server is to stop, and a restart is due (seed 000, 4-1-3 and 4-1-4). The client has
         /// no answer yet.
         std::function<void()> replaced;

@@ -1,5 +1,9 @@
 #include "machine_items.hpp"
 
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,11 +12,15 @@
 #include <busbar/administration/role_list.hpp>
 #include <busbar/administration/setting_list.hpp>
 #include <busbar/administration/user_list.hpp>
+#include <busbar/controller/published_program.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 #include "machine_files.hpp"
 #include "product/configuration/setting_keys.hpp"
+#include "product/store/received_program.hpp"
+#include "program_file.hpp"
+#include "restored_values.hpp"
 
 namespace busbar::product {
 
@@ -54,7 +62,7 @@ Configured<SettingValues> values_in(const Settings& settings, std::span<const st
     return read.transform([&] { return std::move(values); });
 }
 
-Bytes document_of(const SettingValues& values)
+Bytes settings_bytes(const SettingValues& values)
 {
     if (values.empty()) {
         return {};
@@ -64,20 +72,63 @@ Bytes document_of(const SettingValues& values)
     return {bytes.begin(), bytes.end()};
 }
 
+/// What a file names of the machine that it lies on.
+bool is_of_machine(std::string_view name)
+{
+    constexpr std::array<std::string_view, 4> names{"server.address", "server.host_names",
+                                                    "server.nodesets", "limits.preset"};
+    return std::ranges::find(names, name) != names.end();
+}
+
+/// What the file says of all settings; nothing where that fits no program which was sent.
+SettingValues file_values(const Settings& settings)
+{
+    try {
+        return settings.all_values({});
+    } catch (const ConfigError&) {
+        return {};
+    }
+}
+
+/// All settings with these changes, but what only the file says of the machine.
+SettingValues all_values(const Settings& settings, SettingValues changes)
+{
+    SettingValues all;
+    if (changes == settings.list().changes()) {
+        for (const administration::Setting& each : settings.list().settings()) {
+            all.emplace(each.name, settings.value(each));
+        }
+    } else {
+        all = file_values(settings);
+    }
+    std::erase_if(all, [&](const auto& each) { return is_of_machine(each.first); });
+    changes.merge(all); // as they were spelled
+    return changes;
+}
+
+/// What a restore is going to put in the place of the program, for the settings that come with it.
+/// Nothing: the program stays. No document: the file's.
+using NextProgram = std::shared_ptr<std::optional<std::optional<std::string>>>;
+
 /// The settings that are of the security profile, or those that are not.
-controller::FilePart settings_part(const Settings& settings, bool is_of_profile)
+controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
+                                   const NextProgram& program)
 {
     const auto is_other = [is_of_profile](const SettingValues::value_type& each) {
         return is_security_setting(each.first) != is_of_profile;
     };
     controller::FilePart part{.file = Settings::file_name};
-    part.take = [&settings, is_other](std::span<const std::byte> whole) -> Configured<Bytes> {
-        auto values = values_in(settings, whole);
+    part.take = [&settings, is_other,
+                 program](std::span<const std::byte> whole) -> Configured<Bytes> {
+        program->reset(); // what is taken of a backup comes before anything is put
+        auto values = values_in(settings, whole).transform([&](SettingValues changes) {
+            return all_values(settings, std::move(changes));
+        });
         if (!values) {
             return Unexpected{std::move(values.error())};
         }
         std::erase_if(*values, is_other);
-        return document_of(*values);
+        return settings_bytes(*values);
     };
     part.put = [&settings, is_other](std::span<const std::byte> whole,
                                      std::span<const std::byte> own) -> Configured<Bytes> {
@@ -87,21 +138,98 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile)
             return Unexpected{std::move(all ? values.error() : all.error())};
         }
         std::erase_if(*all, [&](const auto& each) { return !is_other(each); });
-        std::erase_if(*values, is_other);
+        const SettingValues of_file = file_values(settings);
+        std::erase_if(*values, [&](const auto& each) {
+            const auto said = of_file.find(each.first);
+            return is_other(each) || (said != of_file.end() && said->second == each.second);
+        });
         all->merge(*values);
-        return document_of(*all);
+        return settings_bytes(*all);
     };
     return part;
 }
 
-MemoryItem settings_item(Settings& settings, std::string name, std::string file, MemoryGroup group)
+MemoryItem settings_item(const Settings& settings, std::string name, std::string file,
+                         MemoryGroup group, const NextProgram& program)
 {
     MemoryItem item{.name = std::move(name), .group = group, .files = {std::move(file)}};
-    item.part = settings_part(settings, group == MemoryGroup::SecurityProfile);
-    item.check = [&settings](std::string_view, std::span<const std::byte> bytes) {
+    item.part = settings_part(settings, group == MemoryGroup::SecurityProfile, program);
+    item.check = [&settings, program](std::string_view, std::span<const std::byte> bytes) {
         return values_in(settings, bytes).and_then([&](const SettingValues& values) {
-            return settings.check(values);
+            const SourceFiles& now = settings.sources();
+            return settings.check_restored(
+                values, *program
+                            ? now.with_program(**program, settings.config().machine.program_file)
+                            : now);
         });
+    };
+    return item;
+}
+
+/// The same for the same program, whoever sent it and when.
+std::string plain_document(std::string name, std::string text)
+{
+    return document_of({.name = std::move(name), .user = {}, .time = {}, .text = std::move(text)});
+}
+
+std::string_view text_of(std::span<const std::byte> bytes)
+{
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Bytes copy_of(std::string_view text)
+{
+    const auto bytes = std::as_bytes(std::span{text});
+    return {bytes.begin(), bytes.end()};
+}
+
+Configured<std::string> plain_document(std::span<const std::byte> received)
+{
+    return read_received(text_of(received), std::string{ReceivedProgram::file_name})
+        .transform([](ReceivedProgram program) {
+            return plain_document(std::move(program.name), std::move(program.text));
+        });
+}
+
+/// Of the file that the configuration names, as `sources` have it; empty if there is none.
+std::string file_document(const Settings& settings, SourceFiles sources)
+{
+    const std::string& file = settings.config().machine.program_file;
+    const auto text = sources.text(file, ReceivedProgram::max_text);
+    const std::string name = file.substr(file.rfind('/') + 1);
+    return text && is_program_name(name) ? plain_document(name, **text) : std::string{};
+}
+
+/// A program of the configuration's file is in backups as if it was received.
+MemoryItem program_item(const Settings& settings, const NextProgram& next)
+{
+    const std::string name{ReceivedProgram::file_name};
+    MemoryItem item{.name = "Program", .group = MemoryGroup::ServerSettings, .files = {name}};
+    controller::FilePart part{.file = name};
+    part.take = [&settings](std::span<const std::byte> whole) -> Configured<Bytes> {
+        if (whole.empty()) {
+            const bool is_there = settings.config().machine.program != nullptr;
+            return is_there ? copy_of(file_document(settings, settings.sources())) : Bytes{};
+        }
+        return plain_document(whole).transform(copy_of);
+    };
+    part.put = [&settings, next](std::span<const std::byte>,
+                                 std::span<const std::byte> own) -> Configured<Bytes> {
+        const bool is_of_file = own.empty() || text_of(own) == file_document(settings, {});
+        next->emplace(is_of_file ? std::nullopt : std::optional{std::string{text_of(own)}});
+        return is_of_file ? Bytes{} : Bytes{own.begin(), own.end()};
+    };
+    item.part = std::move(part);
+    item.check = [&settings](std::string_view, std::span<const std::byte> bytes) {
+        return read_received(text_of(bytes), std::string{ReceivedProgram::file_name})
+            .and_then([](const ReceivedProgram& program) {
+                return read_program(program.text, program.name);
+            })
+            .and_then([&](controller::Program program) {
+                return controller::PublishedProgram::create(std::move(program),
+                                                            settings.config().machine.publishing);
+            })
+            .transform([](const auto&) {});
     };
     return item;
 }
@@ -144,17 +272,20 @@ MemoryItem certificates_item(std::string name, std::vector<std::string> folders)
 
 } // namespace
 
-std::vector<MemoryItem> machine_items(Settings& settings)
+std::vector<MemoryItem> machine_items(Settings& settings, Storage& state)
 {
+    const auto program = std::make_shared<NextProgram::element_type>();
     return {settings_item(settings, "Server settings", Settings::file_name,
-                          MemoryGroup::ServerSettings),
+                          MemoryGroup::ServerSettings, program),
+            program_item(settings, program),
+            values_item(state),
             certificates_item("Client certificates", {"trusted/certs"}),
             certificates_item("CA certificates", {"issuers/certs"}),
             certificates_item("Certificate revocation lists", {"trusted/crl", "issuers/crl"}),
             certificates_item("User certificates", {"users/trusted/certs", "users/trusted/crl",
                                                     "users/issuers/certs", "users/issuers/crl"}),
             settings_item(settings, "Security settings", "security-settings.json",
-                          MemoryGroup::SecurityProfile),
+                          MemoryGroup::SecurityProfile, program),
             users_item(settings),
             roles_item(),
             {.name = "Event log",

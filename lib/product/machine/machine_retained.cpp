@@ -23,9 +23,18 @@ void MachineRetained::keep(const MachineProgram& program)
     }
 }
 
+void MachineRetained::stop()
+{
+    const std::lock_guard lock{mutex_};
+    values_.reset();
+}
+
 void MachineRetained::keep(const controller::ProgramAddition& added)
 {
     const std::lock_guard lock{mutex_};
+    if (!values_) {
+        return;
+    }
     values_->add(*added.types, added.image);
     for (const controller::ProgramImageAddition& each : added.retained) {
         values_->add(*added.types, each);

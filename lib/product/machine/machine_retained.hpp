@@ -32,6 +32,8 @@ public:
     void keep(const MachineProgram& program);
     /// The program was edited online: keeps also what was added.
     void keep(const controller::ProgramAddition& added);
+    /// Saves and keeps nothing until the next keep() of a program.
+    void stop();
     /// Success if there is nothing to save. Failures are told once.
     [[nodiscard]] Stored<void> save();
     /// The same when it is time to; whether all is well.

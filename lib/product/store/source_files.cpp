@@ -56,4 +56,18 @@ Configured<std::optional<SourceFiles::Text>> SourceFiles::received()
     });
 }
 
+SourceFiles SourceFiles::with_program(const std::optional<std::string>& document,
+                                      const std::string& file) const
+{
+    SourceFiles all{texts_};
+    all.received_place_ = received_place_;
+    if (document) {
+        all.texts_[received_place_] = std::make_shared<const std::string>(*document);
+    } else {
+        all.texts_.erase(received_place_);
+        all.texts_.erase(file);
+    }
+    return all;
+}
+
 } // namespace busbar::product

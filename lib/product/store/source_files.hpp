@@ -36,6 +36,10 @@ public:
     /// The document of the ReceivedProgram; nothing if there is none, or none among texts that it
     /// was made with. Problems as of text().
     [[nodiscard]] Configured<std::optional<Text>> received();
+    /// These, but with this document of a ReceivedProgram; or with none, and what lies in `file` by
+    /// then.
+    [[nodiscard]] SourceFiles with_program(const std::optional<std::string>& document,
+                                           const std::string& file) const;
     /// What was read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }
 

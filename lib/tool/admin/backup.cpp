@@ -143,8 +143,9 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
     RemoteTransfer transfer = transfer_of(connection);
     make_sure(context, arguments,
               arguments.backup.without_security
-                  ? "Replace the settings of the server?"
-                  : "Replace the settings, certificates, users and roles of the server?");
+                  ? "Replace the program and the settings of the controller?"
+                  : "Replace the program, settings, certificates, users and roles of the "
+                    "controller?");
     const std::string& command = arguments.backup.command_file;
     send(context, transfer,
          command.empty() ? options_of(arguments, "restore")
@@ -201,7 +202,7 @@ Exit clear(Context& context, Connection& connection, const AdminArguments& argum
     make_sure(context, arguments,
               clears_security
                   ? "Clear the settings, users, roles and all certificates, the server's too?"
-                  : "Clear the settings of the server?");
+                  : "Clear the settings of the server, and the program that was sent to it?");
     send(context, transfer, clears_security ? "clear with security" : "clear", {},
          "clear all memory");
     return report(context, "all memory was cleared; " + std::string{restart_is_due});
@@ -223,9 +224,11 @@ void add_backup(CLI::App& admin, Run& run)
                           "leave certificates, users, roles and security settings out");
         return command;
     };
-    chooses(asks(group.add("backup",
-                           "Saves a controller's settings, certificates, users, roles and events.",
-                           1, "FILE", backup::back_up)));
+    chooses(
+        asks(group.add("backup",
+                       "Saves a controller's program, settings, values, certificates, users, roles "
+                       "and events.",
+                       1, "FILE", backup::back_up)));
     chooses(asks(group.add("restore",
                            "Replaces what a controller has by a backup, whole or not at all.", 1,
                            "FILE", backup::restore)))
