@@ -150,8 +150,12 @@ const Setting* SettingList::find(std::string_view name) const
 Configured<void> SettingList::load()
 {
     const auto json = detail::read_json_file(*storage_, file_, settings_version);
-    if (!json || !*json) {
-        return json ? Configured<void>{} : Unexpected{json.error()};
+    if (!json) {
+        return Unexpected{json.error()};
+    }
+    if (!*json) {
+        changes_.clear();
+        return {};
     }
     const auto* const all = (*json)->find("settings");
     const auto wrong = [&](const std::string& member, const detail::Json* found,

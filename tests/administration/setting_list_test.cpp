@@ -361,4 +361,12 @@ TEST_CASE_METHOD(SettingFixture, "settings: what cannot be forgotten stays in fo
     CHECK(list.changes().size() == 1);
 }
 
+TEST_CASE_METHOD(SettingFixture, "settings: a file that is gone is no changes")
+{
+    CHECK(change("limits.sessions", Variant{std::int64_t{7}}) == "Good");
+    REQUIRE(storage.remove("settings.json"));
+    CHECK(list.load());
+    CHECK(list.changes().empty());
+}
+
 } // namespace setting_list_test
