@@ -219,9 +219,9 @@ Configured<void> UserList::load()
             users.insert(place, *std::move(user));
         }
     }
-    const std::lock_guard lock{mutex_};
-    passwords_->apply(publication(users));
-    users_ = std::move(users);
+    const std::lock_guard lock{change_mutex_};
+    auto change = publication(users);
+    publish(std::move(users), std::move(change));
     return {};
 }
 
@@ -340,9 +340,15 @@ Checked<void> UserList::replace(std::vector<User> users)
              {},
              "Nothing was changed"});
     }
+    publish(std::move(users), std::move(change));
+    return {};
+}
+
+void UserList::publish(std::vector<User> users, server::PasswordUsers::Change change)
+{
+    const std::lock_guard lock{mutex_};
     passwords_->apply(std::move(change));
     users_ = std::move(users);
-    return {};
 }
 
 Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random,
@@ -365,7 +371,7 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     if (auto wanted = check_wanted(user.name, is_wanted); !wanted) {
         return wanted;
     }
-    const std::lock_guard lock{mutex_};
+    const std::lock_guard lock{change_mutex_};
     if (find_in(users_, user.name) != nullptr || is_configured(user.name) ||
         !passwords_->password_hash(user.name).empty()) {
         return refuse_user(status::Bad_AlreadyExists, user.name, "is there already");
@@ -408,7 +414,7 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
     if (auto wanted = check_wanted(name, is_wanted); !wanted) {
         return wanted;
     }
-    const std::lock_guard lock{mutex_};
+    const std::lock_guard lock{change_mutex_};
     std::vector<User> users = users_;
     User* const user = find_in(users, name);
     if (user == nullptr) {
@@ -427,7 +433,7 @@ Checked<void> UserList::remove(std::string_view name)
     if (is_configured(name)) {
         return refuse_configured(name);
     }
-    const std::lock_guard lock{mutex_};
+    const std::lock_guard lock{change_mutex_};
     std::vector<User> users = users_;
     const User* const user = find_in(users, name);
     if (user == nullptr) {
@@ -478,7 +484,7 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     if (auto wanted = check_wanted(name, is_wanted); !wanted) {
         return wanted;
     }
-    const std::lock_guard lock{mutex_};
+    const std::lock_guard lock{change_mutex_};
     std::vector<User> users = users_;
     User* const user = find_in(users, name);
     // Somebody may have been faster.

@@ -1,5 +1,7 @@
 #include <busbar/administration/user_list.hpp>
 
+#include <thread>
+
 #include <catch2/catch.hpp>
 
 #include <busbar/administration/configured_users.hpp>
@@ -8,6 +10,8 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
+
+#include "support/watched_storage.hpp"
 
 namespace user_list_test {
 
@@ -375,6 +379,33 @@ TEST_CASE_METHOD(Fixture, "users: who is disabled changes no password")
     change.configuration = 0;
     REQUIRE(list.modify("pat", change, random));
     CHECK(log_in("pat"));
+}
+
+// Or a thread that keeps others from writing, as a restore does, could never ask who is there.
+TEST_CASE("users: are read while a change waits for its file")
+{
+    storage::MemoryStorage medium;
+    test::WatchedStorage storage{medium};
+    crypto::SystemRandom random;
+    server::PasswordUsers passwords;
+    UserList list{storage, "users.json", {}, passwords};
+    REQUIRE(list.add({"ann", {}, 0, {}, {"SecurityAdmin"}}, good_password, random));
+    std::size_t seen = 0;
+    bool has_administrator = false;
+    storage.meanwhile = [&] {
+        std::thread{[&] {
+            seen = list.users().size();
+            has_administrator = list.has_administrator() && list.find("ann");
+        }}.join();
+    };
+    CHECK(list.add({"bob", {}, 0, {}, {}}, good_password, random));
+    CHECK(seen == 1); // what is not stored does not count yet
+    CHECK(has_administrator);
+    CHECK(list.modify("bob", {.description = "of the night shift"}, random));
+    CHECK(seen == 2);
+    CHECK(list.change_password("bob", good_password, "another horse 2", random));
+    CHECK(list.remove("bob"));
+    CHECK(list.users().size() == 1);
 }
 
 } // namespace user_list_test

@@ -123,6 +123,7 @@ private:
     /// Writes the file, and then makes `users` the ones that count.
     [[nodiscard]] Checked<void> replace(std::vector<User> users);
     [[nodiscard]] server::PasswordUsers::Change publication(const std::vector<User>& users) const;
+    void publish(std::vector<User> users, server::PasswordUsers::Change change);
 
     Storage* storage_;
     std::string file_;
@@ -130,6 +131,10 @@ private:
     server::PasswordUsers* passwords_;
     IsAdministrator is_administrator_;
     const ConfiguredUsers* configured_;
+    /// Changes come one after the other; held while the Storage is waited for.
+    std::mutex change_mutex_;
+    /// Of users_ where they become others, and where they are read but for a change. Nothing is
+    /// waited for with it: a thread that holds the Storage up may ask who is there.
     mutable std::mutex mutex_;
     std::vector<User> users_;
 };
