@@ -24,6 +24,16 @@ void end_at_once_on_signals()
     }
 }
 
+/// A SIGHUP that comes before there is a controller, or between two, is for the next one. All
+/// threads that the calling one makes inherit it.
+void hold_hangups()
+{
+    ::sigset_t hangup;
+    ::sigemptyset(&hangup);
+    ::sigaddset(&hangup, SIGHUP);
+    ::pthread_sigmask(SIG_BLOCK, &hangup, nullptr);
+}
+
 } // namespace
 
 Configured<void> check(const Configuration& configuration)
@@ -50,6 +60,7 @@ struct Controller::Parts {
     {
         if (options.takes_signals) {
             end_at_once_on_signals();
+            hold_hangups();
         }
         try {
             return start(configuration, runtime, *options.log, options);

@@ -1,6 +1,7 @@
 #include "running_controller.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <utility>
 
@@ -29,6 +30,24 @@ bool has_terminal()
     const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
     return terminal >= 0 && ::close(terminal) == 0;
 }
+
+/// Lets SIGHUP come to the calling thread while this lives, also one that was held before.
+class TakenHangups {
+public:
+    TakenHangups()
+    {
+        ::sigset_t hangup;
+        ::sigemptyset(&hangup);
+        ::sigaddset(&hangup, SIGHUP);
+        ::pthread_sigmask(SIG_UNBLOCK, &hangup, &before_);
+    }
+    TakenHangups(const TakenHangups&) = delete;
+    TakenHangups& operator=(const TakenHangups&) = delete;
+    ~TakenHangups() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+private:
+    ::sigset_t before_{};
+};
 
 Standing standing_of(const ControllerConfig& config)
 {
@@ -662,7 +681,13 @@ bool RunningController::run()
         });
         return listening_period;
     }};
-    loop_.run(current_->server());
+    {
+        std::optional<TakenHangups> taken;
+        if (takes_signals_) {
+            taken.emplace();
+        }
+        loop_.run(current_->server());
+    }
     current_->halt();
     if (machine_) {
         machine_->shut_down();

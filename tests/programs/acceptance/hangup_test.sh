@@ -1,0 +1,47 @@
+#!/bin/sh
+# SIGHUP has a controller read its files again, whenever it comes: also while it starts.
+# usage: hangup_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/../functions.sh"
+
+port=$((20000 + $$ % 12000))
+cat > controller.toml << END
+[server]
+address = "127.0.0.1"
+port = $port
+[certificates]
+folder = "pki"
+[[endpoint]]
+policy = "None"
+mode = "None"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+$quick_logins
+anonymous = "read"
+[machine]
+program = "press.st"
+name = "Controller"
+state = "state"
+medium = "medium"
+END
+cat > press.st << 'END'
+VAR_GLOBAL
+    {attribute 'publish' := 'publish only'}
+    Speed : INT := 17;
+END_VAR
+END
+
+# The first start makes a key, which takes its time.
+"$controller" --config controller.toml > log 2>&1 < /dev/null &
+pid=$!
+await logged 'the OPC UA server starts'
+kill -HUP "$pid"
+await logged '^ready' || exit 1
+await logged 'read again'
+ended && fail "a SIGHUP during the start ended the controller"
+run 0 endpoints "opc.tcp://127.0.0.1:$port"
+kill "$pid"
+wait "$pid" || fail "exit code $? at the end"
+exit $((failures > 0))
