@@ -7,15 +7,15 @@
 #include <vector>
 
 #include <busbar/administration/administration.hpp>
-#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/storage_folder.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/storage/memory_storage.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
 
-#include "administration/node_table.hpp"
+#include "administration_script.hpp"
 #include "fuzz_script.hpp"
+#include "kept_files.hpp"
 #include "server_session.hpp"
 
 namespace administration_fuzz {
@@ -120,14 +120,6 @@ struct Backend {
                                                    .file_transfers = {backup}}};
 };
 
-/// A Method and the Object that has it.
-struct Target {
-    NodeId object;
-    NodeId method;
-    std::vector<Argument> inputs;
-    bool gives_handle{false};
-};
-
 struct Fixture : Backend, fuzz::ServerSession {
     Fixture() : fuzz::ServerSession{&users, false, &waker}
     {
@@ -153,9 +145,7 @@ struct Fixture : Backend, fuzz::ServerSession {
             add(space.find(NodeId{1, "Transfers/backup"}), method);
         }
         lasting_targets = targets.size();
-        for (const std::string& name : files.names()) {
-            kept_files[name] = contents(name);
-        }
+        kept_files.keep();
     }
     void make_recipes()
     {
@@ -171,7 +161,7 @@ struct Fixture : Backend, fuzz::ServerSession {
     {
         const bool is_over = fuzz::ServerSession::disconnect();
         files.set_protected(false);
-        restore_files();
+        kept_files.restore();
         auto& space = server.address_space();
         for (const administration::RoleRules& role : roles.roles()) {
             if (!administration::RoleList::is_well_known(role.name)) {
@@ -188,41 +178,6 @@ struct Fixture : Backend, fuzz::ServerSession {
         targets.resize(lasting_targets);
         return is_over && is_loaded &&
                server::RunningServer{server}.change_state(ServerState::Running, "", {});
-    }
-    void restore_files()
-    {
-        for (const std::string& name : files.names()) {
-            const auto kept = kept_files.find(name);
-            if (kept == kept_files.end()) {
-                static_cast<void>(files.remove(name));
-            } else if (contents(name) != kept->second) {
-                static_cast<void>(files.replace(name, kept->second, FileAccess::Owner));
-            }
-        }
-        remove_folders("recipes");
-        for (const auto& [name, bytes] : kept_files) {
-            if (!files.entry(name)) {
-                static_cast<void>(files.make_folder("recipes/d", FileAccess::Owner));
-                static_cast<void>(files.replace(name, bytes, FileAccess::Owner));
-            }
-        }
-    }
-    /// But that of the recipes. What is not empty stays, and is not removed.
-    void remove_folders(const std::string& folder)
-    {
-        const auto listing = files.list(folder, 100);
-        for (const StorageEntry& each : listing ? listing->entries : std::vector<StorageEntry>{}) {
-            if (each.kind == StorageEntry::Kind::Folder) {
-                remove_folders(storage_path(folder, each.name));
-            }
-        }
-        if (folder != "recipes" && folder != "recipes/d") {
-            static_cast<void>(files.remove(folder));
-        }
-    }
-    [[nodiscard]] std::vector<std::byte> contents(const std::string& name)
-    {
-        return read_file(files, name, 1U << 20U).value_or(std::vector<std::byte>{});
     }
     /// What the Method left for the server's thread is done before the next one.
     void call(CallRequest request)
@@ -299,29 +254,13 @@ struct Fixture : Backend, fuzz::ServerSession {
     void add(model::NodeIndex object, const char* name)
     {
         auto& space = server.address_space();
-        const model::NodeIndex method = administration::detail::child_of(space, object, name);
-        if (method == model::no_node) {
+        auto target = fuzz::find_method(space, object, name);
+        if (!target) {
             return;
         }
         space.set_node_access(object, {});
-        space.set_node_access(method, {});
-        const std::string_view called{name};
-        Target target{space.node_id(object),
-                      space.node_id(method),
-                      {},
-                      called.starts_with("Open") || called == "CreateFile" ||
-                          called.starts_with("Generate")};
-        const model::NodeIndex property =
-            administration::detail::child_of(space, method, "InputArguments");
-        const Variant value = property != model::no_node ? space.value(property) : Variant{};
-        if (const auto* const list = value.array_if<ExtensionObject>()) {
-            for (const ExtensionObject& each : *list) {
-                if (auto argument = binary::structure_of<Argument>(each)) {
-                    target.inputs.push_back(*std::move(argument));
-                }
-            }
-        }
-        targets.push_back(std::move(target));
+        space.set_node_access(space.find(target->method), {});
+        targets.push_back(*std::move(target));
     }
 
     /// What counts the handles of the Object's files.
@@ -338,7 +277,7 @@ struct Fixture : Backend, fuzz::ServerSession {
         return handles_before[counter_of(object)] + small;
     }
     /// Looks for a handle in the last answer.
-    void note_handle(const Target& target)
+    void note_handle(const fuzz::MethodTarget& target)
     {
         if (!target.gives_handle || responses.empty()) {
             return;
@@ -399,104 +338,12 @@ struct Fixture : Backend, fuzz::ServerSession {
     std::map<std::string, std::uint32_t> handles;
     std::map<std::string, std::uint32_t> handles_before;
     /// What there is before an input.
-    std::map<std::string, std::vector<std::byte>> kept_files;
-    std::vector<Target> targets;
+    fuzz::KeptFiles kept_files{files};
+    std::vector<fuzz::MethodTarget> targets;
     /// The temporary files, whose Methods are behind the lasting ones.
     std::vector<NodeId> followed;
     std::size_t lasting_targets{0};
 };
-
-ByteString bytes_of(fuzz::Script& script)
-{
-    const std::uint8_t choice = script.byte();
-    if (choice < 64) {
-        return ByteString{test::client_identity().certificates.front().der()};
-    }
-    return ByteString{script.bytes(choice)};
-}
-
-String string_of(fuzz::Script& script)
-{
-    static const std::array<std::string, 9> known{
-        "x",
-        "d",
-        "../a",
-        "",
-        "Fitter",
-        "Operator",
-        "CN=Press 4/O=Works",
-        "PEM",
-        test::client_identity().certificates.front().thumbprint_text()};
-    const std::uint8_t choice = script.byte();
-    if (choice < known.size()) {
-        return String{known[choice]};
-    }
-    const auto bytes = script.bytes(choice % 32U);
-    return String{std::string_view{reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
-}
-
-NodeId node_of(fuzz::Script& script)
-{
-    const std::uint8_t choice = script.byte();
-    static constexpr std::array known{
-        id::RsaSha256ApplicationCertificateType,
-        id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup,
-        id::WellKnownRole_Operator};
-    if (choice < known.size()) {
-        return NodeId{0, known[choice]};
-    }
-    static constexpr std::array paths{"", "/d", "/a", "/d/a", "/x", "/d/d", "/d/x"};
-    return choice % 8 < paths.size()
-               ? NodeId{1, String{std::string{"Files/recipes"} + paths[choice % 8]}}
-               : NodeId{};
-}
-
-/// A value of the argument's type; some are small so that handles and modes are met.
-Variant value_of(const Argument& argument, fuzz::Script& script)
-{
-    const bool is_array = argument.value_rank >= 1;
-    if (argument.data_type.is(id::ByteString)) {
-        return is_array ? Variant{Array<ByteString>{bytes_of(script)}} : Variant{bytes_of(script)};
-    }
-    if (argument.data_type.is(id::String)) {
-        return is_array ? Variant{Array<String>{string_of(script)}} : Variant{string_of(script)};
-    }
-    if (argument.data_type.is(id::NodeId)) {
-        return Variant{node_of(script)};
-    }
-    const std::uint8_t small = script.byte();
-    if (argument.data_type.is(id::Boolean)) {
-        return Variant{small % 2 == 0};
-    }
-    if (argument.data_type.is(id::Byte)) {
-        return Variant{small};
-    }
-    if (argument.data_type.is(id::UInt16)) {
-        return Variant{static_cast<std::uint16_t>(small * 16U)};
-    }
-    if (argument.data_type.is(id::Int32) || argument.data_type.is(id::ServerState)) {
-        return Variant{static_cast<std::int32_t>(small) * 100 - 100};
-    }
-    if (argument.data_type.is(id::UInt64)) {
-        return Variant{std::uint64_t{small} * 50};
-    }
-    if (argument.data_type.is(id::DateTime)) {
-        return Variant{DateTime{}};
-    }
-    if (argument.data_type.is(id::LocalizedText)) {
-        return Variant{LocalizedText{"en", string_of(script)}};
-    }
-    if (argument.data_type.is(id::IdentityMappingRuleType)) {
-        return Variant{ExtensionObject::from(IdentityMappingRuleType{
-            static_cast<IdentityCriteriaType>(small % 10), string_of(script)})};
-    }
-    if (argument.data_type.is(id::EndpointType)) {
-        EndpointType endpoint;
-        endpoint.endpoint_url = string_of(script);
-        return Variant{ExtensionObject::from(std::move(endpoint))};
-    }
-    return Variant{std::uint32_t{small}};
-}
 
 } // namespace
 
@@ -522,7 +369,7 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
             fixture.log_in();
             continue;
         }
-        const Target& target = fixture.targets[choice % fixture.targets.size()];
+        const fuzz::MethodTarget& target = fixture.targets[choice % fixture.targets.size()];
         CallRequest request;
         request.methods_to_call.resize(1);
         request.methods_to_call[0].object_id = target.object;
@@ -531,7 +378,7 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
             const bool is_handle = argument.name.view().ends_with("Handle");
             request.methods_to_call[0].input_arguments.push_back(
                 is_handle ? Variant{fixture.handle(target.object, script.byte())}
-                          : value_of(argument, script));
+                          : fuzz::value_of(argument, script));
         }
         fixture.call(std::move(request));
         fixture.note_handle(target);
