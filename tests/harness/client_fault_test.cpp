@@ -56,16 +56,12 @@ void survive(FaultPlant& plant, Loss loss)
     CHECK(plant.world.run_until([&] { return plant.holds_nothing(); }, 3min));
 }
 
-/// A third of a long script is played unless the effort is full: the faults whose index has digits
-/// to base 3 that add up to a multiple of three, so that every kind of fault and every place
-/// occurs.
+/// The round's seventh of a long script is played unless the effort is full. The faults of a
+/// script, and its moments, are never a multiple of seven, so each of them occurs.
 [[nodiscard]] bool is_played(std::size_t index, std::size_t count)
 {
-    std::size_t sum = 0;
-    for (std::size_t rest = index; rest != 0; rest /= 3) {
-        sum += rest % 3;
-    }
-    return is_full_effort() || count <= 30 || sum % 3 == 0;
+    constexpr std::size_t parts = 7;
+    return is_full_effort() || count <= 30 || index % parts == test::part_of_round("faults", parts);
 }
 
 void survive_all(const FaultScript& faults, bool is_secure, Loss loss = Loss::None)

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 
 namespace busbar::test {
@@ -12,6 +14,16 @@ namespace busbar::test {
 {
     const char* const effort = std::getenv("BUSBAR_TEST_EFFORT");
     return effort != nullptr && std::string_view{effort} == "full";
+}
+
+/// Index of the part, below `parts`, that a test of this name does unless the effort is full. It
+/// differs from name to name and with the number BUSBAR_TEST_ROUND in the environment, 0 if there
+/// is none, which `tests/run` counts up every day. After `parts` rounds each part has had its turn.
+[[nodiscard]] inline std::size_t part_of_round(std::string_view name, std::size_t parts)
+{
+    const char* const round = std::getenv("BUSBAR_TEST_ROUND");
+    const std::size_t number = round != nullptr ? std::stoul(round) : 0;
+    return (std::hash<std::string_view>{}(name) % parts + number) % parts;
 }
 
 } // namespace busbar::test
