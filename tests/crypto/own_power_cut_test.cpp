@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "own_store.hpp"
+#include "support/effort.hpp"
 #include "support/failing_disk.hpp"
 
 namespace own_power_cut_test {
@@ -229,10 +230,11 @@ TEST_CASE("a power cut at the first start leaves none or all, and the request's 
 TEST_CASE("a power cut while a certificate is made anew leaves the old pair or the new one",
           "[crypto][own][power]")
 {
-    // Each run makes a key, which takes its time: every other call.
+    // Each run makes a key, which takes its time: the round's sixth unless the effort is full.
     Victim victim{{true, false, regenerate}};
     const auto& calls = victim.steps.calls;
-    for (std::size_t i = 0; i < calls.size(); i += 2) {
+    const std::size_t parts = is_full_effort() ? 1 : 6;
+    for (std::size_t i = part_of_round("regenerate", parts); i < calls.size(); i += parts) {
         INFO("after " << calls[i] << " of " << victim.steps.count << " steps");
         victim.begin();
         failing_disk::run_until_dark(calls[i], [&] { victim.run(); });
