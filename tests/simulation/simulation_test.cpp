@@ -30,7 +30,7 @@ TEST_CASE("a simulation's seed replays it")
 TEST_CASE("no notification is lost in a day of 50 clients over links that break, and nothing grows")
 {
     const std::uint64_t seed = simulation_seed();
-    const std::uint64_t hours = simulation_hours(3);
+    const std::uint64_t hours = simulation_hours(2);
     CAPTURE(seed, hours);
     Simulation simulation{{seed, 50}};
     // Warms up: buffers and tables that stay have their size afterwards.
