@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/storage.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 namespace busbar::fuzz {

@@ -462,11 +462,15 @@ public:
     void log_in(std::string user, bool is_new)
     {
         if (!client_ || client_->is_closed()) {
-            client_.emplace(
-                *world_.server.connect("127.0.0.1", world_.now), channel::SecuritySetting{},
-                channel::ChannelEnvironment{
-                    .random = &world_.random, .wall_clock = &world_.clock, .log = &world_.silence},
-                world_.now);
+            auto accepted = world_.server.connect("127.0.0.1", world_.now);
+            if (!accepted) { // the server has shut down
+                return leave();
+            }
+            client_.emplace(*std::move(accepted), channel::SecuritySetting{},
+                            channel::ChannelEnvironment{.random = &world_.random,
+                                                        .wall_clock = &world_.clock,
+                                                        .log = &world_.silence},
+                            world_.now);
             is_new = true;
         }
         if (is_new || user_.empty()) {
