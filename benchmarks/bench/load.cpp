@@ -106,7 +106,8 @@ Result<void> Load::prepare()
     if (security_.policy->is_none()) {
         return {};
     }
-    auto identity = make_identity(wall_clock_.now());
+    auto identity = options_.identity ? Result<channel::ApplicationIdentity>{*options_.identity}
+                                      : make_identity(wall_clock_.now());
     net::ClientLoop loop;
     const auto opened = identity ? open(loop, false) : fail(identity.error());
     if (!opened) {

@@ -22,6 +22,8 @@ struct Options {
     std::string mode{"None"};
     std::string user;
     std::string password;
+    /// The client's; none: one of the moment is made, where the endpoint asks for one.
+    std::optional<channel::ApplicationIdentity> identity;
     /// A NodeId with "{}" where the number goes.
     std::string node{"ns=2;s=Bulk{}"};
     std::vector<std::size_t> read_counts{1, 100, 1'000, 10'000, 25'000};

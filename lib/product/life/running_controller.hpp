@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <busbar/core/function_ref.hpp>
@@ -81,6 +83,9 @@ public:
     void stop() { loop_.stop(); }
     /// As SIGHUP. Any thread.
     void reload() override;
+    /// Calls `work` soon on the thread of run(), in nobody's callback; not if that returns before.
+    /// Any thread.
+    void post(std::function<void()> work) { loop_.post(std::move(work)); }
 
 private:
     void happen(HardwareEvent event) override;
