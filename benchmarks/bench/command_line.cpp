@@ -101,11 +101,22 @@ CLI::App* add_hostile(CLI::App& app, HostileOptions& options)
                      "or: attackers that take what is shared, sessions, Subscriptions, memory, "
                      "sockets, logins; 1,5,20,60")
         ->delimiter(',');
+    hostile
+        ->add_option("--passwords", options.passwords,
+                     "or: administrators who add users, change passwords and guess, beside ten "
+                     "logins a second; 1,5,20")
+        ->check(CLI::Range(1, 100))
+        ->delimiter(',');
     hostile->add_flag("--administration", options.is_administration,
                       "or: 1,000 of each Method that a role of administration may call, in one "
                       "Call; with a URL, those that --user may call");
     hostile->add_option("--calls", options.calls, "Methods of one Call of --administration")
         ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    hostile
+        ->add_option("--variables", options.variables,
+                     "further ones of the controller that --administration starts")
+        ->check(CLI::Range(0, 100'000))
         ->capture_default_str();
     hostile->add_flag("--own-addresses", options.has_own_addresses,
                       "each of them from an address of its own, 127.0.0.2 and so on");
@@ -114,6 +125,28 @@ CLI::App* add_hostile(CLI::App& app, HostileOptions& options)
     hostile->add_flag("--worker", options.has_worker,
                       "it does their asymmetric work on a thread of its own");
     return hostile;
+}
+
+CLI::App* add_churn(CLI::App& app, ChurnOptions& options)
+{
+    CLI::App* const churn = app.add_subcommand(
+        "churn", "Has clients, administrators and downloads come and go at a controller, for "
+                 "--seconds; ends with 1 if it does not bear that, or a sanitizer complains.");
+    churn->fallthrough();
+    churn
+        ->add_option(
+            "--controller", options.controller,
+            "busbar-controller, as of a build with a sanitizer; this program's own without")
+        ->check(CLI::ExistingFile);
+    churn->add_option("--tool", options.tool, "busbar, whose `admin` is used, too")
+        ->check(CLI::ExistingFile);
+    churn->add_option("--clients", options.clients, "that come and go at a time")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    churn->add_option("--pause", options.pause_s, "seconds between two downloads, at most")
+        ->capture_default_str();
+    churn->add_option("--seed", options.seed, "of what they do")->capture_default_str();
+    return churn;
 }
 
 CLI::App* add_growth(CLI::App& app, GrowthOptions& options)
@@ -213,6 +246,7 @@ Expected<CommandLine, int> read_command_line(int argc, char** argv)
         ->type_name("A B");
     const std::array subcommands{
         Subcommand{add_hostile(app, line.hostile), Command::Hostile},
+        Subcommand{add_churn(app, line.churn), Command::Churn},
         Subcommand{add_growth(app, line.growth), Command::Growth},
         Subcommand{add_memory(app, line.memory), Command::Memory},
         Subcommand{add_startup(app, line.startup), Command::Startup},
@@ -233,6 +267,7 @@ Expected<CommandLine, int> read_command_line(int argc, char** argv)
     }
     line.loads.subscribe.seconds = line.loads.seconds;
     line.hostile.seconds = line.loads.seconds;
+    line.churn.seconds = line.loads.seconds;
     line.hostile.server_process = line.loads.subscribe.server_pid;
     return line;
 }

@@ -6,6 +6,7 @@
 #include <busbar/core/expected.hpp>
 
 #include "appendix7.hpp"
+#include "churn.hpp"
 #include "growth.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
@@ -20,6 +21,7 @@ enum class Command {
     Compare,
     Memory,
     Hostile,
+    Churn,
     Growth,
     Startup,
     Appendix7,
@@ -32,6 +34,7 @@ struct CommandLine {
     bool has_url{false};
     Options loads;
     HostileOptions hostile;
+    ChurnOptions churn;
     GrowthOptions growth;
     SessionMemoryOptions memory;
     StartupOptions startup;

@@ -1,21 +1,20 @@
 #include "hostile.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
 
-#include <busbar/core/attribute_id.hpp>
 #include <busbar/core/text.hpp>
-#include <busbar/types/attribute.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
 #include "administration_calls.hpp"
+#include "good_client.hpp"
+#include "passwords.hpp"
 #include "quotas.hpp"
 #include "replay.hpp"
 #include "tally.hpp"
@@ -26,9 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Longer than anybody waits: what is late is to be measured, not given up.
-constexpr std::chrono::milliseconds patience{30'000};
-/// Between two Reads of the good client, and two attempts of one that is refused.
+/// Between two attempts of one that is refused.
 constexpr std::chrono::milliseconds pause{1};
 /// How long a Call of many Methods is waited for.
 constexpr double call_seconds{30};
@@ -162,114 +159,6 @@ void browse_for_ever(Load& load, const HostileOptions& options, Tally& tally)
     }
 }
 
-/// A client that wants one value, soon.
-class GoodClient {
-public:
-    explicit GoodClient(Load& load) : load_{&load}
-    {
-        request_.timestamps_to_return = TimestampsToReturn::Neither;
-        ReadValueId& item = request_.nodes_to_read.emplace_back();
-        item.node_id = NodeId{0, id::Server_ServerStatus_State};
-        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    }
-
-    [[nodiscard]] Result<void> connect()
-    {
-        loop_ = std::make_unique<net::ClientLoop>();
-        return load_->open(*loop_, true, patience);
-    }
-    /// Reads as long as it is to, and at least once; fails when there is no connection any more.
-    [[nodiscard]] Result<void> read_while(const std::function<bool(double)>& goes_on,
-                                          HostileRow& row)
-    {
-        std::vector<double> times;
-        const TimePoint begin = clock_now();
-        do {
-            const TimePoint start = clock_now();
-            const auto event = loop_->call(request_);
-            times.push_back(elapsed_us(start));
-            if (!event || event->status.is_bad()) {
-                ++row.failed;
-                if (const auto connected = connect(); !connected) {
-                    return connected;
-                }
-            }
-            std::this_thread::sleep_for(pause);
-        } while (goes_on(elapsed_us(begin) / 1e6));
-        std::sort(times.begin(), times.end());
-        row.reads = times.size();
-        row.median_us = times[times.size() / 2];
-        row.p90_us = times[times.size() * 9 / 10];
-        row.p99_us = times[times.size() * 99 / 100];
-        row.worst_us = times.back();
-        return {};
-    }
-    void leave() { loop_->close(); }
-
-private:
-    Load* load_;
-    std::unique_ptr<net::ClientLoop> loop_;
-    ReadRequest request_;
-};
-
-/// The good client's Subscription, on a thread and a connection of its own.
-class GoodSubscriber {
-public:
-    explicit GoodSubscriber(Load& load)
-        : rows_{fail(status::Bad_NothingToDo)}, thread_{[&] { rows_ = load.run_subscriptions(); }}
-    {
-        std::this_thread::sleep_for(warm_up);
-    }
-    [[nodiscard]] Result<void> finish(HostileRow& row)
-    {
-        thread_.join();
-        if (!rows_) {
-            return fail(rows_.error());
-        }
-        row.publishes = rows_->front().publishes;
-        row.longest_gap_ms = rows_->front().worst_interval_ms;
-        return {};
-    }
-
-    static constexpr std::chrono::milliseconds warm_up{400};
-
-private:
-    Result<std::vector<SubscribeRow>> rows_;
-    std::thread thread_;
-};
-
-/// Further connections of the good client, one after the other, on a thread of their own.
-class Newcomer {
-public:
-    Newcomer(Load& load, HostileRow& row) : thread_{[&] { come_and_go(load, row); }} {}
-    Newcomer(const Newcomer&) = delete;
-    Newcomer& operator=(const Newcomer&) = delete;
-    ~Newcomer()
-    {
-        is_over_ = true;
-        thread_.join();
-    }
-
-private:
-    static constexpr std::chrono::milliseconds apart{200};
-
-    void come_and_go(Load& load, HostileRow& row) const
-    {
-        while (!is_over_) {
-            net::ClientLoop loop;
-            const TimePoint start = clock_now();
-            const bool is_there = load.open(loop, true, patience).has_value();
-            row.worst_login_ms = std::max(row.worst_login_ms, elapsed_us(start) / 1e3);
-            ++(is_there ? row.logins : row.failed_logins);
-            loop.close();
-            std::this_thread::sleep_for(apart);
-        }
-    }
-
-    std::atomic<bool> is_over_{false};
-    std::thread thread_;
-};
-
 /// The good client reads while `attackers` threads do `what`.
 Result<HostileRow> play(Load& load, const HostileOptions& options, std::string name,
                         std::size_t attackers, const std::function<void(Tally&, std::size_t)>& what)
@@ -294,16 +183,19 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     for (std::size_t i = 0; i < attackers; ++i) {
         threads.emplace_back([&, i] { what(tally, i); });
     }
-    std::optional<Newcomer> newcomer;
+    std::optional<Newcomers> newcomers;
     if (!options.quotas.empty()) {
-        newcomer.emplace(load, row);
+        newcomers.emplace(load, tally, row, 1, 5);
+    } else if (!options.passwords.empty()) {
+        newcomers.emplace(load, tally, row, 10, 10);
     }
     const auto goes_on = [&](double seconds) {
-        return options.callers.empty() || attackers == 0 ? seconds < options.seconds
-                                                         : !tally.is_done && seconds < call_seconds;
+        return !options.is_administration || attackers == 0
+                   ? seconds < options.seconds
+                   : !tally.is_done && seconds < call_seconds;
     };
     auto read = client.read_while(goes_on, row);
-    newcomer.reset();
+    newcomers.reset();
     if (subscriber) {
         const auto subscribed = subscriber->finish(row);
         read = read ? subscribed : read;
@@ -376,6 +268,28 @@ Result<std::vector<HostileRow>> take_all(Load& load, const HostileOptions& optio
     return play_all(load, options, attacks);
 }
 
+/// Who changes passwords costs as much as who logs in.
+Result<std::vector<HostileRow>> change_all(Load& load, const HostileOptions& options)
+{
+    Options administrator;
+    administrator.url = load.url();
+    administrator.policy = "Basic256Sha256";
+    administrator.mode = "SignAndEncrypt";
+    administrator.user = options.callers.front();
+    administrator.password = options.password;
+    administrator.identity = options.identity;
+    const auto attackers = PasswordAttackers::add(
+        administrator, *std::max_element(options.passwords.begin(), options.passwords.end()));
+    if (!attackers) {
+        return fail(attackers.error());
+    }
+    std::vector<Attack> attacks{{"none", 0, {}}};
+    for (const std::size_t count : options.passwords) {
+        attacks.push_back(attackers->attack(count));
+    }
+    return play_all(load, options, attacks);
+}
+
 /// A user of administration in a session, which is made again when it is lost: the server may have
 /// another certificate by then.
 class Caller {
@@ -404,6 +318,7 @@ private:
         his.mode = "SignAndEncrypt";
         his.user = user;
         his.password = options.password;
+        his.identity = options.identity;
         return his;
     }
 
@@ -496,6 +411,9 @@ Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options
     }
     if (!options.quotas.empty()) {
         return take_all(load, options);
+    }
+    if (!options.passwords.empty()) {
+        return change_all(load, options);
     }
     if (!options.callers.empty()) {
         return call_all(load, options);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,18 @@ struct HostileOptions {
     /// Or, instead of it, how many attackers take what is shared. The good client has a user, and
     /// more connections come and go beside it.
     std::vector<std::size_t> quotas;
+    /// Or, instead of it, how many users who add users, change passwords and guess at them, while
+    /// ten logins a second mean well.
+    std::vector<std::size_t> passwords;
     /// Or what users of administration may call, many of each Method in one Call.
     bool is_administration{false};
     /// Who calls, with the password that all of them have.
     std::vector<std::string> callers;
     std::string password;
+    std::optional<channel::ApplicationIdentity> identity;
     std::size_t calls{1'000};
+    /// Of our own controller's program.
+    std::size_t variables{0};
     /// What the server's thread had of a processor at a time, since it was asked last; may be
     /// empty.
     std::function<double()> take_longest_piece_ms;
@@ -69,7 +76,9 @@ struct HostileRow {
     std::size_t logins{0};
     std::size_t failed_logins{0};
     double worst_login_ms{0};
-    /// How the first Method that did not end well ended; empty where none was called.
+    /// What of the attackers ended, well or not, while one login was waited for, at most.
+    std::size_t most_before_login{0};
+    /// How the first Method or login that did not end well ended; empty where there was none.
     std::string status;
     /// The longest piece of the server's work; 0 where it is not known.
     double longest_piece_ms{0};

@@ -5,9 +5,10 @@
 
 #include <malloc.h>
 
-#include "administered.hpp"
+#include "churn.hpp"
 #include "command_line.hpp"
 #include "compare.hpp"
+#include "own_controller.hpp"
 #include "own_server.hpp"
 #include "report.hpp"
 
@@ -65,22 +66,54 @@ int run_loads(bench::Options options, bool has_url)
     return 0;
 }
 
-/// Those of our own server, or the user of the options, who does not read then.
-void choose_callers(bench::Options& options, bench::HostileOptions& hostile, bench::OwnServer* own)
+int attack(const bench::Options& options, const bench::HostileOptions& hostile)
 {
-    if (own == nullptr) {
+    bench::Load load{options};
+    const auto prepared = load.prepare();
+    const auto rows = prepared ? bench::attack(load, hostile) : fail(prepared.error());
+    if (!rows) {
+        return complain(options, rows.error());
+    }
+    bench::print(options, hostile, *rows);
+    return 0;
+}
+
+/// Whoever administers the server of the options, or a controller of our own.
+int run_administration(bench::Options options, bench::HostileOptions hostile, bool has_url)
+{
+    std::unique_ptr<bench::OwnController> own;
+    if (has_url) {
         hostile.callers = {std::exchange(options.user, {})};
         hostile.password = std::exchange(options.password, {});
-        return;
+    } else {
+        auto started = bench::OwnController::start({.variables = hostile.variables});
+        if (!started) {
+            return complain(options, started.error());
+        }
+        own = *std::move(started);
+        options.url = own->url();
+        options.identity = hostile.identity = own->client();
+        hostile.server_process = own->process();
+        hostile.callers.assign(bench::administration_roles.begin(),
+                               bench::administration_roles.end());
+        hostile.password = bench::good_password;
+        hostile.take_longest_piece_ms = [&own] { return own->take_longest_piece_ms(); };
     }
-    hostile.callers.assign(bench::administration_roles.begin(), bench::administration_roles.end());
-    hostile.password = bench::good_password;
-    hostile.take_longest_piece_ms = [own] { return own->take_longest_piece_ms(); };
+    if (!hostile.passwords.empty()) {
+        options.policy = "Basic256Sha256";
+        options.mode = "SignAndEncrypt";
+        options.user = has_url ? hostile.callers.front() : bench::administration_roles.back();
+        options.password = hostile.password;
+    }
+    return attack(options, hostile);
 }
 
 /// Against the server of the options, or one of our own.
 int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
 {
+    if (hostile.is_administration || !hostile.passwords.empty()) {
+        return run_administration(std::move(options), std::move(hostile), has_url);
+    }
     std::unique_ptr<bench::OwnServer> own;
     const bool takes = !hostile.quotas.empty();
     const bool is_secure = takes || !hostile.replays.empty();
@@ -90,11 +123,10 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         options.subscribe = bench::good_subscription(options.seconds);
     }
     if (!has_url) {
-        auto started = bench::OwnServer::start({.is_secure = is_secure || hostile.is_administration,
+        auto started = bench::OwnServer::start({.is_secure = is_secure,
                                                 .is_unrationed = hostile.is_unrationed,
                                                 .has_user = takes,
-                                                .has_worker = hostile.has_worker,
-                                                .is_administered = hostile.is_administration});
+                                                .has_worker = hostile.has_worker});
         if (!started) {
             return complain(options, started.error());
         }
@@ -104,17 +136,20 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         options.password = takes ? bench::good_password : "";
         hostile.server_process = own->process();
     }
-    if (hostile.is_administration) {
-        choose_callers(options, hostile, own.get());
+    return attack(options, hostile);
+}
+
+/// Ends with 1 if the controller did not bear it.
+int run_churn(const bench::ChurnOptions& churn)
+{
+    const auto report = bench::churn(churn);
+    if (!report) {
+        std::fprintf(stderr, "busbar-bench: churn: %s\n",
+                     std::string{name(report.error())}.c_str());
+        return 1;
     }
-    bench::Load load{options};
-    const auto prepared = load.prepare();
-    const auto rows = prepared ? bench::attack(load, hostile) : fail(prepared.error());
-    if (!rows) {
-        return complain(options, rows.error());
-    }
-    bench::print(options, hostile, *rows);
-    return 0;
+    bench::print(*report);
+    return report->is_well() ? 0 : 1;
 }
 
 /// Of two runs that printed JSON.
@@ -193,6 +228,8 @@ int run(const bench::CommandLine& line)
         return run_memory(line.memory, json);
     case bench::Command::Hostile:
         return run_hostile(line.loads, line.hostile, line.has_url);
+    case bench::Command::Churn:
+        return run_churn(line.churn);
     case bench::Command::Growth:
         return run_growth(line.growth, json);
     case bench::Command::Startup:

@@ -1,20 +1,10 @@
 #include "own_server.hpp"
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <memory>
-#include <new>
 #include <optional>
-#include <system_error>
-#include <thread>
-#include <utility>
-
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,9 +17,7 @@
 #include <busbar/server/password_users.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "administered.hpp"
 #include "identity.hpp"
-#include "process.hpp"
 
 namespace busbar::bench {
 
@@ -99,28 +87,8 @@ void enlarge(server::ServerLimits& limits)
     limits.subscriptions.max_subscriptions_per_user = plenty;
 }
 
-/// Measures pieces of the loop's work: what its thread had of a processor between two turns. Once a
-/// millisecond another thread asks for a turn.
-void measure_pieces(net::ServerLoop& loop, std::atomic<double>& longest_ms)
-{
-    auto last = std::make_shared<double>(-1.0);
-    std::thread{[&loop, &longest_ms, last] {
-        for (;;) {
-            loop.post([&longest_ms, last] {
-                const double now = thread_time_ms();
-                if (*last >= 0 && now - *last > longest_ms) {
-                    longest_ms = now - *last;
-                }
-                *last = now;
-            });
-            std::this_thread::sleep_for(std::chrono::milliseconds{1});
-        }
-    }}.detach(); // the process is killed
-}
-
 /// Serves until it is told to stop, and writes the port to `pipe`, or 0 if there is none.
-int serve(int pipe, const OwnServerOptions& options, const std::string& folder,
-          std::atomic<double>& longest_ms)
+int serve(int pipe, const OwnServerOptions& options)
 {
     NullLog log;
     net::SystemWallClock wall_clock;
@@ -145,14 +113,6 @@ int serve(int pipe, const OwnServerOptions& options, const std::string& folder,
     if (options.has_user && !add_user(config, users, random)) {
         return 1;
     }
-    std::optional<Administered> administered;
-    if (options.is_administered) {
-        administered.emplace(Administered::Needs{folder, log, wall_clock, random, users, worker});
-        config.endpoints.back().allows_user_name = true;
-        if (!administered->prepare(*config.identity, config.application_uri)) {
-            return 1;
-        }
-    }
     if (options.is_unrationed) {
         config.limits.channel_interval = std::chrono::milliseconds{0};
         config.limits.failed_channel_interval = std::chrono::milliseconds{0};
@@ -170,31 +130,22 @@ int serve(int pipe, const OwnServerOptions& options, const std::string& folder,
         .log = &log,
         .validator = &validator,
         .users = &users,
-        .roles = administered ? &administered->roles() : nullptr,
         .waker = &loop.waker(),
         .channel_worker = channel_worker ? &*channel_worker : nullptr,
     };
     server::MemorySource source{wall_clock};
     auto server = server::Server::create(std::move(config), environment);
-    const bool is_ready = server && add_variables(*server, source, options.variables) &&
-                          (!administered || administered->attach(*server));
+    const bool is_ready = server && add_variables(*server, source, options.variables);
     const std::uint16_t told = is_ready ? port : 0;
     if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {
         return 1;
     }
     loop.stop_on_signals();
-    if (administered) {
-        measure_pieces(loop, longest_ms);
-    }
     loop.run(*server);
     return 0;
 }
 
 } // namespace
-
-struct OwnServer::Shared {
-    std::atomic<double> longest_ms{0};
-};
 
 Result<std::unique_ptr<OwnServer>> OwnServer::start(const OwnServerOptions& options)
 {
@@ -202,24 +153,11 @@ Result<std::unique_ptr<OwnServer>> OwnServer::start(const OwnServerOptions& opti
     if (::pipe(pipe.data()) != 0) {
         return fail(status::Bad_CommunicationError);
     }
-    std::string folder;
-    if (options.is_administered) {
-        folder = (std::filesystem::temp_directory_path() / "busbar-bench-XXXXXX").string();
-        if (::mkdtemp(folder.data()) == nullptr) {
-            return fail(status::Bad_ResourceUnavailable);
-        }
-    }
-    void* const memory =
-        ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) {
-        return fail(status::Bad_OutOfMemory);
-    }
-    auto* const shared = new (memory) Shared;
     const pid_t process = ::fork();
     if (process == 0) {
         ::close(pipe[0]);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        ::_exit(serve(pipe[1], options, folder, shared->longest_ms));
+        ::_exit(serve(pipe[1], options));
     }
     ::close(pipe[1]);
     std::uint16_t port = 0;
@@ -228,33 +166,22 @@ Result<std::unique_ptr<OwnServer>> OwnServer::start(const OwnServerOptions& opti
     if (process <= 0) {
         return fail(status::Bad_CommunicationError);
     }
-    std::unique_ptr<OwnServer> server{new OwnServer{process, port, folder, shared}};
+    std::unique_ptr<OwnServer> server{new OwnServer{process, port}};
     if (!is_told || port == 0) {
         return fail(status::Bad_CommunicationError);
     }
     return server;
 }
 
-OwnServer::OwnServer(pid_t process, int port, std::string folder, Shared* shared)
-    : process_{process}, url_{"opc.tcp://127.0.0.1:" + std::to_string(port)},
-      folder_{std::move(folder)}, shared_{shared}
+OwnServer::OwnServer(pid_t process, int port)
+    : process_{process}, url_{"opc.tcp://127.0.0.1:" + std::to_string(port)}
 {
-}
-
-double OwnServer::take_longest_piece_ms()
-{
-    return shared_->longest_ms.exchange(0);
 }
 
 OwnServer::~OwnServer()
 {
     ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);
-    ::munmap(shared_, sizeof(Shared));
-    if (!folder_.empty()) {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
 }
 
 } // namespace busbar::bench

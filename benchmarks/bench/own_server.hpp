@@ -27,8 +27,6 @@ struct OwnServerOptions {
     bool is_large{false};
     /// Does their asymmetric work on a thread of its own.
     bool has_worker{false};
-    /// Is administered by users of its own; see Administered.
-    bool is_administered{false};
     /// Int16, which anybody may write: ns=2;s=Bulk0, Bulk1 and so on.
     std::size_t variables{0};
 };
@@ -47,21 +45,12 @@ public:
 
     [[nodiscard]] const std::string& url() const { return url_; }
     [[nodiscard]] pid_t process() const { return process_; }
-    /// The longest time in milliseconds that the server's thread had of a processor since the last
-    /// call before it turned to something else; of one that is administered.
-    [[nodiscard]] double take_longest_piece_ms();
 
 private:
-    struct Shared;
-
-    OwnServer(pid_t process, int port, std::string folder, Shared* shared);
+    OwnServer(pid_t process, int port);
 
     pid_t process_;
     std::string url_;
-    /// Of one that is administered; removed at the end.
-    std::string folder_;
-    /// With the process.
-    Shared* shared_;
 };
 
 } // namespace busbar::bench

@@ -152,7 +152,7 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
     const bool has_logins = std::any_of(rows.begin(), rows.end(),
                                         [](const HostileRow& row) { return row.logins != 0; });
     if (has_logins) {
-        std::printf(" %8s %7s %10s", "logins", "failed", "worst ms");
+        std::printf(" %8s %7s %10s %7s", "logins", "failed", "worst ms", "before");
     }
     if (has_memory) {
         std::printf(" %10s %10s", "peak MB", "left MB");
@@ -168,7 +168,8 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
             std::printf(" %10zu %10.1f", row.publishes, row.longest_gap_ms);
         }
         if (has_logins) {
-            std::printf(" %8zu %7zu %10.1f", row.logins, row.failed_logins, row.worst_login_ms);
+            std::printf(" %8zu %7zu %10.1f %7zu", row.logins, row.failed_logins, row.worst_login_ms,
+                        row.most_before_login);
         }
         if (has_memory) {
             std::printf(" %+10.1f %+10.1f", row.peak_growth_mb(), row.growth_mb());
@@ -188,10 +189,12 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
         std::printf("%s\n  {\"attack\": %s, \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
                     "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"p99_us\": %.2f, "
                     "\"worst_us\": %.2f, \"publishes\": %zu, \"longest_gap_ms\": %.2f, "
-                    "\"logins\": %zu, \"failed_logins\": %zu, \"worst_login_ms\": %.2f",
+                    "\"logins\": %zu, \"failed_logins\": %zu, \"worst_login_ms\": %.2f, "
+                    "\"most_before_login\": %zu",
                     separator, json_text(row.attack).c_str(), row.answered, row.refused, row.reads,
                     row.failed, row.median_us, row.p90_us, row.p99_us, row.worst_us, row.publishes,
-                    row.longest_gap_ms, row.logins, row.failed_logins, row.worst_login_ms);
+                    row.longest_gap_ms, row.logins, row.failed_logins, row.worst_login_ms,
+                    row.most_before_login);
         if (has_memory) {
             std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
                         row.growth_mb());
@@ -219,6 +222,21 @@ void print(const Options& options, const HostileOptions& hostile,
         print_head(options);
         std::printf("\n");
         print_table(rows, has_memory);
+    }
+}
+
+void print(const ChurnReport& report)
+{
+    std::printf("%-30s %9s %9s\n", "what", "good", "refused");
+    for (const ChurnRow& row : report.rows) {
+        std::printf("%-30s %9zu %9zu\n", row.what.c_str(), row.good, row.refused);
+    }
+    std::printf("memory %.1f MB, at the end %.1f MB\n", report.before.now_mb, report.after.now_mb);
+    if (!report.is_well()) {
+        std::printf("%s, exit code %d%s%s\nsee %s\n",
+                    report.serves ? "served" : "did not serve any more", report.exit_code,
+                    report.complaint.empty() ? "" : ", ", report.complaint.c_str(),
+                    report.folder.c_str());
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "churn.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
 
@@ -12,5 +13,7 @@ void print(const Options& options, const std::vector<Row>& rows);
 void print(const Options& options, const std::vector<SubscribeRow>& rows);
 void print(const Options& options, const HostileOptions& hostile,
            const std::vector<HostileRow>& rows);
+/// Prints what was done to the controller, and what was wrong if anything was.
+void print(const ChurnReport& report);
 
 } // namespace busbar::bench

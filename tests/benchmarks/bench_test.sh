@@ -72,6 +72,13 @@ has "^Operator press.csv.Open  *3  *0 .* Good$" administration.txt
 "$bench" hostile --seconds 0.05 --administration --calls 3 --json > administration.json
 is_json administration.json
 has '"attack": "SecurityAdmin RoleSetType.AddRole".* "longest_piece_ms": [0-9.]*, "status": "Good"' administration.json
+"$bench" hostile --seconds 1 --passwords 2 > passwords.txt
+has "^2 change passwords, add users and guess " passwords.txt
+has " logins *failed " passwords.txt
+"$bench" churn --seconds 2 --clients 3 > churn.txt
+has "^come  *[1-9]" churn.txt
+has "^call  *[1-9]" churn.txt
+refuses "$bench" churn --controller nothing
 "$bench" hostile --seconds 0.05 --connections 3 --bomb 1000000 --json > hostile.json
 is_json hostile.json
 has '"attack": "Browses of 3 connections"' hostile.json
