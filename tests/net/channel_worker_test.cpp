@@ -2,13 +2,16 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <future>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <busbar/core/record.hpp>
 #include <busbar/net/worker_thread.hpp>
+#include <busbar/server/worker.hpp>
 
 #include "machine.hpp"
 #include "support/identity.hpp"
@@ -42,6 +45,22 @@ public:
 
 const channel::SecuritySetting secured{crypto::find_policy_by_name("Basic256Sha256"),
                                        MessageSecurityMode::SignAndEncrypt};
+
+/// Counts the jobs that it has taken.
+class CountingWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()> job) override
+    {
+        const bool is_taken = thread_.run(std::move(job));
+        taken += is_taken ? 1 : 0;
+        return is_taken;
+    }
+
+    std::atomic<int> taken{0};
+
+private:
+    net::WorkerThread thread_;
+};
 
 /// A server with a secured endpoint on a thread of its own.
 class SecuredMachine {
@@ -84,7 +103,7 @@ private:
     std::optional<server::Server> server_;
 
 public:
-    net::WorkerThread worker; // ends first
+    CountingWorker worker; // ends first
 
 private:
     std::thread thread_;
@@ -92,7 +111,8 @@ private:
 
 /// A client with a session.
 struct Visitor : test::ClientSurroundings {
-    Result<void> connect(const std::string& url, std::chrono::milliseconds token_lifetime = 1h)
+    Result<void> connect(const std::string& url, std::chrono::milliseconds token_lifetime = 1h,
+                         Duration patience = 10s)
     {
         environment.identity = &test::client_identity();
         environment.validator = &validator;
@@ -102,6 +122,7 @@ struct Visitor : test::ClientSurroundings {
         config.channel.security = secured;
         config.channel.server_certificate = test::server_identity().certificates.front();
         config.channel.requested_lifetime = token_lifetime;
+        config.channel.limits.handshake_timeout = patience;
         if (auto begun = loop.connect(config, environment); !begun) {
             return begun;
         }
@@ -163,12 +184,15 @@ TEST_CASE("a server stops while its worker has channels")
     begun.get_future().wait();
     const auto connect = [&] {
         Visitor visitor;
-        return visitor.connect(machine.url()).has_value();
+        return visitor.connect(machine.url(), 1h, 2s).has_value();
     };
     auto first = std::async(std::launch::async, connect);
     auto second = std::async(std::launch::async, connect);
     SECTION("with the work still waiting")
     {
+        // Until the worker has the jobs of both channels, or a client on a slow machine gave up.
+        while (machine.worker.taken < 3 && first.wait_for(1ms) != std::future_status::ready) {
+        }
         machine.stop();
         CHECK_FALSE(first.get());
         CHECK_FALSE(second.get());
