@@ -2,8 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <memory>
+#include <optional>
 #include <string>
 
+#include <busbar/storage/folder_storage.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 #include "product/store/source_files.hpp"

@@ -2,6 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include "product/machine/restored_values.hpp"
 #include "product/store/received_program.hpp"
 

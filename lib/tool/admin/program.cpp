@@ -1,7 +1,10 @@
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <busbar/controller/declaration_reader.hpp>
 
