@@ -5,6 +5,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/crypto/asymmetric.hpp>
+#include <busbar/crypto/jwt.hpp>
 #include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 

@@ -49,7 +49,7 @@ public:
     [[nodiscard]] administration::SettingValues
     all_values(const administration::SettingValues& changes) const
     {
-        return version(text_, sources_, changes).values;
+        return version(text_, sources_, changes).merged.values;
     }
     /// As check(), of what another controller or an earlier time had, whatever the mode; with
     /// `sources` instead of sources().
