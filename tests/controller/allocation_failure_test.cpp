@@ -118,7 +118,7 @@ TEST_CASE("an allocation that fails in an online edit leaves the program as it w
         ProgramImage image = program->make_image(1).value();
         const auto before = program->handles().size();
         const bool has_failed =
-            fail_once(k, [&] { return program->add(edited_program(), 1, image).has_value(); });
+            fail_once(k, [&] { return program->edit(edited_program(), 1, image).has_value(); });
         CHECK(program->handles().size() == before + 2);
         CHECK(program->handles().size() == program->publication().published().size());
         return has_failed;
