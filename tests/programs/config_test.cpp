@@ -419,7 +419,8 @@ TEST_CASE("names that become nodes have at most 512 bytes, and the file's line i
     // Of many variables the last has the longest name.
     const std::string many = "[[plc.variable]]\ntype = \"Int16\"\ncount = 101\nname";
     CHECK_NOTHROW(product::parse_config(with(many, 509), "test.toml"));
-    CHECK_THROWS_WITH(product::parse_config(with(many, 510), "test.toml"), Catch::Contains("513 bytes"));
+    CHECK_THROWS_WITH(product::parse_config(with(many, 510), "test.toml"),
+                      Catch::Contains("513 bytes"));
 }
 
 } // namespace config_test

@@ -72,13 +72,13 @@ public:
     /// From now on until stop() returns, a task of the runtime's own calls `cycle`, which calls
     /// scan(): true. False, as here: the controller's own task does it, as often as the
     /// configuration says. On the server's thread, as the next two.
-    [[nodiscard]] virtual bool start(const Cycle& cycle);
+    [[nodiscard]] virtual bool start([[maybe_unused]] const Cycle& cycle) { return false; }
     /// Waits for a scan that runs. start() may follow.
     virtual void stop() {}
     /// The program was edited online (seed 000, 3-3-2): variables that were added are in the scans
     /// from the next one on, those that were removed nobody sees any more, and their memory stays
     /// in use. The scans go on meanwhile.
-    virtual void edited(const controller::ProgramAddition& change);
+    virtual void edited([[maybe_unused]] const controller::ProgramAddition& change) {}
 };
 
 /// What a PLC maker implements to have his PLC in the controller, instead of the simulated one of
@@ -93,14 +93,17 @@ public:
     virtual ~Runtime() = default;
 
     /// First, and again when the controller starts anew: `host` is there until end().
-    virtual void begin(RuntimeHost& host);
+    virtual void begin([[maybe_unused]] RuntimeHost& host) {}
     virtual void end() {}
 
     /// Where the runtime has a variable of a program that load() is about to be asked for, as
     /// server::ImageVariable::runtime says; nothing, as here: it lies in the PLC's image. What is
     /// given lives as long as the loaded program.
     [[nodiscard]] virtual std::span<std::byte>
-    memory_of(const controller::GlobalVariable& variable);
+    memory_of([[maybe_unused]] const controller::GlobalVariable& variable)
+    {
+        return {};
+    }
     /// Makes a program ready to run, while the one before it may still run. `plc` has its variables
     /// and outlives the result; `program` is null for variables of the configuration itself. The
     /// problem refuses the start or the download, of which nothing is left then.
@@ -109,10 +112,10 @@ public:
 
     /// The controller is in this mode: before a loaded program starts, and when it changes, by whom
     /// ever. Whether programs run in PROGRAM is the runtime's.
-    virtual void mode_changed(controller::MachineMode mode);
+    virtual void mode_changed([[maybe_unused]] controller::MachineMode mode) {}
     /// Labels for a project of model mode to be mapped to; null, as here: there are none, and a
     /// project is refused.
-    [[nodiscard]] virtual std::shared_ptr<backend::LabelBackend> labels();
+    [[nodiscard]] virtual std::shared_ptr<backend::LabelBackend> labels() { return nullptr; }
     /// Whether the configuration may say what the PLC does ([[plc.program]]) and clients may play
     /// its hardware: in simulations only.
     [[nodiscard]] virtual bool is_simulated() const { return false; }

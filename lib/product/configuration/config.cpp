@@ -89,7 +89,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
         table.fail("address", "an IPv4 or IPv6 address of this machine, or \"\" for all of them");
     }
     read_numbers(table, "server", config);
-    if (config.port < config.least_port) {
+    if (config.port != 0 && config.port < config.least_port) {
         table.fail("port", "a number from " + std::to_string(config.least_port) + " to 65535");
     }
     config.host_names = table.texts("host_names");

@@ -60,7 +60,6 @@ struct Controller::Parts {
     {
         if (options.takes_signals) {
             end_at_once_on_signals();
-            hold_hangups();
         }
         try {
             return start(configuration, runtime, *options.log, options);
@@ -84,6 +83,9 @@ Controller::~Controller() = default;
 Configured<std::unique_ptr<Controller>>
 Controller::create(Configuration configuration, Runtime& runtime, const ControllerOptions& options)
 {
+    if (options.takes_signals) {
+        hold_hangups();
+    }
     // All threads but the PLC's, which so goes before them (G8).
     controller::PlcTask::keep_priority();
     net::give_way();

@@ -78,10 +78,10 @@ run 0 cert create
 serve --config first/controller.toml
 trusted first
 as chief 0 admin setting set "$url" limits.sessions 30
+as chief 0 admin mode "$url" program --yes
 as chief 0 admin user add "$url" pat --new-password-file password
 as chief 0 admin role grant "$url" pat Operator
 program sent.st 18
-as chief 0 admin mode "$url" program --yes
 as chief 0 admin program download "$url" sent.st --yes
 await logged 'downloaded: sent.st'
 as chief 0 admin mode "$url" run --yes

@@ -95,8 +95,11 @@ configure "$again
 $once"
 serve --config controller.toml
 await logged 'event log: 54015000 OPC UA Server Shutdown or Shutting Down'
-chief 0 admin events "$url" --code 54015000
-says 'Correction: Execute it once only'
+corrected() {
+    chief 0 admin events "$url" --code 54015000
+    grep -q -s 'Correction: Execute it once only' out
+}
+await corrected
 
 # Not used: it says so, and the controller ends by a signal only.
 kill -9 "$pid"
