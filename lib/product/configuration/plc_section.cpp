@@ -91,7 +91,7 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
     return variable;
 }
 
-PlcProgram read_program(const TomlTable& table)
+PlcProgram read_plc_program(const TomlTable& table)
 {
     static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 6> kinds = {
         {{"increment", PlcProgramKind::Increment},
@@ -200,7 +200,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
         config.plc.variables.push_back(read_variable(entry, config.server.limits));
     }
     for (const TomlTable& entry : programs) {
-        config.plc.programs.push_back(read_program(entry));
+        config.plc.programs.push_back(read_plc_program(entry));
         if (config.plc.programs.back().kind == PlcProgramKind::Shutdown &&
             !config.machine.program) {
             entry.refuse("kind", "found shutdown, expected it with a program in [machine] only");
