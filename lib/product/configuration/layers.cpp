@@ -222,17 +222,21 @@ std::vector<Saying> Provenance::sayings_of_preset(const Setting& setting) const
 {
     std::vector<Saying> all{{Layer::BuiltIn, {}, setting.otherwise}};
     all.front().value = text_value("");
+    const auto add = [&all](Layer layer, std::string where, Variant value) {
+        Saying saying{.layer = layer, .where = std::move(where), .value = std::move(value)};
+        all.push_back(std::move(saying));
+    };
     if (const auto text = file_.at_path(preset_setting).value<std::string>()) {
-        all.push_back({Layer::File, place(preset_setting), text_value(*text)});
+        add(Layer::File, place(preset_setting), text_value(*text));
     }
     if (!layers_.over.project_preset.empty()) {
-        all.push_back({Layer::Project, {}, text_value(layers_.over.project_preset)});
+        add(Layer::Project, {}, text_value(layers_.over.project_preset));
     }
     if (const auto changed = layers_.changes.find(setting.name); changed != layers_.changes.end()) {
-        all.push_back({Layer::Online, {}, changed->second});
+        add(Layer::Online, {}, changed->second);
     }
     if (!layers_.over.preset.empty()) {
-        all.push_back({Layer::CommandLine, "--preset", text_value(layers_.over.preset)});
+        add(Layer::CommandLine, "--preset", text_value(layers_.over.preset));
     }
     return all;
 }

@@ -11,6 +11,7 @@
 #include "product/store/received_program.hpp"
 #include "product/store/taken_over.hpp"
 #include "setting_keys.hpp"
+#include "setting_overlay.hpp"
 
 namespace busbar::product {
 

@@ -121,9 +121,9 @@ void RunningController::listen(const ControllerConfig& config, Listening::Listen
     if (!config.machine.is_used) {
         return;
     }
-    if (auto begun = listening_.begin(); !begun) {
+    if (const auto begun = listening_.begin(); !begun) {
         if (last.empty() && !machine_) {
-            expect(std::move(begun)); // it never served anybody, and there is no program to go on
+            throw ConfigError{begun.error()}; // it never served anybody, and no program goes on
         }
         const std::string why = text(begun.error());
         expect(listening_.begin_elsewhere(std::move(last)));

@@ -77,7 +77,7 @@ controller::MemoryItem values_item(Storage& state)
     };
     part.put = [&state](std::span<const std::byte>,
                         std::span<const std::byte> own) -> Configured<Bytes> {
-        const auto there = values_in(state);
+        auto there = values_in(state);
         if (!there || (own.empty() && there->empty())) {
             return there;
         }

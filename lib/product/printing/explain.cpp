@@ -36,7 +36,7 @@ std::string flag_text(bool flag)
     return flag ? "true" : "false";
 }
 
-std::string with_unit(std::string text, std::string_view unit)
+std::string with_unit(const std::string& text, std::string_view unit)
 {
     return unit.empty() ? text : text + " " + std::string{unit};
 }
