@@ -47,6 +47,7 @@ std::vector<std::string> nearest(std::string_view word, const std::vector<std::s
     std::stable_sort(near.begin(), near.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<std::string> names;
+    names.reserve(near.size());
     for (auto& [count, name] : near) {
         names.push_back(std::move(name));
     }

@@ -19,7 +19,7 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
 
 void read_labels(const TomlTable& table, ControllerConfig& config)
 {
-    constexpr std::int64_t most_minutes = 24 * 60;
+    constexpr std::int64_t most_minutes{std::int64_t{24} * 60};
     table.allow(
         {"program", "access_unit", "waiting", "sampling", "sampled_points", "utc_offset_minutes"});
     LabelConfig& labels = config.labels;

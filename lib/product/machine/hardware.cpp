@@ -45,10 +45,11 @@ model::NodeAccess for_those_who_may_stop()
 
 void simulate(server::MethodCall call, const std::function<void(HardwareEvent)>& happened)
 {
-    const auto wanted = call.input<String>(0);
+    const auto* const text = call.inputs()[0].get_if<String>();
+    const std::string_view wanted = text != nullptr ? text->view() : std::string_view{};
     const auto* const found =
         std::find_if(event_names.begin(), event_names.end(),
-                     [&](const EventName& each) { return each.name == wanted.view(); });
+                     [&](const EventName& each) { return each.name == wanted; });
     if (found == event_names.end()) {
         call.refuse({StatusCode{status::Bad_OutOfRange}});
         return;
