@@ -453,6 +453,79 @@ TEST_CASE_METHOD(Working, "many guesses at the same time are as many as one afte
     CHECK(fixture.users.asked == 5);
 }
 
+TEST_CASE_METHOD(Working, "as many right logins at the same time as come are let in")
+{
+    // Of one client, whose certificate they all have, or of as many as there are.
+    const bool is_one_client = GENERATE(true, false);
+    CAPTURE(is_one_client);
+    constexpr int most = 30; // the limit of a source is 20, that of a user 5
+    std::vector<TestClient> clients;
+    std::vector<std::uint32_t> sent;
+    for (int i = 0; i < most; ++i) {
+        clients.push_back(
+            fixture.connect(encrypt, client_identity(), is_one_client ? "192.0.2.1" : "192.0.2.2"));
+        REQUIRE(clients.back().create_session());
+    }
+    for (TestClient& client : clients) {
+        sent.push_back(send(client, "operator-secret"));
+    }
+    CHECK(worker.jobs.size() == 5); // no more guesses than that, if they are
+    for (int i = 0; i < most; ++i) {
+        fixture.server.handle_completions(fixture.now);
+        work();
+    }
+    fixture.server.handle_completions(fixture.now);
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+        clients[i].run();
+        CHECK(clients[i].take_activate(sent[i]) == status::Good);
+    }
+    CHECK(fixture.users.asked == most);
+}
+
+TEST_CASE_METHOD(Working, "a right login among guesses is looked at in its turn")
+{
+    auto guesser = fixture.connect(encrypt);
+    REQUIRE(guesser.create_session());
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    for (int i = 0; i < 4; ++i) {
+        static_cast<void>(send(guesser, "guess"));
+    }
+    const auto fifth = send(guesser, "operator-secret");
+    const auto waiting = send(client, "operator-secret");
+    REQUIRE(worker.jobs.size() == 5);
+    SECTION("one of those before it is right: what was wrong is forgiven, and it is let in")
+    {
+        finish(guesser);
+        finish(client);
+        CHECK(guesser.take_activate(fifth) == status::Good);
+        CHECK(client.take_activate(waiting) == status::Good);
+    }
+    SECTION("its session ends meanwhile")
+    {
+        REQUIRE(client.close_session() == status::Good);
+        finish(guesser);
+        finish(client);
+        CHECK(client.take_activate(waiting) == status::Bad_SessionClosed);
+    }
+    SECTION("its client goes away meanwhile")
+    {
+        client.channel.close();
+        client.run();
+        finish(guesser);
+        CHECK(guesser.take_activate(fifth) == status::Good);
+        CHECK(fixture.users.asked == 5);
+    }
+    SECTION("those before it went away: whoever does not wait for an answer has guessed")
+    {
+        guesser.channel.close();
+        guesser.run();
+        finish(client);
+        fixture.advance(4s, client);
+        CHECK(client.take_activate(waiting) == status::Bad_UserAccessDenied);
+    }
+}
+
 TEST_CASE_METHOD(Working, "logins that were right do not count as failures")
 {
     auto client = fixture.connect(encrypt);

@@ -50,14 +50,19 @@ ExtensionObject without_secret(const ExtensionObject& token)
 /// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
 /// before it is answered. What has waited is checked from the beginning, as if it had come just
 /// then. Passwords may be checked by a worker meanwhile.
-class ActivateSession final : public OperationOf<ActivateSessionRequest>, private WorkOwner {
+class ActivateSession final : public OperationOf<ActivateSessionRequest>,
+                              private WorkOwner,
+                              private CheckWaiter {
 public:
     explicit ActivateSession(const SessionNeeds& needs) : needs_{needs} {}
     ~ActivateSession() override
     {
+        needs_.password_checks.stop_waiting(*this);
         if (check_) {
             check_->owner = nullptr;
         }
+        // Who does not wait for the answer has guessed.
+        busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
         wipe_message();
     }
     /// Without the password, which only an own policy of the token encrypts.
@@ -93,6 +98,9 @@ private:
     void work_done(TimePoint now) override;
     void take_result(PasswordCheck& check, TimePoint now);
     void work_displaced(TimePoint now) override;
+    void check_ended(TimePoint now) override;
+    /// Tells the guard, if it has been told of a beginning.
+    void end_check(LoginGuard::End end);
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
     [[nodiscard]] LoginAttempt login_attempt() const;
@@ -110,8 +118,16 @@ private:
     /// What a worker is at, and the nonce that it was begun with.
     std::shared_ptr<PasswordCheck> check_;
     ByteString checked_nonce_;
-    /// The answer's, if the password is wrong; counted when the check began.
-    std::optional<Duration> counted_delay_;
+    /// The attempt whose check is under way; its texts are here and in thumbprint_.
+    struct Begun {
+        std::string user;
+        std::string address;
+        bool has_code{false};
+        TimePoint since;
+        /// The answer's, if the password is wrong.
+        Duration delay{};
+    };
+    std::optional<Begun> begun_;
     /// What is to be answered at the end of the wait; good if that is not decided.
     StatusCode answer_;
 };
@@ -227,6 +243,10 @@ bool ActivateSession::may_log_in(TimePoint now)
                admission.delay, now);
         return false;
     }
+    if (admission.has_to_wait) {
+        needs_.password_checks.wait(*this);
+        return false;
+    }
     if (admission.delay != Duration::zero() && !std::exchange(has_waited_, true)) {
         wait_until_ = now + admission.delay;
         return false;
@@ -279,9 +299,12 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
         check->run(needs_.guards.unguarded_users());
         return end_user(end_log_in(*check), now);
     }
+    const LoginAttempt attempt = login_attempt();
+    begun_ = Begun{std::string{attempt.user}, std::string{attempt.address}, attempt.has_code, now};
+    begun_->delay = needs_.logins.begun(attempt, now);
     check_ = std::move(check);
     check_->owner = this;
-    check_->source = LoginGuard::source_of(login_attempt());
+    check_->source = LoginGuard::source_of(attempt);
     check_->rank = needs_.logins.knows(check_->source) ? 1 : 0;
     check_->users = &needs_.guards.unguarded_users();
     checked_nonce_ = session()->server_nonce;
@@ -290,9 +313,29 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
                                             [&] { return worker->run(std::move(job)); });
     };
     if (!needs_.password_checks.start(check_, run, now)) {
+        end_check(LoginGuard::End::NotLookedAt);
         return fault(status::Bad_ServerTooBusy);
     }
-    counted_delay_ = needs_.logins.failed(login_attempt(), now);
+}
+
+void ActivateSession::end_check(LoginGuard::End end)
+{
+    if (const std::optional<Begun> begun = std::exchange(begun_, std::nullopt)) {
+        needs_.logins.ended({begun->user, thumbprint_, begun->address, begun->has_code}, end,
+                            begun->since);
+    }
+}
+
+void ActivateSession::check_ended(TimePoint now)
+{
+    if (is_finished()) {
+        return;
+    }
+    const StatusCode thrown =
+        busbar::detail::guarded(needs_.log, "a login that has waited", [&] { attempt(now); });
+    if (thrown.is_bad()) {
+        fault(thrown);
+    }
 }
 
 /// Much may have happened meanwhile.
@@ -325,6 +368,7 @@ void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
 void ActivateSession::work_displaced(TimePoint now)
 {
     check_ = nullptr;
+    end_check(LoginGuard::End::NotLookedAt);
     if (is_finished()) {
         return;
     }
@@ -339,9 +383,15 @@ void ActivateSession::work_displaced(TimePoint now)
 void ActivateSession::end_user(Login user, TimePoint now)
 {
     if (!user) {
-        const bool is_counted = !user.error().is_guess || counted_delay_.has_value();
-        const Duration delay = is_counted ? counted_delay_.value_or(Duration::zero())
-                                          : needs_.logins.failed(login_attempt(), now);
+        Duration delay = Duration::zero();
+        if (!user.error().is_guess) {
+            end_check(LoginGuard::End::NotLookedAt);
+        } else if (begun_) {
+            delay = begun_->delay;
+            end_check(LoginGuard::End::Wrong);
+        } else {
+            delay = needs_.logins.failed(login_attempt(), now);
+        }
         return refuse(user.error().answer, std::move(user.error().refusal), delay, now);
     }
     if (auto refusal = check_user(*user)) {
@@ -402,8 +452,10 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     if (!nonce) {
         return fault(nonce.error());
     }
-    if (!is_anonymous()) {
-        needs_.logins.succeeded(login_attempt(), counted_delay_.has_value());
+    if (begun_) {
+        end_check(LoginGuard::End::Right);
+    } else if (!is_anonymous()) {
+        needs_.logins.succeeded(login_attempt());
     }
     if (!make_share(needs_, session, user, peer_->address())) {
         const std::string most = std::to_string(needs_.limits().max_sessions_per_user);

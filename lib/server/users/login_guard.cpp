@@ -18,6 +18,31 @@ std::string_view cut(std::string_view name)
     return name.substr(0, max_name_size);
 }
 
+/// Null if there is none, however old it may be.
+template <typename Entry>
+Entry* named(std::vector<Entry>& table, std::string_view name)
+{
+    const auto found = std::find_if(table.begin(), table.end(),
+                                    [&](const Entry& entry) { return entry.name == cut(name); });
+    return found == table.end() ? nullptr : &*found;
+}
+
+/// Removes an entry that counts nothing.
+template <typename Entry>
+void drop_if_empty(std::vector<Entry>& table, std::string_view name)
+{
+    std::erase_if(table, [&](const Entry& e) { return e.name == cut(name) && e.most() == 0; });
+}
+
+template <typename Entry>
+void release_check(std::vector<Entry>& table, std::string_view name)
+{
+    if (Entry* const entry = named(table, name); entry != nullptr && entry->checks != 0) {
+        --entry->checks;
+        drop_if_empty(table, name);
+    }
+}
+
 } // namespace
 
 bool LoginGuard::is_forgiven(const Count& count, TimePoint now) const
@@ -39,7 +64,7 @@ template <typename Entry>
 bool LoginGuard::has_place(const std::vector<Entry>& table, std::size_t most, TimePoint now) const
 {
     return table.size() < most || std::any_of(table.begin(), table.end(), [&](const Entry& entry) {
-               return entry.failures <= 1 || is_forgiven(entry, now);
+               return entry.most() <= 1 || is_forgiven(entry, now);
            });
 }
 
@@ -54,9 +79,9 @@ Entry* LoginGuard::count_in(std::vector<Entry>& table, std::string_view name, st
     if (table.size() >= std::max<std::size_t>(most, 1)) {
         const auto least =
             std::min_element(table.begin(), table.end(), [](const Entry& a, const Entry& b) {
-                return a.failures != b.failures ? a.failures < b.failures : a.last < b.last;
+                return a.most() != b.most() ? a.most() < b.most() : a.last < b.last;
             });
-        if (least->failures > 1) {
+        if (least->most() > 1) {
             return nullptr;
         }
         table.erase(least);
@@ -95,17 +120,27 @@ bool LoginGuard::is_known_good(std::string_view user, std::string_view source) c
            });
 }
 
-bool LoginGuard::is_locked(std::string_view source, std::string_view user, TimePoint now) const
+LoginGuard::Admission LoginGuard::admission(const Count* count, std::size_t most, Duration delay)
 {
-    const Source* from = find(sources_, source, now);
-    const Count* count = from != nullptr ? find(from->users, user, now) : nullptr;
-    return count != nullptr && count->failures >= limits_->max_login_failures;
+    if (count == nullptr || count->most() < most) {
+        return {};
+    }
+    const bool is_locked = count->failures >= most;
+    return {is_locked, !is_locked, is_locked ? delay : Duration::zero()};
 }
 
-bool LoginGuard::is_source_locked(std::string_view source, TimePoint now) const
+LoginGuard::Admission LoginGuard::admit_user(std::string_view source, std::string_view user,
+                                             TimePoint now) const
 {
     const Source* from = find(sources_, source, now);
-    return from != nullptr && from->failures >= limits_->max_login_failures_per_source;
+    return admission(from != nullptr ? find(from->users, user, now) : nullptr,
+                     limits_->max_login_failures, limits_->max_login_delay);
+}
+
+LoginGuard::Admission LoginGuard::admit_source(std::string_view source, TimePoint now) const
+{
+    return admission(find(sources_, source, now), limits_->max_login_failures_per_source,
+                     limits_->max_login_delay);
 }
 
 Duration LoginGuard::delay_after(std::size_t failures) const
@@ -136,66 +171,97 @@ Duration LoginGuard::slow_down(const LoginAttempt& attempt, const Names& names, 
 
 LoginGuard::Admission LoginGuard::admit(const LoginAttempt& attempt, TimePoint now) const
 {
+    const auto is_free = [](const Admission& admission) {
+        return !admission.is_locked && !admission.has_to_wait;
+    };
     const Names names = source_names(attempt);
-    if (is_locked(names.first, attempt.user, now)) {
-        return {true, limits_->max_login_delay};
+    const Admission user = admit_user(names.first, attempt.user, now);
+    if (!is_free(user) || is_known_good(attempt.user, names.first)) {
+        return user;
     }
-    if (is_known_good(attempt.user, names.first)) {
-        return {};
+    const Admission first = admit_source(names.first, now);
+    const Admission second = admit_source(names.second, now);
+    if (!is_free(first) || !is_free(second)) {
+        return first.is_locked || is_free(second) ? first : second;
     }
-    if (is_source_locked(names.first, now) || is_source_locked(names.second, now)) {
-        return {true, limits_->max_login_delay};
-    }
-    return {false, slow_down(attempt, names, now)};
+    return {false, false, slow_down(attempt, names, now)};
 }
 
-std::size_t LoginGuard::count_failure(std::string_view source, std::string_view user, TimePoint now)
+std::size_t LoginGuard::count_at(std::string_view source, std::string_view user,
+                                 std::size_t Count::*kind, TimePoint now)
 {
     Source* from = count_in(sources_, source, limits_->max_login_entries, now);
     if (from == nullptr) {
         return limits_->max_login_failures;
     }
-    ++from->failures;
-    from->last = now;
+    ++(from->*kind);
+    from->last = std::max(from->last, now);
     if (Count* count = count_in(from->users, user, max_users_per_source, now)) {
-        ++count->failures;
-        count->last = now;
+        ++(count->*kind);
+        count->last = std::max(count->last, now);
     }
-    return from->failures;
+    return from->most();
+}
+
+std::size_t LoginGuard::count(const LoginAttempt& attempt, std::size_t Count::*kind, TimePoint now)
+{
+    const Names names = source_names(attempt);
+    const std::size_t failures = count_at(names.first, attempt.user, kind, now);
+    if (!names.second.empty()) {
+        static_cast<void>(count_at(names.second, attempt.user, kind, now));
+    }
+    if (!attempt.user.empty()) {
+        if (Count* everywhere = count_in(users_, attempt.user, limits_->max_login_entries, now)) {
+            ++(everywhere->*kind);
+            everywhere->last = std::max(everywhere->last, now);
+        }
+    }
+    return failures;
 }
 
 Duration LoginGuard::failed(const LoginAttempt& attempt, TimePoint now)
 {
-    const Names names = source_names(attempt);
-    const std::size_t failures = count_failure(names.first, attempt.user, now);
-    if (!names.second.empty()) {
-        static_cast<void>(count_failure(names.second, attempt.user, now));
-    }
-    if (!attempt.user.empty()) {
-        if (Count* count = count_in(users_, attempt.user, limits_->max_login_entries, now)) {
-            ++count->failures;
-            count->last = now;
-        }
-    }
-    return delay_after(failures);
+    return delay_after(count(attempt, &Count::failures, now));
 }
 
-void LoginGuard::forgive(std::string_view source, std::string_view user)
+Duration LoginGuard::begun(const LoginAttempt& attempt, TimePoint now)
 {
-    const auto from = std::find_if(sources_.begin(), sources_.end(),
-                                   [&](const Source& s) { return s.name == cut(source); });
-    if (from == sources_.end()) {
+    return delay_after(count(attempt, &Count::checks, now));
+}
+
+void LoginGuard::ended(const LoginAttempt& attempt, End end, TimePoint now)
+{
+    release(attempt);
+    if (end == End::Wrong) {
+        static_cast<void>(failed(attempt, now));
+    } else if (end == End::Right) {
+        succeeded(attempt);
+    }
+}
+
+void LoginGuard::release(const LoginAttempt& attempt)
+{
+    const Names names = source_names(attempt);
+    for (const std::string& name : {names.first, names.second}) {
+        if (Source* const source = named(sources_, name)) {
+            release_check(source->users, attempt.user);
+            release_check(sources_, name);
+        }
+    }
+    release_check(users_, attempt.user);
+}
+
+void LoginGuard::forgive(std::string_view name, std::string_view user)
+{
+    Source* const source = named(sources_, name);
+    Count* const count = source != nullptr ? named(source->users, user) : nullptr;
+    if (count == nullptr) {
         return;
     }
-    const auto count = std::find_if(from->users.begin(), from->users.end(),
-                                    [&](const Count& c) { return c.name == cut(user); });
-    if (count != from->users.end()) {
-        from->failures -= std::min(from->failures, count->failures);
-        from->users.erase(count);
-    }
-    if (from->failures == 0) {
-        sources_.erase(from);
-    }
+    source->failures -= std::min(source->failures, count->failures);
+    count->failures = 0;
+    drop_if_empty(source->users, user);
+    drop_if_empty(sources_, name);
 }
 
 void LoginGuard::remember(std::string_view user, std::string_view source)
@@ -212,21 +278,14 @@ void LoginGuard::remember(std::string_view user, std::string_view source)
     known_good_.push_back({std::string{cut(user)}, std::string{cut(source)}});
 }
 
-void LoginGuard::succeeded(const LoginAttempt& attempt, bool was_counted)
+void LoginGuard::succeeded(const LoginAttempt& attempt)
 {
     const Names names = source_names(attempt);
     for (const std::string& source : {names.first, names.second}) {
         forgive(source, attempt.user);
     }
-    if (attempt.user.empty()) {
-        return;
-    }
-    remember(attempt.user, names.first);
-    const auto everywhere = std::find_if(users_.begin(), users_.end(), [&](const Count& count) {
-        return count.name == cut(attempt.user);
-    });
-    if (was_counted && everywhere != users_.end() && --everywhere->failures == 0) {
-        users_.erase(everywhere);
+    if (!attempt.user.empty()) {
+        remember(attempt.user, names.first);
     }
 }
 

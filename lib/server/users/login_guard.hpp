@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,10 @@ struct LoginAttempt {
 /// - **Slow-down**: a name that fails at many sources is guessed at by many. Logins with it are
 ///   looked at a bounded time later, but for the known good ones.
 ///
+/// - **At the same time**: no more checks are under way than may fail before a lock-out. The next
+///   one waits for an end of these, so that many guesses at once bring no more than one after the
+///   other, and many right logins at once are all let in.
+///
 /// - **Codes**: the name of a random code, which cannot be guessed, is not counted for the network
 ///   and not bound by its lock, so that strangers do not keep out whoever has the code. They are
 ///   slowed down as above.
@@ -58,15 +63,23 @@ public:
     struct Admission {
         /// Refuse without looking at the password.
         bool is_locked{false};
+        /// Ask again when a check has ended: if all that are under way are wrong, it is locked.
+        bool has_to_wait{false};
         /// How long to wait before looking at it, or before refusing.
         Duration delay{Duration::zero()};
     };
     [[nodiscard]] Admission admit(const LoginAttempt& attempt, TimePoint now) const;
-    /// Counts a failure of an attempt that was admitted; how long its answer has to wait. What is
-    /// still being checked counts as a failure, or many could be tried at the same time.
+    /// Counts a failure of an attempt that was admitted; returns how long its answer has to wait.
     [[nodiscard]] Duration failed(const LoginAttempt& attempt, TimePoint now);
-    /// The attempt was right. What failed() counted for it before that was known is taken back.
-    void succeeded(const LoginAttempt& attempt, bool was_counted = false);
+    /// The attempt was right.
+    void succeeded(const LoginAttempt& attempt);
+
+    /// How a check ended that takes its time.
+    enum class End : std::uint8_t { Right, Wrong, NotLookedAt };
+    /// The check of an attempt that was admitted is under way, until ended() is called with the
+    /// same attempt. Returns how long its answer has to wait if it is wrong.
+    [[nodiscard]] Duration begun(const LoginAttempt& attempt, TimePoint now);
+    void ended(const LoginAttempt& attempt, End end, TimePoint now);
 
     /// Who that is for the rationing of what logins cost: the client's certificate, without one
     /// its network.
@@ -81,10 +94,15 @@ public:
     }
 
 private:
-    /// Failures that are not forgiven yet.
     struct Count {
+        /// What it may come to.
+        [[nodiscard]] std::size_t most() const { return failures + checks; }
+
         std::string name;
+        /// That are not forgiven yet.
         std::size_t failures{0};
+        /// That are under way.
+        std::size_t checks{0};
         TimePoint last;
     };
     struct Source : Count {
@@ -114,13 +132,22 @@ private:
                                   std::size_t most, TimePoint now) const;
     [[nodiscard]] bool is_forgiven(const Count& count, TimePoint now) const;
     [[nodiscard]] bool is_known_good(std::string_view user, std::string_view source) const;
-    [[nodiscard]] bool is_locked(std::string_view source, std::string_view user,
-                                 TimePoint now) const;
-    [[nodiscard]] bool is_source_locked(std::string_view source, TimePoint now) const;
+    /// By the failures alone, or else by the checks that are under way.
+    [[nodiscard]] static Admission admission(const Count* count, std::size_t most, Duration delay);
+    /// What binds the user at the source, and everybody at the source.
+    [[nodiscard]] Admission admit_user(std::string_view source, std::string_view user,
+                                       TimePoint now) const;
+    [[nodiscard]] Admission admit_source(std::string_view source, TimePoint now) const;
     [[nodiscard]] Duration slow_down(const LoginAttempt& attempt, const Names& names,
                                      TimePoint now) const;
     [[nodiscard]] Duration delay_after(std::size_t failures) const;
-    std::size_t count_failure(std::string_view source, std::string_view user, TimePoint now);
+    /// Counts one more of a kind wherever the attempt counts; returns how many failures the first
+    /// source has then, if all its checks are wrong.
+    std::size_t count(const LoginAttempt& attempt, std::size_t Count::*kind, TimePoint now);
+    std::size_t count_at(std::string_view source, std::string_view user, std::size_t Count::*kind,
+                         TimePoint now);
+    /// A check is not under way any more.
+    void release(const LoginAttempt& attempt);
     void forgive(std::string_view source, std::string_view user);
     void remember(std::string_view user, std::string_view source);
 

@@ -1,6 +1,6 @@
 #include "password_checks.hpp"
 
-#include <utility>
+#include <cstddef>
 
 namespace busbar::server::detail {
 
@@ -13,6 +13,19 @@ void PasswordCheck::run(UserStore& from)
         if (thrown.view().empty()) {
             thrown.set("an exception");
         }
+    }
+}
+
+void PasswordChecks::drain(TimePoint now)
+{
+    if (!WorkQueue::drain(now)) {
+        return;
+    }
+    // Whoever is told may wait again, and others may give up meanwhile.
+    for (std::size_t left = waiters_.size(); left != 0 && !waiters_.empty(); --left) {
+        CheckWaiter* const first = waiters_.front();
+        waiters_.erase(waiters_.begin());
+        first->check_ended(now);
     }
 }
 

@@ -124,13 +124,16 @@ void WorkQueue::Done::work()
     waker.wake();
 }
 
-void WorkQueue::drain(TimePoint now)
+bool WorkQueue::drain(TimePoint now)
 {
+    bool is_any_done = false;
     while (const auto item = take_done()) {
+        is_any_done = true;
         if (item->owner != nullptr) {
             item->owner->work_done(now);
         }
     }
+    return is_any_done;
 }
 
 std::shared_ptr<WorkItem> WorkQueue::take_done()

@@ -69,8 +69,8 @@ public:
                              FunctionRef<bool(std::function<void()>)> run, TimePoint now);
     /// Nobody waits for it any more: it is not begun, and its owner not told.
     void forget(WorkItem& item);
-    /// Tells the owners of work that is done.
-    void drain(TimePoint now);
+    /// Tells the owners of work that is done. False if there was none.
+    bool drain(TimePoint now);
 
 private:
     /// Outlives the server if a worker is late.
