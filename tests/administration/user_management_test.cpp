@@ -53,16 +53,17 @@ struct Users : ManagedFixture {
 
 constexpr const char* patience = "patience is all";
 
-/// A text that is nowhere in memory but where show() puts it.
+/// A text that is nowhere in memory but where show() puts it: letters from `first` on in an order
+/// of their own, as alphabets may lie anywhere.
 class Hidden {
 public:
     static constexpr std::size_t size = 24;
     static constexpr char mask = 0x5A;
 
-    explicit Hidden(char seed)
+    explicit Hidden(char first)
     {
         for (std::size_t i = 0; i < size; ++i) {
-            hidden_[i] = static_cast<char>((seed + static_cast<char>(i)) ^ mask);
+            hidden_[i] = static_cast<char>((first + static_cast<char>(i * 7 % 26)) ^ mask);
         }
     }
     String show()
