@@ -30,8 +30,9 @@ void add_entry(binary::Writer& writer, const JournalEntry& entry)
 
 std::size_t size_of(const JournalEntry& entry)
 {
-    return 4 * sizeof(std::uint32_t) + sizeof(std::uint64_t) - sizeof(std::uint32_t) +
-           entry.name.size() + entry.bytes.size();
+    // Both lengths, the offset and the type's print.
+    return 3 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + entry.name.size() +
+           entry.bytes.size();
 }
 
 std::optional<JournalEntry> read_entry(binary::Reader& reader)
