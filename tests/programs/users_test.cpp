@@ -14,7 +14,7 @@
 #include "product/access/first_account.hpp"
 #include "product/access/setup.hpp"
 #include "product/configuration/reload.hpp"
-#include "product/configuration/security_section.hpp"
+#include "product/configuration/sections.hpp"
 #include "support/seeded_random.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -8,7 +8,7 @@
 #include <busbar/server/password_rules.hpp>
 
 #include "product/configuration/config.hpp"
-#include "product/configuration/security_section.hpp"
+#include "product/configuration/sections.hpp"
 
 namespace busbar::product {
 

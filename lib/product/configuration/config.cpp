@@ -8,16 +8,10 @@
 #include <busbar/channel/endpoint_url.hpp>
 
 #include "core/utf8.hpp"
-#include "endpoint_section.hpp"
-#include "files_section.hpp"
-#include "labels_section.hpp"
 #include "limit_keys.hpp"
-#include "limits_section.hpp"
-#include "machine_section.hpp"
 #include "memory_section.hpp"
-#include "plc_section.hpp"
 #include "product/configuration/default_config.hpp"
-#include "security_section.hpp"
+#include "sections.hpp"
 #include "toml_text.hpp"
 
 namespace busbar::product {

@@ -1,4 +1,4 @@
-#include "endpoint_section.hpp"
+#include "sections.hpp"
 
 #include <algorithm>
 #include <array>

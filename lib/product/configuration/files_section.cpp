@@ -1,11 +1,9 @@
-#include "files_section.hpp"
+#include "sections.hpp"
 
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
-
-#include "security_section.hpp"
 
 namespace busbar::product {
 

@@ -1,4 +1,4 @@
-#include "labels_section.hpp"
+#include "sections.hpp"
 
 #include <utility>
 

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
-#include "endpoint_section.hpp"
 #include "limit_keys.hpp"
+#include "sections.hpp"
 #include "setting_keys.hpp"
 #include "setting_overlay.hpp"
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <type_traits>
 
-#include "limits_section.hpp"
+#include "sections.hpp"
 
 namespace busbar::product {
 

@@ -1,4 +1,4 @@
-#include "limits_section.hpp"
+#include "sections.hpp"
 
 #include <algorithm>
 #include <array>

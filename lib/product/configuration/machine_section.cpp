@@ -1,4 +1,4 @@
-#include "machine_section.hpp"
+#include "sections.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "plc_section.hpp"
+#include "sections.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,10 +12,7 @@
 
 #include <busbar/controller/plc.hpp>
 
-#include "labels_section.hpp"
 #include "limit_keys.hpp"
-#include "limits_section.hpp"
-#include "machine_section.hpp"
 
 namespace busbar::product {
 

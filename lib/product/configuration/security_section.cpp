@@ -1,4 +1,4 @@
-#include "security_section.hpp"
+#include "sections.hpp"
 
 #include <array>
 #include <fstream>

@@ -7,7 +7,7 @@
 #include <busbar/channel/channel_types.hpp>
 
 #include "limit_keys.hpp"
-#include "limits_section.hpp"
+#include "sections.hpp"
 
 namespace busbar::product {
 

@@ -7,7 +7,7 @@
 #include <busbar/plcopen/nodes.hpp>
 #endif
 
-#include "product/configuration/machine_section.hpp"
+#include "product/configuration/sections.hpp"
 #include "product/configuration/toml_reader.hpp"
 
 namespace busbar::product {

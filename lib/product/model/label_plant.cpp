@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "product/configuration/labels_section.hpp"
+#include "product/configuration/sections.hpp"
 
 namespace busbar::product {
 

@@ -14,8 +14,8 @@
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "product/configuration/limit_keys.hpp"
-#include "product/configuration/machine_section.hpp"
 #include "product/configuration/memory_section.hpp"
+#include "product/configuration/sections.hpp"
 #include "product/configuration/toml_reader.hpp"
 
 namespace busbar::product {
