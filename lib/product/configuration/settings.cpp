@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/administration/managed_certificates.hpp>
+#include <busbar/core/text.hpp>
 
 #include "mode_guard.hpp"
 #include "product/store/received_program.hpp"
@@ -179,15 +180,37 @@ void Settings::apply(const SettingValues& changes)
     take(version(text_, sources_, changes));
 }
 
-void forget_changes(const std::string& path)
+std::vector<std::string> forget_changes(const std::string& path)
 {
+    std::vector<std::string> forgotten;
     const std::string place = read_config_or_default(path).certificates.folder;
     if (std::error_code ignored; !std::filesystem::exists(place, ignored)) {
-        return;
+        return forgotten;
     }
     storage::FolderStorage folder{place};
-    expect(administration::SettingList{folder, Settings::file_name, {}}.forget());
+    const auto forget = [&](std::string_view file, std::string what) {
+        if (const auto removed = folder.remove(file)) {
+            forgotten.push_back(std::move(what));
+        } else if (removed.error() != StorageError::NotFound) {
+            expect(Configured<void>{misconfigured(folder.place(file),
+                                                  std::string{text(removed.error())},
+                                                  status_of(removed.error()))});
+        }
+    };
+    std::string program = "a program that was sent, and cannot be read";
+    if (const auto bytes =
+            read_file(folder, ReceivedProgram::file_name, ReceivedProgram::max_size)) {
+        const std::string_view document{reinterpret_cast<const char*>(bytes->data()),
+                                        bytes->size()};
+        if (const auto sent = read_received(document, {})) {
+            program =
+                "the program " + printable(sent->name) + " that " + printable(sent->user) + " sent";
+        }
+    }
+    forget(Settings::file_name, "the settings that were changed online");
     TakenOverFiles{folder}.forget_settings();
+    forget(ReceivedProgram::file_name, std::move(program));
+    return forgotten;
 }
 
 } // namespace busbar::product

@@ -110,7 +110,8 @@ private:
     Running running_;
 };
 
-/// Forgets what was changed online, readable or not. Throws ConfigError.
-void forget_changes(const std::string& path);
+/// Forgets what was changed online, readable or not: settings, and a program that was sent. Returns
+/// what that was, in words. The controller must not run. Throws ConfigError.
+std::vector<std::string> forget_changes(const std::string& path);
 
 } // namespace busbar::product

@@ -89,7 +89,8 @@ int run(int argc, char** argv, Runtime& runtime)
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
     app.add_flag("--forget-changes", forgets_changes,
-                 "drop what administrators changed of the settings online, and end");
+                 "drop what administrators changed online, settings and a program that was sent, "
+                 "and end");
     prints.add_to(app);
     try {
         app.parse(argc, argv);
@@ -112,7 +113,13 @@ int run(int argc, char** argv, Runtime& runtime)
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
     if (forgets_changes) {
-        forget_changes(origin.file);
+        const auto forgotten = forget_changes(origin.file);
+        for (const std::string& each : forgotten) {
+            std::printf("forgot %s\n", each.c_str());
+        }
+        if (forgotten.empty()) {
+            std::puts("nothing was changed online");
+        }
         return 0;
     }
     if (wants_certificate) {

@@ -203,6 +203,30 @@ echo damaged >> pki/program.received
 power_cycle
 logged 'program.received.*; it begins with what it ran with last' || fail "damage: no line"
 value Speed 18
+
+# Whoever has the machine, and nobody to ask, drops what was sent: readable or not.
+forget() {
+    kill "$pid"
+    await ended
+    "$controller" --config controller.toml --forget-changes > out || fail "nothing is forgotten"
+}
+forget
+says 'forgot a program that was sent, and cannot be read'
+serve --config controller.toml
+as designer 0 admin mode "$url" program --yes
+as designer 0 admin program download "$url" other.st --yes
+await logged 'downloaded: other.st'
+forget
+says 'forgot the settings that were changed online'
+says 'forgot the program other.st that designer sent'
+"$controller" --config controller.toml --forget-changes > out || fail "it is no error"
+says 'nothing was changed online'
+serve --config controller.toml
+as chief 0 admin program show "$url"
+says '^from: *press.st$'
+mode_is RUN
+power_cycle
+value Speed 18
 kill "$pid"
 await ended
 exit $((failures > 0))
