@@ -145,7 +145,7 @@ TEST_CASE("reading: a change of a setting takes over no file that is another one
     CHECK_THROWS_AS(product::read_sources({.file = file}), product::ConfigError);
     // With what the files had, it works.
     const auto again =
-        product::read_sources({.file = file}, {.files = reading.settings->sources().texts()});
+        product::read_sources({.file = file}, {.files = reading.settings->sources()});
     CHECK(*again.config.machine.program_text == text);
     CHECK(again.config.server.limits.max_sessions == 20);
 }

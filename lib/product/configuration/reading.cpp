@@ -48,7 +48,7 @@ Reading read_sources(const Origin& origin, Substitutes substitutes)
                                                         substitutes.takes_other_project);
     }
     reading.settings = std::make_unique<Settings>(origin.file, overlays_of(origin, reading.project),
-                                                  SourceFiles{std::move(substitutes.files)});
+                                                  std::move(substitutes.files));
     reading.config = reading.settings->config();
     return reading;
 }

@@ -30,7 +30,7 @@ struct Reading {
 /// What of a TakenOver is used instead of what is there.
 struct Substitutes {
     /// Files that count as read.
-    SourceFiles::Texts files{};
+    SourceFiles files{};
     /// For a project that is there but cannot be read any more; empty: there is no other.
     std::string project{};
     /// Instead of any project that is there.

@@ -324,6 +324,7 @@ ProgramInForce Generation::program() const
     }
     const auto file = SourceFiles{}.text(machine.program_file, ReceivedProgram::max_text);
     now.is_file_other = !file || **file != *machine.program_text;
+    now.refusal = around_.pending.reason(PendingChanges::By::Download);
     return now;
 }
 

@@ -107,6 +107,11 @@ public:
     [[nodiscard]] Configured<void> edit(const Reading& next);
     /// Whether edit() would.
     [[nodiscard]] Configured<void> check_edit(const Reading& next) const;
+    /// Whether nobody has changed settings since `next` was read.
+    [[nodiscard]] bool has_settings_of(const Reading& next) const
+    {
+        return settings_->list().changes() == next.settings->list().changes();
+    }
     /// Of a machine.
     [[nodiscard]] ProgramInForce program() const;
     /// Keeps the document of a ReceivedProgram, or none, for the next reading.

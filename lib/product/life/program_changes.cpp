@@ -39,8 +39,7 @@ bool RunningController::download()
     const std::string file = machine.program_name;
     const auto edited = current_->edit(reading);
     if (edited) {
-        log_.write(LogLevel::Info, "controller", "edited online: " + file);
-        keep();
+        edited_online(file);
         return false;
     }
     check_download(reading.config, text(edited.error()));
@@ -48,6 +47,13 @@ bool RunningController::download()
             {.reason = "a program is downloaded to the controller"});
     log_.write(LogLevel::Info, "controller", "downloaded: " + file);
     return true;
+}
+
+void RunningController::edited_online(const std::string& name)
+{
+    log_.write(LogLevel::Info, "controller", "edited online: " + name);
+    pending_.done(PendingChanges::By::Download);
+    keep();
 }
 
 void RunningController::tell_of_other_file()
@@ -60,18 +66,19 @@ void RunningController::tell_of_other_file()
     }
 }
 
-Reading RunningController::reading_with(const std::optional<std::string>& program) const
+Reading RunningController::reading_with(const ProgramChange& change) const
 {
-    const SourceFiles files =
-        current_->sources().with_program(program, current_->config().machine.program_file);
-    return read(origin_, {.files = files.texts(), .project = current_->taken_over().project});
+    return read(origin_,
+                {.files = current_->sources().with_program(
+                     change.document, current_->config().machine.program_file, change.program),
+                 .project = current_->taken_over().project});
 }
 
 Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)
 {
     using Step = ProgramChange::Step;
     try {
-        Reading next = reading_with(change.document);
+        Reading next = reading_with(change);
         ProgramVerdict verdict;
         verdict.is_same =
             *next.config.machine.program_text == *current_->config().machine.program_text;
@@ -95,14 +102,12 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         auto before = known != texts.end() ? std::optional{*known->second} : std::nullopt;
         expect(current_->keep_program(change.document));
         if (change.step == Step::Download) {
-            download_soon(std::move(next), std::move(before));
+            download_soon(change, std::move(next), std::move(before));
         } else if (const auto edited = current_->edit(next); !edited) {
             expect(current_->keep_program(before));
             return Unexpected{edited.error()};
         } else {
-            log_.write(LogLevel::Info, "controller",
-                       "edited online: " + next.config.machine.program_name);
-            keep();
+            edited_online(next.config.machine.program_name);
         }
         return verdict;
     } catch (const ConfigError& error) {
@@ -111,21 +116,28 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
 }
 
 /// Not in a callback of the server that it takes the place of.
-void RunningController::download_soon(Reading reading, std::optional<std::string> before)
+void RunningController::download_soon(ProgramChange change, Reading reading,
+                                      std::optional<std::string> before)
 {
-    const auto next = std::make_shared<Reading>(std::move(reading));
-    loop_.post([this, next, before = std::move(before)] {
-        bool is_done = false;
+    pending_.done(PendingChanges::By::Download);
+    const auto read_then = std::make_shared<Reading>(std::move(reading));
+    loop_.post([this, change = std::move(change), read_then, before = std::move(before)] {
+        const std::string name = read_then->config.machine.program_name;
         try_to([&] {
-            const std::string name = next->config.machine.program_name;
-            replace(Machine::Cause::Download, std::move(*next),
-                    {.reason = "a program is downloaded to the controller"});
-            is_done = true;
+            try {
+                // Settings that were changed in between are in force, too.
+                replace(Machine::Cause::Download,
+                        current_->has_settings_of(*read_then) ? std::move(*read_then)
+                                                              : reading_with(change),
+                        {.reason = "a program is downloaded to the controller"});
+            } catch (const ConfigError& error) {
+                pending_.ask(PendingChanges::By::Download,
+                             name + " was sent and refused: " + error.what());
+                expect(current_->keep_program(before));
+                throw;
+            }
             log_.write(LogLevel::Info, "controller", "downloaded: " + name);
         });
-        if (!is_done) {
-            try_to([&] { expect(current_->keep_program(before)); });
-        }
     });
 }
 

@@ -154,7 +154,7 @@ void RunningController::listen_as_told()
         try {
             const TakenOver now = current_->taken_over(); // nothing else is taken up by this
             replace(Machine::Cause::Restart,
-                    read(origin_, {now.files, now.project, !now.project.empty()}),
+                    read(origin_, {SourceFiles{now.files}, now.project, !now.project.empty()}),
                     {.reason = "it can listen where it is told to"});
         } catch (const ConfigError&) {
             listening_.go_back();
@@ -390,6 +390,7 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     }
     pending_.done(PendingChanges::By::Start);
     pending_.done(PendingChanges::By::Reload);
+    pending_.done(PendingChanges::By::Download);
     standing_ = std::move(next);
     if (labels_) {
         labels_->download(current_->config());

@@ -123,14 +123,17 @@ private:
     /// Takes over another program, if there is one: what is only added by an online edit, whatever
     /// the mode, all else as a download. True for the latter, in which everything was read again.
     [[nodiscard]] bool download();
+    void edited_online(const std::string& name);
     /// Whoever changed the file learns that it does not count.
     void tell_of_other_file();
     /// A change of the program that is asked for over OPC UA: all else is as it runs. A download
     /// takes place soon, and is kept before. The problem is why nothing was changed.
     [[nodiscard]] Configured<ProgramVerdict> change_program(const ProgramChange& change);
     /// What is there now with another program, or with that of the file. Throws ConfigError.
-    [[nodiscard]] Reading reading_with(const std::optional<std::string>& program) const;
-    void download_soon(Reading reading, std::optional<std::string> before);
+    [[nodiscard]] Reading reading_with(const ProgramChange& change) const;
+    /// `before` is the document that was kept before, which counts again if it is refused: then the
+    /// status says why.
+    void download_soon(ProgramChange change, Reading reading, std::optional<std::string> before);
     /// A download may bring other settings of the server, which change in PROGRAM only (seed 000,
     /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
     /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online

@@ -103,7 +103,7 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
 {
     Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
     if (way.takes_files) {
-        substitutes.files = last.files;
+        substitutes.files = SourceFiles{last.files};
     }
     std::optional<OtherSettings> settings;
     if (way.takes_settings && last.settings) {

@@ -35,6 +35,24 @@ void write_member(detail::JsonWriter& json, std::string_view name, std::string_v
     json.string(text);
 }
 
+Configured<std::string> difference_report(const std::vector<ProgramDifference>& differences)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("differences");
+    json.begin_list();
+    for (const ProgramDifference& each : differences) {
+        json.begin_object();
+        write_member(json, "what", each.what);
+        write_member(json, "file", each.file);
+        write_member(json, "controller", each.controller);
+        json.end_object();
+    }
+    json.end_list();
+    json.end_object();
+    return json.take();
+}
+
 std::string verdict_report(const ProgramVerdict& verdict)
 {
     detail::JsonWriter json;
@@ -51,6 +69,9 @@ std::string verdict_report(const ProgramVerdict& verdict)
 
 struct ProgramService::Wish {
     enum class Task : std::uint8_t { Check, Compare, Edit, Download, Restore, Mode };
+
+    /// That has a program.
+    [[nodiscard]] bool has_file() const { return task != Task::Restore && task != Task::Mode; }
 
     Task task;
     std::string_view verb;
@@ -120,6 +141,7 @@ std::string ProgramService::status_text() const
     json.word(std::to_string(now.published));
     json.name("fileIsOther");
     json.word(now.is_file_other ? "true" : "false");
+    write_member(json, "refusal", now.refusal);
     json.end_object();
     return json.take();
 }
@@ -151,6 +173,20 @@ StatusCode ProgramService::may_take(const TransferRequest& request)
     return wish_of(request.options) ? status::Good : status::Bad_InvalidArgument;
 }
 
+bool ProgramService::takes_long(const TransferRequest& request) const
+{
+    return wish_of(request.options).value().has_file();
+}
+
+void ProgramService::prepare(const Variant& options, std::span<const std::byte> bytes)
+{
+    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    read_ = read_program(text, std::string{wish_of(options).value().name})
+                .transform([](controller::Program program) {
+                    return std::make_shared<const controller::Program>(std::move(program));
+                });
+}
+
 StatusCode ProgramService::take(const TransferRequest& request, std::span<const std::byte> bytes)
 {
     const auto wish = wish_of(request.options);
@@ -174,57 +210,38 @@ StatusCode ProgramService::take(const TransferRequest& request, std::span<const 
 }
 
 Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::string& user,
-                                                  std::string_view text) const
+                                                  std::string_view text)
 {
-    using Task = Wish::Task;
-    using Step = ProgramChange::Step;
-    const bool has_file = wish.task != Task::Restore && wish.task != Task::Mode;
-    if (!has_file && !text.empty()) {
+    if (wish.has_file()) {
+        return std::exchange(read_, nullptr).and_then([&](const ReadProgram& program) {
+            return wish.task == Wish::Task::Compare
+                       ? difference_report(differences(*program, *needs_.program().program))
+                       : change(wish, user, text, program);
+        });
+    }
+    if (!text.empty()) {
         return misconfigured(std::string{wish.verb}, "found a file, expected an empty one",
                              status::Bad_InvalidArgument);
     }
-    switch (wish.task) {
-    case Task::Compare:
-        return compare(wish, text);
-    case Task::Restore:
-        return restore();
-    case Task::Mode:
-        return change_mode(wish);
-    default:
-        break;
-    }
-    const std::string document =
-        document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}});
+    return wish.task == Wish::Task::Restore ? restore() : change_mode(wish);
+}
+
+Configured<std::string> ProgramService::change(const Wish& wish, const std::string& user,
+                                               std::string_view text, ReadProgram program)
+{
+    using Task = Wish::Task;
+    using Step = ProgramChange::Step;
     const Step step = wish.task == Task::Check  ? Step::Check
                       : wish.task == Task::Edit ? Step::Edit
                                                 : Step::Download;
-    return needs_.change({step, document}).transform([&](const ProgramVerdict& verdict) {
+    const ProgramChange change{
+        step, document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}}),
+        std::move(program)};
+    return needs_.change(change).transform([&](const ProgramVerdict& verdict) {
         return step == Step::Check  ? verdict_report(verdict)
                : step == Step::Edit ? std::string{R"({"edited":true})"}
                                     : std::string{R"({"downloaded":true})"};
     });
-}
-
-Configured<std::string> ProgramService::compare(const Wish& wish, std::string_view text) const
-{
-    const auto file = read_program(text, std::string{wish.name});
-    if (!file) {
-        return Unexpected{file.error()};
-    }
-    detail::JsonWriter json;
-    json.begin_object();
-    json.name("differences");
-    json.begin_list();
-    for (const ProgramDifference& each : differences(*file, *needs_.program().program)) {
-        json.begin_object();
-        write_member(json, "what", each.what);
-        write_member(json, "file", each.file);
-        write_member(json, "controller", each.controller);
-        json.end_object();
-    }
-    json.end_list();
-    json.end_object();
-    return json.take();
 }
 
 /// By an online edit if that does.

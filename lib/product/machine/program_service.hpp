@@ -32,6 +32,8 @@ struct ProgramInForce {
     /// What lies in the file is another program, or cannot be read.
     bool is_file_other{false};
     std::size_t published{0};
+    /// Why the last download was refused after it was sent; empty: it was not.
+    std::string refusal{};
 };
 
 /// What is to become of a program.
@@ -41,6 +43,8 @@ struct ProgramChange {
     Step step{Step::Check};
     /// Of a ReceivedProgram. Nothing: what was received is forgotten, and the file counts.
     std::optional<std::string> document{};
+    /// What the document's text was read as; null: it has to be read.
+    std::shared_ptr<const controller::Program> program{};
 };
 
 /// What a change comes to.
@@ -72,8 +76,11 @@ struct ProgramVerdict {
 /// {"same", "edit", "download"} for a check, the latter two with the reason against, or empty;
 /// {"differences": [{"what", "file", "controller"}]}; {"edited": true}; {"downloaded": true}: the
 /// program is kept and the server takes it up at once, which ends its sessions; {"mode": "RUN"}.
+/// What is refused only then, as by the PLC's runtime, is the "refusal" of the status, and the
+/// program from before goes on.
 ///
-/// Of two who send at once the second is refused. On the server's thread.
+/// Of two who send at once the second is refused. Programs are read on the worker; all else is done
+/// on the server's thread.
 class ProgramService final : public administration::TransferOwner {
 public:
     /// All must outlive it.
@@ -96,11 +103,14 @@ public:
     [[nodiscard]] Result<std::vector<std::byte>>
     generate(const administration::TransferRequest& request, std::size_t max_size) override;
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
+    [[nodiscard]] bool takes_long(const administration::TransferRequest& request) const override;
+    void prepare(const Variant& options, std::span<const std::byte> bytes) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
 
 private:
     struct Wish;
+    using ReadProgram = std::shared_ptr<const controller::Program>;
     /// Of the last CloseAndCommit.
     struct Report {
         NodeId session;
@@ -110,13 +120,16 @@ private:
     [[nodiscard]] static std::optional<Wish> wish_of(const Variant& options);
     [[nodiscard]] std::string status_text() const;
     [[nodiscard]] Configured<std::string> carry_out(const Wish& wish, const std::string& user,
-                                                    std::string_view text) const;
-    [[nodiscard]] Configured<std::string> compare(const Wish& wish, std::string_view text) const;
+                                                    std::string_view text);
+    [[nodiscard]] Configured<std::string> change(const Wish& wish, const std::string& user,
+                                                 std::string_view text, ReadProgram program);
     [[nodiscard]] Configured<std::string> restore() const;
     [[nodiscard]] Configured<std::string> change_mode(const Wish& wish) const;
 
     Needs needs_;
     Report report_;
+    /// Of the file that is being taken.
+    Configured<ReadProgram> read_{nullptr};
 };
 
 } // namespace busbar::product

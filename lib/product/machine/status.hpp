@@ -22,13 +22,19 @@ public:
         Start,     // the files at the start: it runs with what it ran with last
         Listeners, // where it is told to listen
         Reload,    // the files when they were read again
+        Download,  // a program that was sent
         Count
     };
 
     void ask(By by, std::string why) { reasons_[static_cast<std::size_t>(by)] = std::move(why); }
     /// It is in force, or not asked for any more.
     void done(By by) { ask(by, {}); }
-    [[nodiscard]] bool has(By by) const { return !reasons_[static_cast<std::size_t>(by)].empty(); }
+    [[nodiscard]] bool has(By by) const { return !reason(by).empty(); }
+    /// Empty: nothing is asked for in that way.
+    [[nodiscard]] const std::string& reason(By by) const
+    {
+        return reasons_[static_cast<std::size_t>(by)];
+    }
     /// The reasons of those that there are.
     [[nodiscard]] std::vector<std::string> reasons() const;
 

@@ -57,12 +57,14 @@ Configured<std::optional<SourceFiles::Text>> SourceFiles::received()
 }
 
 SourceFiles SourceFiles::with_program(const std::optional<std::string>& document,
-                                      const std::string& file) const
+                                      const std::string& file,
+                                      std::shared_ptr<const controller::Program> program) const
 {
     SourceFiles all{texts_};
     all.received_place_ = received_place_;
     if (document) {
         all.texts_[received_place_] = std::make_shared<const std::string>(*document);
+        all.programs_[received_place_] = std::move(program);
     } else {
         all.texts_.erase(received_place_);
         all.texts_.erase(file);

@@ -36,10 +36,11 @@ public:
     /// The document of the ReceivedProgram; nothing if there is none, or none among texts that it
     /// was made with. Problems as of text().
     [[nodiscard]] Configured<std::optional<Text>> received();
-    /// These, but with this document of a ReceivedProgram; or with none, and what lies in `file` by
-    /// then.
-    [[nodiscard]] SourceFiles with_program(const std::optional<std::string>& document,
-                                           const std::string& file) const;
+    /// These, but with this document of a ReceivedProgram, and what its text was read as, if it
+    /// was; or with none, and what lies in `file` by then.
+    [[nodiscard]] SourceFiles
+    with_program(const std::optional<std::string>& document, const std::string& file,
+                 std::shared_ptr<const controller::Program> program = nullptr) const;
     /// What was read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }
 

@@ -1,14 +1,19 @@
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <busbar/controller/declaration_reader.hpp>
+#include <busbar/core/function_ref.hpp>
 
 #include "commands.hpp"
+#include "controller/life/checksum.hpp"
 #include "core/json.hpp"
 #include "remote_files.hpp"
 #include "remote_transfer.hpp"
@@ -75,10 +80,48 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
 
 /// The program in the file, sent with this verb and the file's name.
 void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
+               const std::string& path, const std::string& file)
+{
+    send(context, transfer, verb + " " + std::filesystem::path{path}.filename().string(), file);
+}
+
+void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
                const std::string& path)
 {
-    const std::string file = read_file(path, max_program);
-    send(context, transfer, verb + " " + std::filesystem::path{path}.filename().string(), file);
+    send_file(context, transfer, verb, path, read_file(path, max_program));
+}
+
+/// The controller's status, over a connection of its own; nothing if there is none at the time.
+std::optional<Json> status_now(Context& context)
+{
+    try {
+        Connection connection{context};
+        RemoteTransfer transfer = transfer_of(connection);
+        return answer_of(transfer, "status");
+    } catch (const Failure&) {
+        return std::nullopt;
+    }
+}
+
+/// After a download: waits a while until the controller, which ends all sessions for it, has the
+/// status that is wanted. False if it does not come; a refusal is a Failure.
+bool wait_for(Context& context, Connection& connection, FunctionRef<bool(const Json&)> is_wanted)
+{
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds pause{100};
+    connection.close();
+    for (const auto end = Clock::now() + std::chrono::seconds{10}; Clock::now() < end;) {
+        const auto status = status_now(context);
+        const std::string refusal = status ? text_in(*status, "refusal") : std::string{};
+        if (!refusal.empty()) {
+            throw Failure{Exit::Failed, safe(refusal), "the program from before goes on"};
+        }
+        if (status && is_wanted(*status)) {
+            return true;
+        }
+        std::this_thread::sleep_for(pause);
+    }
+    return false;
 }
 
 std::string source_text(const Json& status)
@@ -111,7 +154,7 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
         JsonLine json;
         json.open_object();
         for (const char* name :
-             {"name", "source", "file", "user", "received", "checksum", "mode"}) {
+             {"name", "source", "file", "user", "received", "checksum", "mode", "refusal"}) {
             json.member(name, text_in(status, name));
         }
         for (const char* name : {"bytes", "variables", "published"}) {
@@ -132,6 +175,9 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
         std::string line = std::string{name} + ":";
         line.resize(12, ' ');
         context.out.line(line + text);
+    }
+    if (const std::string refusal = text_in(status, "refusal"); !refusal.empty()) {
+        context.out.line("refused:    " + safe(refusal));
     }
     return Exit::Good;
 }
@@ -204,8 +250,15 @@ Exit download(Context& context, Connection& connection, const AdminArguments& ar
     RemoteTransfer transfer = transfer_of(connection);
     make_sure(context, arguments,
               "Replace the program of the controller? Clients have to connect again.");
-    send_file(context, transfer, "download", arguments.words[0]);
-    return report(context, "downloaded: the controller has the program and takes it up");
+    const std::string file = read_file(arguments.words[0], max_program);
+    send_file(context, transfer, "download", arguments.words[0], file);
+    const std::string wanted = controller::detail::checksum_text(file);
+    const bool is_there = wait_for(context, connection, [&](const Json& status) {
+        return text_in(status, "checksum") == wanted;
+    });
+    return report(context, is_there ? "downloaded: the controller runs the program"
+                                    : "the controller has the program and takes it up: "
+                                      "`busbar admin program show` tells when it has");
 }
 
 Exit restore(Context& context, Connection& connection, const AdminArguments& arguments)
@@ -213,6 +266,9 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
     RemoteTransfer transfer = transfer_of(connection);
     make_sure(context, arguments, "Go back to the program of the controller's own file?");
     send(context, transfer, "restore", {});
+    static_cast<void>(wait_for(context, connection, [](const Json& status) {
+        return text_in(status, "source") == "file";
+    }));
     return report(context, "the program of the controller's file counts again");
 }
 
