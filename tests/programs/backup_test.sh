@@ -6,8 +6,6 @@ set -u
 controller=$1 busbar=$2 program=$3
 . "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-says_not() { grep -q -s -e "$1" out && fail "\"$1\" is in the output of: $last"; }
 
 # as USER CODE ARGUMENTS...: all have one password.
 as() {

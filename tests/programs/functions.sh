@@ -60,8 +60,38 @@ quick_hash() {
     "$controller" --hash-password --config quick.toml < "$1"
 }
 
+# What busbar said at the last run.
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+says_not() { ! grep -q -s -e "$1" out || fail "\"$1\" is in the output of: $last"; }
+
+# press_model VARIABLE: an information model of a variable Speed, another one of these lines, and a
+# Method Start.
+press_model() {
+    cat << END
+<UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
+  <NamespaceUris><Uri>http://press.example/Press</Uri></NamespaceUris>
+  <Models><Model ModelUri="http://press.example/Press" Version="1.2"
+    PublicationDate="2024-05-06T00:00:00Z"/></Models>
+  <UAVariable NodeId="ns=1;i=5" BrowseName="1:Speed" DataType="i=4" AccessLevel="3">
+    <DisplayName>Speed</DisplayName>
+    <References>
+      <Reference ReferenceType="i=40">i=63</Reference>
+      <Reference ReferenceType="i=47" IsForward="false">i=85</Reference>
+    </References>
+    <Value><Int16 xmlns="http://opcfoundation.org/UA/2008/02/Types.xsd">417</Int16></Value>
+  </UAVariable>
+$1
+  <UAMethod NodeId="ns=1;i=7" BrowseName="1:Start">
+    <DisplayName>Start</DisplayName>
+    <References><Reference ReferenceType="i=47" IsForward="false">i=85</Reference></References>
+  </UAMethod>
+</UANodeSet>
+END
+}
+
 # serve ARGUMENTS...: a controller whose output goes to log, and its URL.
 serve() {
+    served=$*
     rm -f log # or the one before is found in it, who was ready too
     "$controller" "$@" > log 2>&1 < /dev/null &
     pid=$!

@@ -6,7 +6,6 @@ set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
 
 as_admin() {
     wanted=$1

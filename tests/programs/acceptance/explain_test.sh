@@ -4,9 +4,8 @@
 # usage: explain_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
 # explain CODE ARGUMENTS...
 explain() {
     wanted=$1
@@ -23,27 +22,10 @@ says '^  from  *built-in$'
 explain 0 --explain endpoint
 says 'line [0-9]* of --print-config'
 
-echo "patience is all" > password
-hash=$(quick_hash password)
-port=$((20000 + $$ % 12000))
-cat > controller.toml << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
-[[plc.variable]]
-name = "Speed"
-type = "Int16"
-END
+{
+    server "$port" pki
+    printf '[[plc.variable]]\nname = "Speed"\ntype = "Int16"\n'
+} > controller.toml
 sed -i 's/^\[limits\]/[limits]\npreset = "nj501"\nsessions = 4/' controller.toml
 
 # Before it ever ran: nothing is made by asking.
@@ -88,17 +70,13 @@ explain 1 --config bad.toml --explain server.port
 says 'bad.toml:1'
 
 # Beside the controller that runs, changed online.
-run 0 cert create
-serve --config controller.toml
-run 4 --user chief --password-file password --trust admin status "$url"
-mv pki/rejected/certs/* pki/trusted/certs/
-run 0 --user chief --password-file password --trust admin setting set "$url" limits.sessions 3
+begin pki --config controller.toml
+chief 0 admin setting set "$url" limits.sessions 3
 explain 0 --config controller.toml --explain limits.sessions
 says '^limits.sessions = 3$'
 says '^  from  *changed online, where settings were changed last at 20'
 says '^  otherwise  *4, file controller.toml:11$'
 ended && fail "the controller ended"
 
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

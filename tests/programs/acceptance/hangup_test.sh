@@ -3,35 +3,14 @@
 # usage: hangup_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-port=$((20000 + $$ % 12000))
-cat > controller.toml << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "None"
-mode = "None"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-anonymous = "read"
-[machine]
-program = "press.st"
-name = "Controller"
-state = "state"
-medium = "medium"
-END
-cat > press.st << 'END'
-VAR_GLOBAL
-    {attribute 'publish' := 'publish only'}
-    Speed : INT := 17;
-END_VAR
-END
+{
+    server "$port" pki
+    printf '[[endpoint]]\npolicy = "None"\nmode = "None"\n'
+    machine
+} > controller.toml
+press 17 > press.st
 
 # The first start makes a key, which takes its time.
 "$controller" --config controller.toml > log 2>&1 < /dev/null &

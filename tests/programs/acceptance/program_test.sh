@@ -5,65 +5,25 @@
 # usage: program_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-as() {
-    who=$1 wanted=$2
-    shift 2
-    run "$wanted" --user "$who" --password-file password --trust "$@"
-}
-value() {
-    as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=$1"
-    says "^$2\$"
-}
 gone() {
-    as chief 1 read --value "$url" "nsu=urn:busbar:machine;s=$1"
+    chief 1 read --value "$url" "nsu=urn:busbar:machine;s=$1"
     says 'Bad_NodeIdUnknown'
 }
 mode_is() {
-    as chief 0 admin mode "$url"
+    chief 0 admin mode "$url"
     says "^$1\$"
     value Controller/DeviceState/Mode "\"$1\""
 }
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve --config controller.toml
-}
 
-echo "patience is all" > password
-hash=$(quick_hash password)
-cat > controller.toml << END
-[server]
-address = "127.0.0.1"
-port = $((20000 + $$ % 12000))
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
-[[users.account]]
-name = "designer"
-password = "$hash"
-roles = ["Engineer"]
-[[users.account]]
-name = "operator"
-password = "$hash"
-roles = ["Operator"]
-[machine]
-mode = "RUN"
-program = "press.st"
-state = "state"
-medium = "medium"
-execution_log = true
-retained_ms = 100
-END
+{
+    server "$port" pki
+    account designer '"Engineer"'
+    account operator '"Operator"'
+    machine 'mode = "RUN"
+retained_ms = 100'
+} > controller.toml
 # program FILE SPEED [MORE [RETAIN]]: the value of Speed, and declarations.
 program() {
     cat > "$1" << END
@@ -81,10 +41,7 @@ END
 }
 program press.st 'INT := 17' 'Depth : INT := 3; Width : INT := 8;'
 
-run 0 cert create
-serve --config controller.toml
-as chief 4 admin status "$url"
-mv pki/rejected/certs/* pki/trusted/certs/
+begin pki --config controller.toml
 value Speed 17
 
 # Who may: administrator and designer.
@@ -127,23 +84,22 @@ kill -INT "$follower"
 wait "$follower"
 value Fresh 21
 gone Width
-as chief 0 write "$url" "nsu=urn:busbar:machine;s=Kept" 77
+chief 0 write "$url" "nsu=urn:busbar:machine;s=Kept" 77
 await grep -q -s Kept state/retained
-sleep_scans() { as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Kept"; grep -q 77 out; }
+sleep_scans() { chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Kept"; grep -q 77 out; }
 await sleep_scans
 power_cycle
 value Fresh 21
 gone Width
-as chief 0 admin program show "$url"
+chief 0 admin program show "$url"
 says 'edited.st'
 says 'sent over OPC UA by designer at .*counts instead of press.st, which is another one'
-as chief 0 admin program show "$url" --save saved.st
+chief 0 admin program show "$url" --save saved.st
 cmp -s saved.st edited.st || fail "the program that runs is not the one that was sent"
 
 # The file does not count, and whoever changes it learns so.
 program press.st 'INT := 18'
-kill -HUP "$pid"
-await logged 'press.st does not count: edited.st, which was sent over OPC UA, does'
+hang_up 'press.st does not count: edited.st, which was sent over OPC UA, does'
 value Speed 17
 
 # A download waits for PROGRAM, and the mode changes while sessions go on.
@@ -175,18 +131,16 @@ as designer 1 admin program restore "$url" --yes
 says "the program is the file's already"
 power_cycle
 value Speed 18
-as chief 0 admin program show "$url"
+chief 0 admin program show "$url"
 says '^from: *press.st$'
 
 # RUN after PROGRAM by SIGHUP: an administrator's word counts, and the log says so; without one the
 # file's does.
-kill -HUP "$pid"
-await logged 'what was changed online counts instead of the file: machine.mode'
+hang_up 'what was changed online counts instead of the file: machine.mode'
 mode_is PROGRAM
 as designer 0 admin mode "$url" run --yes
 sed -i 's/^mode = "RUN"/mode = "PROGRAM"/' controller.toml
-kill -HUP "$pid"
-await logged 'the machine is in PROGRAM'
+hang_up 'the machine is in PROGRAM'
 mode_is PROGRAM
 sed -i 's/^mode = "PROGRAM"/mode = "RUN"/' controller.toml
 kill -HUP "$pid"
@@ -206,8 +160,7 @@ value Speed 18
 
 # Whoever has the machine, and nobody to ask, drops what was sent: readable or not.
 forget() {
-    kill "$pid"
-    await ended
+    shut_down
     "$controller" --config controller.toml --forget-changes > out || fail "nothing is forgotten"
 }
 forget
@@ -215,7 +168,6 @@ says 'forgot a program that was sent, and cannot be read'
 serve --config controller.toml
 as designer 0 admin mode "$url" program --yes
 as designer 0 admin program download "$url" other.st --yes
-await logged 'downloaded: other.st'
 forget
 says 'forgot the settings that were changed online'
 says 'forgot the program other.st that designer sent'
@@ -227,6 +179,5 @@ says '^from: *press.st$'
 mode_is RUN
 power_cycle
 value Speed 18
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

@@ -5,51 +5,21 @@
 # usage: project_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-as() {
-    user=$1 wanted=$2
-    shift 2
-    run "$wanted" --user "$user" --password-file password --trust "$@"
-}
-# What a power cut does, and the module's power comes back.
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve --config module.toml --project project
-}
 in_use() {
-    as chief 0 project status "$url"
+    chief 0 project status "$url"
     says "project *in use"
 }
 
-cat > press.xml << 'END'
-<UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
-  <NamespaceUris><Uri>http://press.example/Press</Uri></NamespaceUris>
-  <Models><Model ModelUri="http://press.example/Press" Version="1.2"
-    PublicationDate="2024-05-06T00:00:00Z"/></Models>
-  <UAVariable NodeId="ns=1;i=5" BrowseName="1:Speed" DataType="i=4" AccessLevel="3">
-    <DisplayName>Speed</DisplayName>
-    <References>
-      <Reference ReferenceType="i=40">i=63</Reference>
-      <Reference ReferenceType="i=47" IsForward="false">i=85</Reference>
-    </References>
-  </UAVariable>
-  <UAVariable NodeId="ns=1;i=6" BrowseName="1:Unmapped" DataType="i=4" AccessLevel="3">
+press_model '  <UAVariable NodeId="ns=1;i=6" BrowseName="1:Unmapped" DataType="i=4" AccessLevel="3">
     <DisplayName>Unmapped</DisplayName>
     <References>
       <Reference ReferenceType="i=40">i=63</Reference>
       <Reference ReferenceType="i=47" IsForward="false">i=85</Reference>
     </References>
     <Value><Int16 xmlns="http://opcfoundation.org/UA/2008/02/Types.xsd">417</Int16></Value>
-  </UAVariable>
-  <UAMethod NodeId="ns=1;i=7" BrowseName="1:Start">
-    <DisplayName>Start</DisplayName>
-    <References><Reference ReferenceType="i=47" IsForward="false">i=85</Reference></References>
-  </UAMethod>
-</UANodeSet>
-END
+  </UAVariable>' > press.xml
 cat > line.st << 'END'
 TYPE LineType : STRUCT
     Speed : INT := 900;
@@ -59,24 +29,9 @@ END_STRUCT; END_TYPE
 {attribute 'publish' := 'publish only'}
 VAR_GLOBAL Line : LineType; END_VAR
 END
-echo "Patience_123" > password
-hash=$(quick_hash password)
-port=$((20000 + $$ % 12000))
-cat > module.toml << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-trust_all_clients = true
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin"]
+{
+    server "$port" pki | sed 's/^folder.*/&\ntrust_all_clients = true/'
+    cat << 'END'
 [labels]
 program = "line.st"
 [[plc.program]]
@@ -85,6 +40,7 @@ target = "Line.Handle"
 sets = "Line.State"
 to = 6
 END
+} > module.toml
 run 0 cert create
 run 0 project new press.busbar
 run 0 project set press.busbar "listener 1.address" 127.0.0.1 "listener 1.port" $port \
@@ -102,15 +58,15 @@ unmapped='nsu=http://press.example/Press;i=6'
 start_method='nsu=http://press.example/Press;i=7'
 
 serve --config module.toml --project project
-as chief 0 project status "$url"
+chief 0 project status "$url"
 says 'project *none'
 power_cycle
-as chief 0 project write "$url" press.busbar --yes
-as chief 0 project status "$url"
+chief 0 project write "$url" press.busbar --yes
+chief 0 project status "$url"
 says 'project *written, an update or restart is due'
 power_cycle
 in_use
-as chief 0 project verify "$url" press.busbar
+chief 0 project verify "$url" press.busbar
 says 'no differences'
 
 # 9.7: who is let in for the tool only has no access to data, by whichever service.
@@ -146,27 +102,26 @@ denied
 
 # A project that is refused changes nothing, also over a power cycle.
 sed 's/i=5/i=8/' press.busbar > damaged.busbar
-as chief 1 project write "$url" damaged.busbar --yes
+chief 1 project write "$url" damaged.busbar --yes
 power_cycle
 in_use
-as chief 0 project verify "$url" press.busbar
+chief 0 project verify "$url" press.busbar
 
 # One that is damaged where it is kept: the last one runs, and the status tells.
 echo damaged > project/project/project.busbar
 power_cycle
-as chief 0 project status "$url"
+chief 0 project status "$url"
 says 'project *damaged, the one that was served last is in use: project:1'
 as client 0 read "$url" "$speed"
-as chief 0 project read "$url" read.busbar --yes
+chief 0 project read "$url" read.busbar --yes
 cmp -s read.busbar press.busbar || fail "another project was read than runs"
 power_cycle
-as chief 0 project status "$url"
+chief 0 project status "$url"
 says 'project *damaged'
-as chief 0 project write "$url" read.busbar --yes
-as chief 0 project status "$url"
+chief 0 project write "$url" read.busbar --yes
+chief 0 project status "$url"
 says 'project *written'
 power_cycle
 in_use
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

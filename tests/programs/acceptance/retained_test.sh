@@ -4,23 +4,16 @@
 # usage: retained_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-node() { echo "nsu=urn:busbar:machine;s=$1"; }
 # The value, below the warning that the connection is not secure.
-value() {
+value_of() {
     run 0 --insecure read --value "$url" "$(node "$1")"
     found=$(tail -n 1 out)
 }
 is() {
-    value "$1"
+    value_of "$1"
     [ "$found" = "$2" ] || fail "$1 is $found instead of $2: $3"
-}
-# What a power cut does, and the machine's power comes back.
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve --config machine.toml
 }
 
 cat > machine.toml << 'END'
@@ -83,7 +76,7 @@ power_cycle
 is Levels '[1, 8, 9, 4]' "a part of an array"
 run 0 --insecure write "$url" "$(node Home)" '{"Name":"X","Position":2.5}'
 power_cycle
-value Home
+value_of Home
 grep -q '2.5' out || fail "a structure is lost"
 run 0 --insecure write "$url" "$(node Speed)" 7
 power_cycle
@@ -94,25 +87,23 @@ for round in 1 2 3 4 5; do
     (
         for i in $(seq 40); do
             timeout 10 "$busbar" --insecure write "$url" "$(node Count)" $((round * 100 + i)) > /dev/null 2>&1 &&
-                echo $((round * 100 + i)) > answered
+                echo $((round * 100 + i)) > answer && mv answer answered
         done
     ) &
     writer=$!
     sleep 0.$((round * 17 % 10))3
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
+    power_cut
     kill "$writer" 2> /dev/null
     wait "$writer" 2> /dev/null
     serve --config machine.toml
-    value Count
+    value_of Count
     [ "$found" -ge "$(cat answered 2> /dev/null || echo 0)" ] ||
         fail "$(cat answered) was answered, and $found is there"
 done
 
 # An orderly end, and what was written since.
 run 0 --insecure write "$url" "$(node Count)" 1000
-kill "$pid"
-await ended
+shut_down
 serve --config machine.toml
 is Count 1000 "after SIGTERM"
 run 0 --insecure write "$url" "$(node Count)" 1001
@@ -123,8 +114,7 @@ is Count 1001 "after SIGTERM and a power cycle"
 journal() { ls state/retained.journal-? | head -n 1; }
 run 0 --insecure write "$url" "$(node Count)" 1002
 run 0 --insecure write "$url" "$(node Count)" 1003
-kill -9 "$pid"
-wait "$pid" 2> /dev/null
+power_cut
 size=$(wc -c < "$(journal)")
 head -c $((size - 3)) "$(journal)" > cut
 cat cut > "$(journal)"
@@ -133,8 +123,7 @@ logged 'retained.journal-[12]: the write at byte [0-9]* was cut off' || fail "no
 is Count 1002 "the write before the one that was cut off"
 run 0 --insecure write "$url" "$(node Count)" 1004
 run 0 --insecure write "$url" "$(node Recipe)" lid
-kill -9 "$pid"
-wait "$pid" 2> /dev/null
+power_cut
 printf 'X' | dd of="$(journal)" bs=1 seek=40 conv=notrunc 2> /dev/null
 serve --config machine.toml
 logged 'is damaged, and is left out' || fail "nobody learns of the damage"
@@ -159,12 +148,10 @@ is Recipe '"cover"' "of the same type"
 # A restart by an online edit or a download keeps what was written.
 run 0 --insecure write "$url" "$(node Count)" 2000
 sed -i "s/    Recipe : /    Added : INT := 5;\n    {attribute 'publish' := 'publish only'}\n    Recipe : /" line.st
-kill -HUP "$pid"
-await logged 'edited online: line.st'
+hang_up 'edited online: line.st'
 run 0 --insecure write "$url" "$(node Added)" 6
 power_cycle
 is Added 6 "added online"
 is Count 2000 "beside it"
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

@@ -3,64 +3,35 @@
 # usage: security_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-as() {
-    wanted=$1
-    shift
-    run "$wanted" --user chief --password-file password --trust "$@"
-}
 # count CATEGORY CODE: how many records of these the execution log has.
 count() {
     cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | tr '\t' ' ' |
         grep -c " $1 $2 "
 }
 has() { [ "$(count "$1" "$2")" -ge "$3" ]; }
-echo "patience is all" > password
 echo "patience is more" > other
-hash=$(quick_hash password)
-port=$((20000 + $$ % 12000))
-cat > controller.toml << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
-[machine]
-program = "press.st"
-state = "state"
-medium = "medium"
-execution_log = true
-END
-printf "VAR_GLOBAL\n    {attribute 'publish' := 'publish only'}\n    Speed : INT;\nEND_VAR\n" > press.st
+{
+    server "$port" pki
+    machine
+} > controller.toml
+press 0 > press.st
 
-run 0 cert create
-serve --config controller.toml
-as 4 admin status "$url"
-mv pki/rejected/certs/* pki/trusted/certs/
+begin pki --config controller.toml
 
 # In RUN users, passwords and roles stay.
-as 1 admin user add "$url" pat --new-password-file other
+chief 1 admin user add "$url" pat --new-password-file other
 grep -q 'Bad_InvalidState' out || fail "a user in RUN: $(cat out)"
-as 1 admin role grant "$url" chief Supervisor
+chief 1 admin role grant "$url" chief Supervisor
 grep -q 'Bad_InvalidState' out || fail "a role in RUN: $(cat out)"
 logged 'users and roles: cannot change while the machine is in RUN' || fail "the log has no reason"
-as 1 admin setting set "$url" users.anonymous read
+chief 1 admin setting set "$url" users.anonymous read
 # Other settings change, and neither that nor a file that is as it was is a change of security.
-as 0 admin setting set "$url" limits.sessions 40
-kill -HUP "$pid"
-await logged 'read again'
-as 0 admin setting set "$url" machine.mode PROGRAM
-kill "$pid"
-await ended
+chief 0 admin setting set "$url" limits.sessions 40
+hang_up 'read again'
+chief 0 admin setting set "$url" machine.mode PROGRAM
+shut_down
 await has SERVER 0006 1
 has AUTH 0100 1 && fail "a change of limits is one of security"
 runs=$(count SERVER 0005)
@@ -68,29 +39,28 @@ runs=$(count SERVER 0005)
 # In PROGRAM they change, which is logged and reconfigures the server.
 serve --config controller.toml
 await has SERVER 0005 $((runs + 1))
-as 0 admin user add "$url" pat --new-password-file other
+chief 0 admin user add "$url" pat --new-password-file other
 await has AUTH 0100 1
 await has SERVER 0005 $((runs + 2))
-as 0 admin role grant "$url" pat Operator
+chief 0 admin role grant "$url" pat Operator
 await has AUTH 0100 2
 await has SERVER 0005 $((runs + 3))
 [ "$(count SERVER 0004)" -eq "$(count SERVER 0005)" ] || fail "0004 does not go with 0005"
-run 0 --user pat --password-file other --trust write "$url" "nsu=urn:busbar:machine;s=Speed" 7
-as 0 admin setting set "$url" endpoint "[\"{ mode = 'SignAndEncrypt', policy = 'Basic256Sha256' }\",
+run 0 --user pat --password-file other --trust write "$url" "$(node Speed)" 7
+chief 0 admin setting set "$url" endpoint "[\"{ mode = 'SignAndEncrypt', policy = 'Basic256Sha256' }\",
     \"{ mode = 'SignAndEncrypt', policy = 'Aes256_Sha256_RsaPss' }\"]"
 await has AUTH 0100 3
 await has SERVER 0005 $((runs + 4))
 # Once each, and nothing for what is no change of security.
-as 0 admin setting set "$url" limits.sessions 41
+chief 0 admin setting set "$url" limits.sessions 41
 kill -HUP "$pid"
-as 0 read --value "$url" "nsu=urn:busbar:machine;s=Speed"
+chief 0 read --value "$url" "$(node Speed)"
 # An account of the file, changed at the machine.
 sed -i 's/"ConfigureAdmin", //' controller.toml
 kill -HUP "$pid"
 await has AUTH 0100 4
 await has SERVER 0005 $((runs + 5))
-kill "$pid"
-await ended
+shut_down
 await has SERVER 0006 2
 [ "$(count AUTH 0100)" -eq 4 ] || fail "$(count AUTH 0100) changes of security instead of 4"
 [ "$(count SERVER 0005)" -eq $((runs + 5)) ] || fail "$(count SERVER 0005) starts"

@@ -4,88 +4,40 @@
 # usage: start_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-as() {
-    wanted=$1
-    shift
-    run "$wanted" --user chief --password-file password --trust "$@"
-}
-value() {
-    as 0 read --value "$url" "nsu=urn:busbar:machine;s=$1"
-    says "^$2\$"
-}
-# What a power cut does, and the machine's power comes back.
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve "$@"
-}
-
-echo "patience is all" > password
-hash=$(quick_hash password)
-port=$((20000 + $$ % 12000))
-cat > good.toml << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
-[[users.account]]
-name = "operator"
-password = "$hash"
-roles = ["Operator"]
-[machine]
-program = "press.st"
-name = "Controller"
-state = "state"
-medium = "medium"
-execution_log = true
-END
+{
+    server "$port" pki
+    account operator '"Operator"'
+    machine
+} > good.toml
 cp good.toml controller.toml
-cat > good.st << 'END'
-VAR_GLOBAL
-    {attribute 'publish' := 'publish only'}
-    Speed : INT := 17;
-END_VAR
-END
+press 17 > good.st
 cp good.st press.st
 
-run 0 cert create
-serve --config controller.toml
-as 4 admin status "$url"
-mv pki/rejected/certs/* pki/trusted/certs/
+begin pki --config controller.toml
 value Speed 17
 
 # A program that was copied in half, or is wrong.
 printf 'VAR_GLOBAL\n    Speed : IN' > press.st
-power_cycle --config controller.toml
+power_cycle
 logged 'press.st:2:.*; it begins with what it ran with last' || fail "the log does not say so"
 value Speed 17
 # What was used once stays there to be used again.
-power_cycle --config controller.toml
+power_cycle
 value Speed 17
 rm press.st
-power_cycle --config controller.toml
+power_cycle
 value Speed 17
 sed 's/17/18/' good.st > press.st
-power_cycle --config controller.toml
+power_cycle
 logged 'ran with last' && fail "it began with what it ran with last, though nothing is wrong"
 value Speed 18
 
 # A configuration that is no TOML, or says what is not possible.
 for damage in '[[[' 'nonsense = 1' '[limits.sessions]'; do
     { cat good.toml; echo "$damage"; } > controller.toml
-    power_cycle --config controller.toml
+    power_cycle
     logged 'controller.toml:.*; it begins with what it ran with last' || fail "$damage: no line"
     value Speed 18
 done
@@ -95,37 +47,35 @@ timeout 30 "$controller" --config other.toml > other 2>&1 && fail "another confi
 grep -q 'other.toml: the file cannot be read' other || fail "no reason was told"
 
 # Settings that are damaged.
-as 0 admin setting set "$url" limits.sessions 7
-power_cycle --config controller.toml
+chief 0 admin setting set "$url" limits.sessions 7
+power_cycle
 echo '{"version":1,' > pki/settings.json
-power_cycle --config controller.toml
+power_cycle
 logged 'settings.json.*; it begins with what it ran with last' || fail "settings: no line"
-as 0 admin setting list "$url" limits.sessions
+chief 0 admin setting list "$url" limits.sessions
 says '7'
 [ "$(cat pki/settings.json.refused)" = '{"version":1,' ] || fail "what was there is lost"
 
 # A setting that could not work is not kept.
-as 1 admin setting set "$url" server.address 192.0.2.77
+chief 1 admin setting set "$url" server.address 192.0.2.77
 says 'cannot listen on'
-as 1 admin setting set "$url" server.nodesets '["good.st"]'
+chief 1 admin setting set "$url" server.nodesets '["good.st"]'
 says "information models cannot be loaded"
 
 # An address that is gone: where it listened last, and where it is told to once it can.
 sed 's/^address = .*/address = "192.0.2.77"/' good.toml > controller.toml
-power_cycle --config controller.toml
+power_cycle
 logged 'cannot listen on .* of 192.0.2.77.*; it listens where it did last' || fail "address: no line"
 value Speed 18
 sed 's/^address = .*/address = "192.0.2.78"/' good.toml > controller.toml
-as 1 admin shutdown "$url" --restart --yes
+chief 1 admin shutdown "$url" --restart --yes
 logged 'a restart is refused: server.port: cannot listen' || fail "a restart that fails was promised"
 value Speed 18
 cp good.toml controller.toml
-kill -HUP "$pid"
-await logged 'read again'
+hang_up 'read again'
 
 # A port that somebody else has: the program runs, and administrators are let in at the machine.
-kill -9 "$pid"
-wait "$pid" 2> /dev/null
+power_cut
 cat > squatter.toml << END
 [server]
 address = "127.0.0.1"
@@ -146,47 +96,30 @@ serve --config controller.toml
 logged 'the OPC UA server halts: Server Start Error' || fail "the server does not halt"
 logged 'administrators reach it at this machine' || fail "nobody is told how to reach it"
 [ "$url" = "opc.tcp://127.0.0.1:$port" ] && fail "it listens where somebody else does"
-as 0 admin status "$url"
-run 1 --user operator --password-file password --trust read "$url" "nsu=urn:busbar:machine;s=Speed"
+chief 0 admin status "$url"
+as operator 1 read "$url" "nsu=urn:busbar:machine;s=Speed"
 says 'Bad_NodeIdUnknown' # it is for administrators only
 kill -9 $squatter
 wait $squatter 2> /dev/null
 await logged 'the OPC UA server runs at opc.tcp://127.0.0.1:'$port
 url=opc.tcp://127.0.0.1:$port
 value Speed 18
-kill "$pid"
-await ended
+shut_down
 
 # A project's security stays whatever is read again or changed online.
-cat > module.toml << END
-[server]
-address = "127.0.0.1"
-port = 0
-[certificates]
-folder = "module-pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-[[endpoint]]
-policy = "None"
-mode = "None"
-$quick_logins
-[[users.account]]
-name = "chief"
-password = "$hash"
-roles = ["SecurityAdmin", "ConfigureAdmin"]
-END
+{
+    server 0 module-pki
+    printf '[[endpoint]]\npolicy = "None"\nmode = "None"\n'
+} > module.toml
 run 0 project new press.busbar
 run 0 project set press.busbar security.policies Aes256_Sha256_RsaPss security.mode SignAndEncrypt \
     "listener 1.address" 127.0.0.1 "listener 1.port" $port
 run 0 project user press.busbar hmi --new-password-file password --pbkdf2-iterations 10000
-serve --config module.toml --project project
-as 4 admin status "$url"
-mv module-pki/rejected/certs/* module-pki/trusted/certs/
-as 0 project write "$url" press.busbar --yes
-as 0 project update "$url" --yes
+begin module-pki --config module.toml --project project
+chief 0 project write "$url" press.busbar --yes
+chief 0 project update "$url" --yes
 url=opc.tcp://127.0.0.1:$port
-await ends_with 0 --user chief --password-file password --trust project status "$url"
+await reaches project status "$url"
 is_secured() {
     run 0 endpoints "$url"
     grep -q 'Aes256' out || fail "$1: the project's policy is gone"
@@ -195,18 +128,16 @@ is_secured() {
 }
 is_secured "after the update"
 echo "# another line" >> module.toml
-kill -HUP "$pid"
-await logged 'read again'
+hang_up 'read again'
 is_secured "after SIGHUP"
-as 0 admin setting set "$url" limits.sessions 20
+chief 0 admin setting set "$url" limits.sessions 20
 is_secured "after a setting"
-as 0 admin user add "$url" newbie --new-password-file password
+chief 0 admin user add "$url" newbie --new-password-file password
 is_secured "after a user"
 # A damaged project is not forgotten, either.
 echo damaged > project/project/project.busbar
 power_cycle --config module.toml --project project
 logged 'the one that was served last is served' || fail "a damaged project: no line"
 is_secured "after damage"
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

@@ -5,24 +5,8 @@
 # usage: status_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-hides() { ! grep -q -s -e "$1" out || fail "\"$1\" is in the output of: $last"; }
-# as USER CODE ARGUMENTS...: all have one password.
-as() {
-    user=$1 wanted=$2
-    shift 2
-    run "$wanted" --user "$user" --password-file password --trust "$@"
-}
-account() {
-    printf '[[users.account]]\nname = "%s"\npassword = "%s"\nroles = ["%s"]\n' "$1" "$hash" "$2"
-}
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve --config controller.toml
-}
 status() { as "${1:-chief}" 0 admin status "$url"; }
 is_running() {
     status
@@ -40,64 +24,35 @@ is_fine() {
     says '^Current errors: *none$'
 }
 property() {
-    as chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Controller/DeviceState/$1"
+    chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Controller/DeviceState/$1"
     says "^\"$2\"\$"
 }
 simulate() {
     as engineer 0 call "$url" "nsu=urn:busbar:machine;s=Machine/Hardware" Simulate "$1"
 }
 restart() {
-    as chief 0 admin shutdown "$url" --restart --seconds 0 --yes
+    chief 0 admin shutdown "$url" --restart --seconds 0 --yes
     await ends_with_running
 }
 ends_with_running() {
-    ends_with 0 --user chief --password-file password --trust admin status "$url" &&
+    reaches admin status "$url" &&
         grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
 }
 
-echo "patience is all" > password
-hash=$(quick_hash password)
-port=$((20000 + $$ % 12000))
 {
-    cat << END
-[server]
-address = "127.0.0.1"
-port = $port
-[certificates]
-folder = "pki"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-[machine]
-program = "press.st"
-name = "Controller"
-state = "state"
-medium = "medium"
-execution_log = true
-simulated_hardware = true
-mode = "PROGRAM"
-$quick_logins
-authorities = "five levels"
-END
-    account chief SecurityAdmin
-    account engineer Engineer
-    account fitter Supervisor
-    account op Operator
-    account watcher Observer
+    server "$port" pki | sed 's/^password_iterations.*/&\nauthorities = "five levels"/'
+    account engineer '"Engineer"'
+    account fitter '"Supervisor"'
+    account op '"Operator"'
+    account watcher '"Observer"'
+    machine 'simulated_hardware = true
+mode = "PROGRAM"'
 } > good.toml
 cp good.toml controller.toml
-cat > press.st << 'END'
-VAR_GLOBAL
-    {attribute 'publish' := 'publish only'}
-    Speed : INT := 17;
-END_VAR
-END
+press 17 > press.st
 cp press.st good.st
 
-run 0 cert create
-serve --config controller.toml
-as chief 4 admin status "$url"
-mv pki/rejected/certs/* pki/trusted/certs/
+begin pki --config controller.toml
 is_fine
 power_cycle
 is_fine
@@ -155,7 +110,7 @@ says '^End point: *---$'
 says '^Halted because of: *OPC UA System Error'
 says '^Restart due: *a fatal error has stopped the OPC UA server$'
 says '44180000 OPC UA System Processing Error. Cycle the power'
-as chief 0 admin events "$url" --code 44180000
+chief 0 admin events "$url" --code 44180000
 says 'Correction: Cycle the power'
 restart
 is_fine
@@ -168,8 +123,7 @@ is_fine
 
 # What is asked for and not in force.
 printf 'VAR_GLOBAL\n    Speed : IN' > press.st
-kill -HUP "$pid"
-await logged 'press.st:2:.*; nothing was changed'
+hang_up 'press.st:2:.*; nothing was changed'
 is_running
 says '^Pending changes: *press.st:2:'
 power_cycle
@@ -178,18 +132,16 @@ says '^Pending changes: *press.st:2:.*$'
 says 'ran with last'
 says '00000004 Configuration Not in Force: press.st:2:'
 cp good.st press.st
-kill -HUP "$pid"
-await logged 'read again'
+hang_up 'read again'
 is_fine
-as chief 0 admin setting set "$url" machine.execution_log_files 7
+chief 0 admin setting set "$url" machine.execution_log_files 7
 status
 says 'waits for a restart'
 restart
 is_fine
 
 # A port that somebody else has: the program goes on, and an administrator is told why it halts.
-kill -9 "$pid"
-wait "$pid" 2> /dev/null
+power_cut
 sed -e 's/"pki"/"other-pki"/' -e '/^\[machine\]/,/^mode/d' good.toml > squatter.toml
 "$controller" --config squatter.toml > squatter 2>&1 < /dev/null &
 squatter=$!
@@ -209,18 +161,17 @@ power_cycle
 is_fine
 
 # Past events, also of before the power cuts.
-as chief 0 admin events "$url" --level "minor fault" --last 100
+chief 0 admin events "$url" --level "minor fault" --last 100
 says '35D00000 OPC UA Server Setting Error$'
 says 'Cause: .*something else uses the port'
-hides '95D00000'
-as chief 0 admin events "$url" --code 00000001 --last 1
+says_not '95D00000'
+chief 0 admin events "$url" --code 00000001 --last 1
 says 'Major fault  00000001 Controller Major Fault: CPU watchdog'
-as chief 0 --json admin events "$url" --code 95d00000 --last 1
+chief 0 --json admin events "$url" --code 95d00000 --last 1
 says '"code":"95D00000","name":"OPC UA Server Started","level":"Information"'
-as chief 2 admin events "$url" --code 95D0
+chief 2 admin events "$url" --code 95D0
 says 'is no event code'
 as op 0 admin file list "$url" EventLog
 says 'events.log'
-kill "$pid"
-await ended
+shut_down
 exit $((failures > 0))

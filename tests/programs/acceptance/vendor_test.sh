@@ -4,32 +4,19 @@
 # usage: vendor_test.sh VENDOR_RUNTIME BUSBAR EXAMPLE
 set -u
 controller=$1 busbar=$2 example=$3
-. "$(dirname "$0")/../functions.sh"
+. "$(dirname "$0")/functions.sh"
 
-says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
-as() {
-    wanted=$1
-    shift
-    run "$wanted" --user chief --password-file password --trust "$@"
-}
-node() { echo "nsu=urn:busbar:machine;s=$1"; }
-value() { as 0 read --value "$url" "$(node "$1")"; }
+reads() { chief 0 read --value "$url" "$(node "$1")"; }
 has_value() { # NAME VALUE, for await
-    value "$1"
+    reads "$1"
     grep -q -x -e "$2" out
 }
 above() { # NAME NUMBER, for await
-    value "$1"
+    reads "$1"
     awk -v least="$2" '{ exit !($1 > least) }' out
-}
-power_cycle() {
-    kill -9 "$pid"
-    wait "$pid" 2> /dev/null
-    serve --config controller.toml
 }
 
 cp "$example"/tank.st .
-port=$((20000 + $$ % 12000))
 sed "s/^name = .*/&\naddress = \"127.0.0.1\"\nport = $port/" "$example"/tank.toml > controller.toml
 serve --config controller.toml
 grep -q 'the task runs' log && fail "tells of a task that is not the controller's"
@@ -42,29 +29,27 @@ run 0 admin setup "$url" chief --user setup --password-file code --new-password-
 # The runtime's memory is what clients see and write.
 await above Level 20
 has_value SetPoint 50 || fail "the runtime's own value is not there"
-as 0 write "$url" "$(node SetPoint)" 70 "$(node Note)" '"well water"'
+chief 0 write "$url" "$(node SetPoint)" 70 "$(node Note)" '"well water"'
 await above Level 60
-as 0 browse "$url" "/Objects/Tank 1"
+chief 0 browse "$url" "/Objects/Tank 1"
 says GlobalVars
 
 # A program without what the runtime needs is refused, and what ran goes on; so it does after power
 # was gone.
 sed -i '/Pumping/d' tank.st
 sed -i 's/^program = .*/&\nmode = "PROGRAM"/' controller.toml
-kill -HUP "$pid"
-await logged 'Pumping: the program has no such variable.*nothing was changed'
+hang_up 'Pumping: the program has no such variable.*nothing was changed'
 await has_value SetPoint 70
 power_cycle
 await logged 'begins with what it ran with last'
-value Pumping
+reads Pumping
 
 # One with more than before is downloaded: the new variable lies in the controller's memory.
 cp "$example"/tank.st .
 sed -i 's/^    Leaking .*/&\n    Batch : UDINT := 17;/' tank.st
-kill -HUP "$pid"
-await logged '\(downloaded\|edited online\): tank.st'
+hang_up '\(downloaded\|edited online\): tank.st'
 await has_value Batch 17
-as 0 write "$url" "$(node Batch)" 18
+chief 0 write "$url" "$(node Batch)" 18
 has_value Batch 18 || fail "a variable of the controller's memory is not written"
 await above Level 20
 

@@ -1,0 +1,89 @@
+# What the acceptance tests share: a controller as its users have it, with an administrator "chief"
+# whose password, as everybody's, is in the file "password". To be read into a script whose
+# $controller and $busbar are the programs, after which it runs in a folder of its own.
+. "$(dirname "$0")/../functions.sh"
+
+echo "Patience_123" > password
+hash=$(quick_hash password)
+port=$((20000 + $$ % 12000))
+
+# account NAME ROLES: its table; the roles as TOML has them.
+account() {
+    printf '[[users.account]]\nname = "%s"\npassword = "%s"\nroles = [%s]\n' "$1" "$hash" "$2"
+}
+# server PORT FOLDER: the tables of a secure server with its certificates in the folder, and chief.
+server() {
+    cat << END
+[server]
+address = "127.0.0.1"
+port = $1
+[certificates]
+folder = "$2"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+$quick_logins
+END
+    account chief '"SecurityAdmin", "ConfigureAdmin", "Operator"'
+}
+# machine LINES: its table.
+machine() {
+    printf '[machine]\nprogram = "press.st"\nname = "Controller"\nstate = "state"\n'
+    printf 'medium = "medium"\nexecution_log = true\n%s\n' "${1:-}"
+}
+# press SPEED: the program with one variable.
+press() {
+    cat << END
+VAR_GLOBAL
+    {attribute 'publish' := 'publish only'}
+    Speed : INT := $1;
+END_VAR
+END
+}
+node() { echo "nsu=urn:busbar:machine;s=$1"; }
+
+# as USER CODE ARGUMENTS...: busbar's exit code where this user asks.
+as() {
+    user=$1 wanted_by=$2
+    shift 2
+    run "$wanted_by" --user "$user" --password-file password --trust "$@"
+}
+chief() { as chief "$@"; }
+# reaches ARGUMENTS...: whether it is done for chief; for await, and within one step.
+reaches() { ends_with 0 --user chief --password-file password --trust "$@"; }
+value() {
+    chief 0 read --value "$url" "$(node "$1")"
+    says "^$2\$"
+}
+
+# What a power cut does, and power comes back; other ARGUMENTS than before begin another controller.
+power_cut() {
+    kill -9 "$pid"
+    wait "$pid" 2> /dev/null
+}
+power_cycle() {
+    power_cut
+    # shellcheck disable=SC2086 # no argument has spaces
+    serve ${*:-$served}
+}
+# hang_up PATTERN: files are read again, which the log says in this way.
+hang_up() {
+    kill -HUP "$pid"
+    await logged "$1"
+}
+shut_down() {
+    kill "$pid"
+    await ended
+}
+
+is_client=""
+# begin FOLDER ARGUMENTS...: the first start, with certificates in the folder; it trusts busbar.
+begin() {
+    folder=$1
+    shift
+    [ -n "$is_client" ] || run 0 cert create
+    is_client=yes
+    serve "$@"
+    run 4 --user chief --password-file password --trust admin status "$url"
+    mv "$folder"/rejected/certs/* "$folder/trusted/certs/"
+}
