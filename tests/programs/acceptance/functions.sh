@@ -42,11 +42,14 @@ END
 }
 node() { echo "nsu=urn:busbar:machine;s=$1"; }
 
-# as USER CODE ARGUMENTS...: busbar's exit code where this user asks.
+# as USER CODE ARGUMENTS...: busbar's exit code where this user asks. With BUSBAR_POWER_CYCLE=every
+# power is cut after each command that may have changed something, before the next one.
 as() {
     user=$1 wanted_by=$2
     shift 2
+    cycle_when_due
     run "$wanted_by" --user "$user" --password-file password --trust "$@"
+    is_look "$@" || due=yes
 }
 chief() { as chief "$@"; }
 # reaches ARGUMENTS...: whether it is done for chief; for await, and within one step.
@@ -60,6 +63,7 @@ value() {
 power_cut() {
     kill -9 "$pid"
     wait "$pid" 2> /dev/null
+    due=""
 }
 power_cycle() {
     power_cut
@@ -70,13 +74,13 @@ power_cycle() {
 hang_up() {
     kill -HUP "$pid"
     await logged "$1"
+    due=yes
 }
 shut_down() {
     kill "$pid"
     await ended
 }
 
-is_client=""
 # begin FOLDER ARGUMENTS...: the first start, with certificates in the folder; it trusts busbar.
 begin() {
     folder=$1
@@ -86,4 +90,32 @@ begin() {
     serve "$@"
     run 4 --user chief --password-file password --trust admin status "$url"
     mv "$folder"/rejected/certs/* "$folder/trusted/certs/"
+    due=""
+}
+
+# What cannot be taken apart by a power cut stands between these two: all of it is one step.
+one_step() {
+    cycle_when_due
+    is_one_step=yes
+}
+step_ends() {
+    is_one_step=""
+    due=yes
+}
+due="" is_one_step="" is_client=""
+is_look() {
+    case "$*" in
+        read\ * | browse* | subscribe* | *admin\ status* | *admin\ events* | *\ list\ * | *\ show\ * | \
+            *project\ status* | *verify* | *compare* | *check*) return 0 ;;
+    esac
+    return 1
+}
+cycle_when_due() {
+    [ "${BUSBAR_POWER_CYCLE:-}" = every ] && [ -n "$due" ] && [ -z "$is_one_step" ] || return 0
+    kept_last=${last:-}
+    power_cycle
+    run 0 --user chief --password-file password --trust admin status "$url"
+    says '^Server operating status: *Running$'
+    says "^Restart due: *no\$"
+    last=$kept_last
 }

@@ -43,6 +43,7 @@ configure "$once"
 begin pki --config controller.toml
 status_is Running
 
+one_step
 chief 0 write "$url" "$(node Trigger)" true
 await logged 'the OPC UA server is shut down'
 status_is Shutdown
@@ -52,6 +53,7 @@ says '95D10000 OPC UA Server Stopped'
 kill -0 "$pid" || fail "the program ended with the server"
 chief 0 admin shutdown "$url" --restart --seconds 0 --yes
 await is_running
+step_ends
 power_cycle
 status_is Running
 

@@ -71,6 +71,7 @@ as designer 0 admin program compare "$url" press.st
 says 'no differences'
 
 # An online edit in RUN: what is deleted goes, and nobody has to connect again.
+one_step
 timeout 60 "$busbar" --user chief --password-file password --trust --json subscribe "$url" \
     "nsu=urn:busbar:machine;s=Speed" "nsu=urn:busbar:machine;s=Width" --interval 50 \
     --duration 60 > followed 2>&1 < /dev/null &
@@ -82,6 +83,7 @@ await grep -q -s 'Bad_NodeIdUnknown' followed
 grep -q -s 'connection lost' followed && fail "a client had to connect again"
 kill -INT "$follower"
 wait "$follower"
+step_ends
 value Fresh 21
 gone Width
 chief 0 write "$url" "nsu=urn:busbar:machine;s=Kept" 77
@@ -123,12 +125,14 @@ value Speed 17
 value Fresh 21
 
 # Back to the file.
+one_step
 as designer 0 admin program restore "$url" --yes
 await logged 'press.st'
 value Speed 17 # an online edit: the variable stays what it is
 gone Fresh
 as designer 1 admin program restore "$url" --yes
 says "the program is the file's already"
+step_ends
 power_cycle
 value Speed 18
 chief 0 admin program show "$url"
@@ -138,6 +142,7 @@ says '^from: *press.st$'
 # file's does.
 hang_up 'what was changed online counts instead of the file: machine.mode'
 mode_is PROGRAM
+one_step
 as designer 0 admin mode "$url" run --yes
 sed -i 's/^mode = "RUN"/mode = "PROGRAM"/' controller.toml
 hang_up 'the machine is in PROGRAM'
@@ -146,6 +151,7 @@ sed -i 's/^mode = "PROGRAM"/mode = "RUN"/' controller.toml
 kill -HUP "$pid"
 in_run() { [ "$(grep -c 'the machine is in RUN' log)" -eq 2 ]; }
 await in_run
+step_ends
 mode_is RUN
 power_cycle
 mode_is RUN

@@ -61,9 +61,11 @@ serve --config module.toml --project project
 chief 0 project status "$url"
 says 'project *none'
 power_cycle
+one_step
 chief 0 project write "$url" press.busbar --yes
 chief 0 project status "$url"
 says 'project *written, an update or restart is due'
+step_ends
 power_cycle
 in_use
 chief 0 project verify "$url" press.busbar
@@ -87,11 +89,13 @@ as tool 0 project status "$url"
 as tool 0 project read "$url" read.busbar
 cmp -s read.busbar press.busbar || fail "the tool's user has read another project"
 as tool 0 project write "$url" press.busbar --yes
+one_step # no variable is RETAIN
 for user in client both; do
     as "$user" 0 write "$url" "$speed" 17 "$unmapped" 18
     as "$user" 0 read --value "$url" "$speed" "$unmapped"
     says '^17$'
 done
+step_ends
 as client 0 call "$url" /Objects "$start_method"
 as client 1 project status "$url"
 as both 0 project status "$url"
@@ -118,9 +122,11 @@ cmp -s read.busbar press.busbar || fail "another project was read than runs"
 power_cycle
 chief 0 project status "$url"
 says 'project *damaged'
+one_step
 chief 0 project write "$url" read.busbar --yes
 chief 0 project status "$url"
 says 'project *written'
+step_ends
 power_cycle
 in_use
 shut_down

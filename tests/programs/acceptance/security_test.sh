@@ -36,6 +36,7 @@ await has SERVER 0006 1
 has AUTH 0100 1 && fail "a change of limits is one of security"
 runs=$(count SERVER 0005)
 
+one_step # starts are counted
 # In PROGRAM they change, which is logged and reconfigures the server.
 serve --config controller.toml
 await has SERVER 0005 $((runs + 1))

@@ -80,6 +80,7 @@ as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
 says 'Status'
 
 # Faults of the controller: told, shown as 4-1-3 has it, and over after a reset.
+one_step
 simulate "minor fault"
 property ErrorState ContinuousError
 simulate "partial fault"
@@ -96,12 +97,14 @@ says '00000001 Controller Major Fault: CPU Unit. Remove the cause'
 says '^Restart due: *a fault has stopped the user program$'
 await logged 'event log: 00000001 Controller Major Fault: CPU Unit. Remove the cause'
 restart
+step_ends
 property ErrorState NoError
 is_fine
 power_cycle
 is_fine
 
 # One of the server halts it. An administrator sees why, also in the events, and mends it.
+one_step
 simulate "partial fault of the server"
 await logged 'halt, until a restart'
 status
@@ -113,12 +116,15 @@ says '44180000 OPC UA System Processing Error. Cycle the power'
 chief 0 admin events "$url" --code 44180000
 says 'Correction: Cycle the power'
 restart
+step_ends
 is_fine
+one_step
 simulate "watchdog"
 await logged 'the OPC UA server is shut down'
 status
 says '^Server operating status: *Shutdown$'
 restart
+step_ends
 is_fine
 
 # What is asked for and not in force.
@@ -134,10 +140,12 @@ says '00000004 Configuration Not in Force: press.st:2:'
 cp good.st press.st
 hang_up 'read again'
 is_fine
+one_step
 chief 0 admin setting set "$url" machine.execution_log_files 7
 status
 says 'waits for a restart'
 restart
+step_ends
 is_fine
 
 # A port that somebody else has: the program goes on, and an administrator is told why it halts.
