@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include <busbar/backend/label_backend.hpp>
@@ -13,7 +15,9 @@
 #include <busbar/controller/simulated_labels.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/product/controller.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
+#include "product/store/received_program.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace runtime_test {
@@ -236,6 +240,37 @@ TEST_CASE("a runtime that is no simulation takes no simulated programs and no pr
     REQUIRE(with_labels);
     (*with_labels)->stop();
     CHECK((*with_labels)->run());
+}
+
+TEST_CASE("a program that was received counts although the file is damaged before it ran")
+{
+    Place place;
+    const Configuration file = place.file("c.toml", place.machine());
+    const auto loads_at_start = [&] {
+        ToldRuntime runtime;
+        auto controller = Controller::create(file, runtime, place.options);
+        REQUIRE(controller);
+        (*controller)->stop();
+        CHECK((*controller)->run());
+        return runtime.story.all()[1];
+    };
+    CHECK(loads_at_start() == "loaded Level");
+
+    storage::FolderStorage folder{place.path("pki")};
+    const auto document = [](const std::string& variables) {
+        return document_of({.name = "sent.st",
+                            .text = "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n" +
+                                    variables + "\nEND_VAR\n"});
+    };
+    REQUIRE(keep_received(folder, document("Fresh : INT; Level : LREAL;")));
+    std::ofstream{place.path("c.toml"), std::ios::app} << "[[[\n";
+    CHECK(loads_at_start() == "loaded Fresh");
+    // One that is damaged, too, is none: the last one that ran is.
+    REQUIRE(keep_received(folder, document("Late : INT; Level : LREAL;") + "more"));
+    CHECK(loads_at_start() == "loaded Fresh");
+    // It was taken back.
+    REQUIRE(keep_received(folder, std::nullopt));
+    CHECK(loads_at_start() == "loaded Level");
 }
 
 TEST_CASE("a configuration can be checked without a controller")

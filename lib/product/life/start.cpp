@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,7 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "product/configuration/toml_text.hpp"
+#include "product/store/received_program.hpp"
 #include "startup.hpp"
 
 namespace busbar::product {
@@ -22,12 +24,14 @@ namespace {
 /// What of a TakenOver is used.
 struct Way {
     bool takes_files;
+    bool takes_received;
     bool takes_settings;
     bool takes_project;
 };
 
-constexpr std::array ways{Way{true, false, false}, Way{false, true, false}, Way{false, false, true},
-                          Way{true, true, true}};
+constexpr std::array ways{Way{true, false, false, false}, Way{true, true, false, false},
+                          Way{false, false, true, false}, Way{false, false, false, true},
+                          Way{true, true, true, true}};
 
 /// The first lines of a text, up to this one, counted from 1.
 std::string_view lines_before(std::string_view text, std::size_t line)
@@ -54,6 +58,21 @@ std::string kept_in(const Origin& origin)
     } catch (const ConfigError&) {
         return certificate_folder(toml::table{});
     }
+}
+
+/// The files that it ran with last, but with the program that was received since, or none: whoever
+/// sent it or took it back has been told that this is done.
+SourceFiles::Texts with_received(SourceFiles::Texts files, Storage& folder)
+{
+    const std::string place = folder.place(ReceivedProgram::file_name);
+    const auto bytes = read_file(folder, ReceivedProgram::file_name, ReceivedProgram::max_size);
+    if (bytes) {
+        files[place] = std::make_shared<const std::string>(
+            reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    } else if (bytes.error() == StorageError::NotFound) {
+        files.erase(place);
+    }
+    return files;
 }
 
 /// Puts other settings in the place of those that are there, which lie beside them then. Without
@@ -103,7 +122,8 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
 {
     Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
     if (way.takes_files) {
-        substitutes.files = SourceFiles{last.files};
+        substitutes.files =
+            SourceFiles{way.takes_received ? last.files : with_received(last.files, folder)};
     }
     std::optional<OtherSettings> settings;
     if (way.takes_settings && last.settings) {
