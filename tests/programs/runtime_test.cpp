@@ -273,6 +273,33 @@ TEST_CASE("a program that was received counts although the file is damaged befor
     CHECK(loads_at_start() == "loaded Level");
 }
 
+TEST_CASE("a list of users or roles that is damaged keeps no machine from running")
+{
+    Place place;
+    const Configuration file = place.file("c.toml", place.machine());
+    const auto runs = [&] {
+        ToldRuntime runtime;
+        auto controller = Controller::create(file, runtime, place.options);
+        REQUIRE(controller);
+        (*controller)->stop();
+        CHECK((*controller)->run());
+    };
+    std::filesystem::create_directory(place.path("pki"));
+    for (const bool is_file_damaged : {false, true}) {
+        for (const char* const name : {"pki/users.json", "pki/roles.json"}) {
+            std::ofstream{place.path(name)} << "{\"version\":1,";
+        }
+        if (is_file_damaged) {
+            std::ofstream{place.path("c.toml"), std::ios::app} << "[[[\n";
+        }
+        runs();
+        for (const std::string name : {"pki/users.json", "pki/roles.json"}) {
+            CHECK_FALSE(std::filesystem::exists(place.path(name)));
+            CHECK(std::filesystem::remove(place.path(name + ".refused")));
+        }
+    }
+}
+
 TEST_CASE("a configuration can be checked without a controller")
 {
     Place place;

@@ -113,6 +113,40 @@ private:
     bool is_used_{false};
 };
 
+/// Whether the problem is that a list of users or roles is damaged, which then lies beside: it
+/// keeps no machine from running, and whoever is in it is not let in.
+bool set_aside(Storage& folder, const Problem& problem)
+{
+    constexpr std::size_t most = 64U << 20U;
+    for (const char* const name : {"users.json", "roles.json"}) {
+        if (problem.where.starts_with(folder.place(name)) && read_file(folder, name, most)) {
+            const auto moved =
+                folder.move(name, std::string{name} + ".refused", WhenThere::Replace);
+            return moved.has_value();
+        }
+    }
+    return false;
+}
+
+/// Calls `make` until no such list is in its way, each time with what was set aside.
+std::unique_ptr<RunningController>
+without_damaged(Storage& folder,
+                FunctionRef<std::unique_ptr<RunningController>(const std::string& damage)> make)
+{
+    std::string damage;
+    for (;;) {
+        try {
+            return make(damage);
+        } catch (const ConfigError& error) {
+            if (!set_aside(folder, error.problem())) {
+                throw;
+            }
+            damage += (damage.empty() ? "" : "; ") + std::string{error.what()} +
+                      ", which lies beside as .refused and lets nobody in";
+        }
+    }
+}
+
 /// Makes a controller of what it begins with.
 using Make = FunctionRef<std::unique_ptr<RunningController>(Beginning beginning)>;
 
@@ -151,15 +185,20 @@ std::unique_ptr<RunningController> start(const Origin& origin, Runtime& runtime,
         last.reset(); // of another controller, which has the same folder
     }
     try {
-        Substitutes substitutes{.project = last ? last->project : std::string{}};
-        return make({read(origin, std::move(substitutes)), last, {}});
+        return without_damaged(folder, [&](const std::string& damage) {
+            Substitutes substitutes{.project = last ? last->project : std::string{}};
+            return make({read(origin, std::move(substitutes)), last, damage});
+        });
     } catch (const ConfigError& error) {
         if (!last) {
             throw;
         }
         for (const Way& way : ways) {
             try {
-                return start_by(way, origin, *last, folder, error.what(), make);
+                return without_damaged(folder, [&](const std::string& damage) {
+                    return start_by(way, origin, *last, folder,
+                                    error.what() + (damage.empty() ? "" : "; " + damage), make);
+                });
             } catch (const ConfigError&) {
                 // The next way takes something else, and the first reason is what matters.
             }
