@@ -23,11 +23,12 @@ crypto::TrustListParts both(const crypto::TrustListParts& a, const crypto::Trust
             a.issuer_crls || b.issuer_crls};
 }
 
-Unexpected<Refusal> refuse_files(StorageError error)
+Unexpected<Refusal> refuse_files(StorageError error, bool is_decided = false)
 {
     return refuse({status::Bad_ResourceUnavailable, "transaction",
-                   "the files cannot be written: " + std::string{text(error)}, "",
-                   "Look after free space and rights of the folder"});
+                   "the files cannot be written: " + std::string{text(error)} +
+                       (is_decided ? "; what is missing follows once they can" : ""),
+                   "", "Look after free space and rights of the folder"});
 }
 
 } // namespace
@@ -48,7 +49,7 @@ Checked<void> commit_files(FileTransaction& change)
     }
     return thrown.is_bad()
                ? refuse({thrown, "transaction", "the files were not written", "", "Try again"})
-               : refuse_files(done.error());
+               : refuse_files(done.error(), change.is_decided());
 }
 
 StatusCode Transaction::enter(const Holder& holder)
