@@ -21,6 +21,14 @@ constexpr std::int32_t piece_size = 32'768;
 /// What no trust list has: a server that sends more is not believed.
 constexpr std::size_t max_list_size = 64U << 20U;
 
+/// What cannot be had because there is no server any more is not what the server has not.
+void throw_if_gone(StatusCode status, const char* what)
+{
+    if (status.is_bad() && exit_of(status) == Exit::NotConnected) {
+        throw Failure{status, what};
+    }
+}
+
 std::vector<ReferenceDescription> children(Connection& connection, const NodeId& parent)
 {
     using Results = std::vector<BrowseResult>;
@@ -28,6 +36,7 @@ std::vector<ReferenceDescription> children(Connection& connection, const NodeId&
         client::browse(connection.client(), {client::children_of(parent)}, std::move(done));
     });
     const auto& references = results.front().references;
+    throw_if_gone(results.front().status_code, "browsing");
     return {references.begin(), references.end()};
 }
 
@@ -59,6 +68,7 @@ std::vector<Variant> call(Connection& connection, const NodeId& object, const No
 Variant read(Connection& connection, const NodeId& variable)
 {
     const auto values = read_attributes(connection, variable, {AttributeId::Value});
+    throw_if_gone(values.front().status, "reading");
     return values.front().status.is_bad() ? Variant{} : values.front().value;
 }
 

@@ -98,7 +98,23 @@ void RemoteTransfer::send(const Variant& options, std::string_view file, const P
     }
     const NodeId commit = find_method(connection_, object_, "CloseAndCommit");
     has_sent_all_ = true;
-    on(object_, commit, "CloseAndCommit", {handle}, 0);
+    try {
+        on(object_, commit, "CloseAndCommit", {handle}, 0);
+    } catch (const Failure& failure) {
+        if (failure.exit != Exit::NotConnected) {
+            abandon(node, handle);
+        }
+        throw;
+    }
+}
+
+/// A file that was refused is the client's until it says that it is done with it (Part 20, 4.4.2).
+void RemoteTransfer::abandon(const NodeId& file, const Variant& handle)
+{
+    try {
+        on(file, "Close", {handle}, 0);
+    } catch (const Failure&) { // it is gone already
+    }
 }
 
 } // namespace busbar::tool::admin

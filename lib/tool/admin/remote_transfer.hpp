@@ -36,6 +36,7 @@ private:
     /// The same for a Method that is known.
     std::vector<Variant> on(const NodeId& object, const NodeId& method, const char* method_name,
                             const std::vector<Variant>& inputs, std::size_t wanted);
+    void abandon(const NodeId& file, const Variant& handle);
 
     Connection& connection_;
     std::string name_;
