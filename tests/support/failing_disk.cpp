@@ -39,10 +39,46 @@ struct Disk {
 };
 
 Disk disk;
+Orders* orders{nullptr};
+
+[[noreturn]] void end_here()
+{
+    ::kill(::getpid(), SIGKILL);
+    for (;;) {
+        ::pause();
+    }
+}
+
+enum class Fate { Done, Failed, Killed };
+
+Fate next_fate()
+{
+    const std::uint64_t number = orders->calls++;
+    if (number >= orders->killed_at) {
+        return Fate::Killed;
+    }
+    if (number >= orders->fails_from && number < orders->fails_until) {
+        errno = orders->error;
+        return Fate::Failed;
+    }
+    return Fate::Done;
+}
+
+bool takes_order()
+{
+    const Fate fate = next_fate();
+    if (fate == Fate::Killed) {
+        end_here();
+    }
+    return fate == Fate::Done;
+}
 
 /// False if the call must fail.
 bool takes_step()
 {
+    if (orders != nullptr) {
+        return takes_order();
+    }
     if (disk.is_dark) {
         errno = EIO;
         return false;
@@ -136,11 +172,32 @@ std::size_t count_of_reads()
     return disk.reads;
 }
 
+void obey(Orders& all)
+{
+    orders = &all;
+}
+
 } // namespace busbar::test::failing_disk
 
 using busbar::test::failing_disk::AtTheEnd;
 using busbar::test::failing_disk::disk;
+using busbar::test::failing_disk::end_here;
+using busbar::test::failing_disk::Fate;
+using busbar::test::failing_disk::next_fate;
+using busbar::test::failing_disk::orders;
+using busbar::test::failing_disk::takes_order;
 using busbar::test::failing_disk::takes_step;
+
+namespace {
+
+/// Where it lies on a disk: pipes and the like do not count.
+bool is_file(int descriptor)
+{
+    struct stat facts = {};
+    return ::fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode);
+}
+
+} // namespace
 
 extern "C" {
 
@@ -152,6 +209,10 @@ int __real_fchmod(int file, mode_t mode);
 
 int __wrap_open(const char* path, int flags, ...)
 {
+    if ((flags & O_CREAT) == 0 && orders != nullptr) {
+        const bool changes = (flags & O_ACCMODE) != O_RDONLY;
+        return changes && !takes_order() ? -1 : __real_open(path, flags);
+    }
     if ((flags & O_CREAT) == 0) {
         const int file = __real_open(path, flags);
         if ((flags & (O_ACCMODE | O_DIRECTORY)) == O_RDONLY) {
@@ -171,7 +232,7 @@ int __wrap_open(const char* path, int flags, ...)
         return -1;
     }
     const int file = __real_open(path, flags, mode);
-    if (file >= 0) {
+    if (file >= 0 && orders == nullptr) {
         disk.open_files[file] = path;
         disk.unsynchronised[path] = {};
     }
@@ -180,6 +241,14 @@ int __wrap_open(const char* path, int flags, ...)
 
 ssize_t __wrap_write(int file, const void* bytes, size_t size)
 {
+    if (orders != nullptr) {
+        const Fate fate = is_file(file) ? next_fate() : Fate::Done;
+        if (fate == Fate::Killed) {
+            static_cast<void>(__real_write(file, bytes, size / 2));
+            end_here();
+        }
+        return fate == Fate::Failed ? -1 : __real_write(file, bytes, size);
+    }
     const std::size_t left = disk.is_dark ? 0 : disk.end - std::min(disk.end, disk.steps);
     const std::size_t allowed = std::min(size, left);
     if (allowed == 0) {
@@ -205,6 +274,9 @@ int __wrap_fsync(int file)
     if (!takes_step()) {
         return -1;
     }
+    if (orders != nullptr) {
+        return 0;
+    }
     if (const auto known = disk.open_files.find(file); known != disk.open_files.end()) {
         disk.unsynchronised.erase(known->second);
         disk.open_files.erase(known);
@@ -225,6 +297,9 @@ int __wrap_rename(const char* from, const char* to)
     }
     if (!takes_step()) {
         return -1;
+    }
+    if (orders != nullptr) {
+        return __real_rename(from, to);
     }
     if (const auto found = disk.unsynchronised.find(from); found != disk.unsynchronised.end()) {
         disk.unsynchronised[to] = found->second;

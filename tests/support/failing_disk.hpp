@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -38,5 +40,22 @@ void set_two_disks(bool are_two);
 
 /// Files that were opened to be read since the start.
 [[nodiscard]] std::size_t count_of_reads();
+
+/// What the disk does to a process that obeys, in memory that it shares with the one that orders.
+/// Calls that change the disk have numbers, from 0 on. Any thread.
+struct Orders {
+    static constexpr std::uint64_t never = ~std::uint64_t{0};
+
+    std::atomic<std::uint64_t> calls{0};
+    /// The process is killed instead of this call, of which a write is done by half.
+    std::atomic<std::uint64_t> killed_at{never};
+    /// Calls from one number on fail up to the other, with this errno.
+    std::atomic<std::uint64_t> fails_from{never};
+    std::atomic<std::uint64_t> fails_until{never};
+    std::atomic<int> error{0};
+};
+/// From now on the calls of this process are those of `orders`, which must outlive it, and nothing
+/// else above counts.
+void obey(Orders& orders);
 
 } // namespace busbar::test::failing_disk
