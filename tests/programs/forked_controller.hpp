@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <sys/types.h>
+
+#include "support/failing_disk.hpp"
+
+namespace busbar::test {
+
+/// A product::Controller in a process of its own, which is killed as power cuts do, and whose disk
+/// fails when a test wants it to. One thread.
+class ForkedController {
+public:
+    /// `configuration` is its file, `log` where it says what it does. Starts nothing yet.
+    ForkedController(std::string configuration, std::string log);
+    ForkedController(const ForkedController&) = delete;
+    ForkedController& operator=(const ForkedController&) = delete;
+    ~ForkedController();
+
+    /// What became of a start.
+    enum class Start : std::uint8_t {
+        Serves,
+        /// why_not() tells.
+        Refused,
+        /// It was killed meanwhile, as orders() say.
+        Killed,
+    };
+    /// Of one that does not run. Connections of this process must be closed.
+    [[nodiscard]] Start start();
+    /// With SIGKILL. Does nothing if it does not run.
+    void kill();
+    /// Has it end in order.
+    void terminate();
+    /// Has it read everything again; what it says of that is in the log later.
+    void hang_up() const;
+
+    /// False also if it has been killed by its orders or has ended itself.
+    [[nodiscard]] bool is_running();
+    [[nodiscard]] const std::string& why_not() const { return why_not_; }
+    [[nodiscard]] failing_disk::Orders& orders() { return *orders_; }
+    /// Nothing fails any more, and nothing kills it.
+    void calm();
+
+private:
+    std::string configuration_;
+    std::string log_;
+    failing_disk::Orders* orders_; // in memory that is shared
+    ::pid_t process_{-1};
+    std::string why_not_;
+};
+
+} // namespace busbar::test
