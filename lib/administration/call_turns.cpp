@@ -72,9 +72,7 @@ StatusCode CallTurns::check_waiting(const Holder& holder, const server::CallBatc
         return status::Bad_Timeout;
     }
     const server::CallItem& call = batch.items()[index];
-    return is_there(*server_, holder) ? server::RunningServer{*server_}.check_call(
-                                            holder.session, *call.object_id, *call.method_id)
-                                      : StatusCode{status::Bad_SessionClosed};
+    return check_still(*server_, holder, *call.object_id, *call.method_id);
 }
 
 void CallTurns::serve_next()

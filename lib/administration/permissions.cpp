@@ -30,4 +30,12 @@ bool is_there(server::Server& server, const Holder& holder)
     return server::RunningServer{server}.user_number(holder.session) == holder.user;
 }
 
+StatusCode check_still(server::Server& server, const Holder& holder, const NodeId& object,
+                       const NodeId& method)
+{
+    return is_there(server, holder)
+               ? server::RunningServer{server}.check_call(holder.session, object, method)
+               : StatusCode{status::Bad_SessionClosed};
+}
+
 } // namespace busbar::administration::detail

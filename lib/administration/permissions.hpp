@@ -61,5 +61,9 @@ struct Holder {
 }
 /// True while the session exists and still has the same user.
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
+/// Whether who called the Method may still call it, before a late effect. Bad_SessionClosed where
+/// the holder is not there any more.
+[[nodiscard]] StatusCode check_still(server::Server& server, const Holder& holder,
+                                     const NodeId& object, const NodeId& method);
 
 } // namespace busbar::administration::detail

@@ -116,17 +116,21 @@ void TransferNodes::close_and_commit(MethodCall& call)
     if (is_taking_) {
         return call.fail(status::Bad_TooManyOperations);
     }
-    // The file may be gone at the end, with its session.
+    // The file may be gone at the end, with its session, and so may the right to send it.
     const auto kept = std::make_shared<MethodCall>(std::move(call));
     const auto work = [this, options = file->options, bytes = file->bytes] {
         transfer_.owner->prepare(options, *bytes);
     };
-    const auto end = [this, kept, outputs = std::move(outputs), handle = file->handle,
-                      options = file->options, bytes = file->bytes](StatusCode done) mutable {
+    const auto end = [this, kept, holder = holder_of(server_, *kept), outputs = std::move(outputs),
+                      handle = file->handle, options = file->options,
+                      bytes = file->bytes](StatusCode done) mutable {
         is_taking_ = false;
         TransferFile* const prepared = files_.find(handle);
         if (prepared != nullptr) {
             prepared->is_being_taken = false;
+        }
+        if (done.is_good()) {
+            done = check_still(server_, holder, kept->object_id(), kept->method_id());
         }
         if (done.is_good()) {
             done = transfer_.owner->take({options, kept->user(), kept->session_id()}, *bytes);

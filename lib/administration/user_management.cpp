@@ -291,12 +291,8 @@ bool UserManagement::may_start(Job& job)
         job.call.fail(status::Bad_Timeout);
         return false;
     }
-    if (!is_there(server_, job.holder)) { // whose right it was is gone
-        job.call.fail(status::Bad_SessionClosed);
-        return false;
-    }
-    if (const StatusCode refused = server::RunningServer{server_}.check_call(
-            job.holder.session, job.call.object_id(), job.call.method_id());
+    if (const StatusCode refused =
+            check_still(server_, job.holder, job.call.object_id(), job.call.method_id());
         refused.is_bad()) {
         job.call.fail(refused);
         return false;

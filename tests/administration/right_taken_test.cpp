@@ -208,6 +208,43 @@ TEST_CASE("right taken: while a Call waits for the worker", "[attack]")
     CHECK_FALSE(taken.user_list.find("bob"));
 }
 
+TEST_CASE("right taken: while a file that is sent is looked at by the worker", "[attack]")
+{
+    ManualWorker worker;
+    Taken taken{&worker};
+    taken.transfers.is_slow = true;
+    auto pat = taken.log_in_with("Engineer");
+    const NodeId transfer{1, "Transfers/backup"};
+    const auto file =
+        taken.call(pat, transfer, NodeId{1, "Transfers/backup//GenerateFileForWrite"}, {Variant{}});
+    REQUIRE(name(file.status_code) == "Good");
+    CallMethodRequest commit;
+    commit.object_id = transfer;
+    commit.method_id = NodeId{1, "Transfers/backup//CloseAndCommit"};
+    commit.input_arguments = {file.output_arguments[1]};
+    CallRequest request;
+    request.methods_to_call = {commit};
+    const auto sent = pat.send(request);
+    REQUIRE(worker.jobs.size() == 1);
+    SECTION("the right is gone")
+    {
+        taken.take("Engineer");
+        worker.work();
+        taken.complete();
+        const auto response = pat.take<CallResponse>(sent);
+        REQUIRE(response);
+        CHECK(response->results[0].status_code.is_bad());
+    }
+    SECTION("the session is gone")
+    {
+        CHECK(pat.close_session() == status::Good);
+        worker.work();
+        taken.complete();
+    }
+    CHECK(taken.transfers.prepared.size() == 1);
+    CHECK(taken.transfers.taken.empty());
+}
+
 namespace {
 
 struct Subscribed : Taken {

@@ -70,7 +70,7 @@ public:
     [[nodiscard]] virtual bool takes_long(const TransferRequest&) const { return false; }
     /// On Administration's worker, so it touches nothing that the server's thread may use
     /// meanwhile; without a worker on the server's thread. If it throws, or there is nobody to do
-    /// it, take() does not come.
+    /// it, or the user's right or session has gone meanwhile, take() does not come.
     virtual void prepare(const Variant& /*options*/, std::span<const std::byte>) {}
 };
 
