@@ -116,10 +116,12 @@ run 0 project set press.busbar security.policies Aes256_Sha256_RsaPss security.m
     "listener 1.address" 127.0.0.1 "listener 1.port" $port
 run 0 project user press.busbar hmi --new-password-file password --pbkdf2-iterations 10000
 begin module-pki --config module.toml --project project
+one_step # it listens elsewhere from the next start on
 chief 0 project write "$url" press.busbar --yes
 chief 0 project update "$url" --yes
 url=opc.tcp://127.0.0.1:$port
 await reaches project status "$url"
+step_ends
 is_secured() {
     run 0 endpoints "$url"
     grep -q 'Aes256' out || fail "$1: the project's policy is gone"
