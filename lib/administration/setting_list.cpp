@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/text_forms.hpp>
 
 #include "json_file.hpp"
 #include "setting_values.hpp"
@@ -89,9 +90,48 @@ Variant own_copy(const Variant& value)
     return value;
 }
 
+void write_authors(detail::JsonWriter& json, const SettingAuthors& authors)
+{
+    if (authors.empty()) {
+        return;
+    }
+    json.name("authors");
+    json.begin_object();
+    for (const auto& [name, author] : authors) {
+        json.name(name);
+        json.begin_object();
+        json.name("user");
+        json.string(author.user);
+        json.name("time");
+        json.string(to_string(author.time));
+        json.end_object();
+    }
+    json.end_object();
+}
+
+/// Of these changes. What cannot be read is left out: that nobody knows who made a change is no
+/// reason to lose the change.
+SettingAuthors authors_in(const detail::Json& document, const SettingValues& changes)
+{
+    SettingAuthors authors;
+    const detail::Json* const all = document.find("authors");
+    for (const auto& [name, value] : changes) {
+        const detail::Json* const author = all != nullptr ? all->find(name) : nullptr;
+        const std::string* const user =
+            author != nullptr ? detail::text_of(*author, "user") : nullptr;
+        const std::string* const time =
+            author != nullptr ? detail::text_of(*author, "time") : nullptr;
+        const auto parsed = time != nullptr ? parse_date_time(*time) : std::nullopt;
+        if (user != nullptr && parsed) {
+            authors.emplace(name, SettingAuthor{*user, *parsed});
+        }
+    }
+    return authors;
+}
+
 } // namespace
 
-std::string settings_document(const SettingValues& changes)
+std::string settings_document(const SettingValues& changes, const SettingAuthors& authors)
 {
     detail::JsonWriter json;
     json.begin_object();
@@ -104,6 +144,7 @@ std::string settings_document(const SettingValues& changes)
         detail::write_value(json, value);
     }
     json.end_object();
+    write_authors(json, authors);
     json.end_object();
     return json.take() + "\n";
 }
@@ -155,6 +196,7 @@ Configured<void> SettingList::load()
     }
     if (!*json) {
         changes_.clear();
+        authors_.clear();
         return {};
     }
     const auto* const all = (*json)->find("settings");
@@ -183,6 +225,7 @@ Configured<void> SettingList::load()
         }
         changes.emplace(name, *std::move(value));
     }
+    authors_ = authors_in(**json, changes);
     changes_ = std::move(changes);
     return {};
 }
@@ -195,12 +238,15 @@ Configured<void> SettingList::forget()
                              status_of(removed.error()));
     }
     changes_.clear();
+    authors_.clear();
     return {};
 }
 
-Configured<void> SettingList::change(std::span<const SettingChange> set, SettingOwner& owner)
+Configured<void> SettingList::change(std::span<const SettingChange> set, SettingOwner& owner,
+                                     const SettingAuthor& author)
 {
     SettingValues changes = changes_;
+    SettingAuthors authors = authors_;
     for (const SettingChange& each : set) {
         const Setting* const setting = find(each.name);
         if (setting == nullptr) {
@@ -208,12 +254,18 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         }
         if (each.value.is_null()) {
             changes.erase(each.name);
+            authors.erase(each.name);
             continue;
         }
         if (auto checked = check_setting(*setting, each.value); !checked) {
             return checked;
         }
         changes.insert_or_assign(each.name, own_copy(each.value));
+        if (author == SettingAuthor{}) {
+            authors.erase(each.name);
+        } else {
+            authors.insert_or_assign(each.name, author);
+        }
     }
     if (auto checked = owner.check(changes); !checked) {
         if (checked.error().status != status::Bad_InvalidState) {
@@ -221,7 +273,7 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         }
         return checked;
     }
-    const std::string document = settings_document(changes);
+    const std::string document = settings_document(changes, authors);
     if (document.size() > max_settings_size) {
         return misconfigured(file_, "found more than can be kept", status::Bad_OutOfRange);
     }
@@ -232,6 +284,7 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
                              status_of(written.error()));
     }
     changes_ = std::move(changes);
+    authors_ = std::move(authors);
     owner.apply(changes_);
     return {};
 }

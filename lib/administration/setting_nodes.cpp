@@ -304,7 +304,7 @@ void SettingNodes::write_set(server::WriteBatch& batch)
         const auto index = static_cast<std::size_t>(item.handle / Aspect::count);
         set.push_back({needs_.list.settings()[index].name, item.data->value});
     }
-    const auto done = needs_.list.change(set, needs_.owner);
+    const auto done = needs_.list.change(set, needs_.owner, {.time = needs_.clock.now()});
     if (!done) {
         needs_.log.write(LogLevel::Warning, "administration",
                          "settings are as they were: " + text(done.error()));
@@ -341,7 +341,7 @@ void SettingNodes::set(MethodCall& call)
             return call.fail(refusal.status);
         }
     }
-    const auto done = needs_.list.change(set, needs_.owner);
+    const auto done = needs_.list.change(set, needs_.owner, {call.user().name, needs_.clock.now()});
     std::optional<Refusal> refusal;
     if (!done) {
         refusal.emplace(Refusal{done.error().status, "settings", text(done.error()), {}, {}});

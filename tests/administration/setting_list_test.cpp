@@ -13,6 +13,8 @@ namespace setting_list_test {
 
 using namespace busbar;
 using administration::Setting;
+using administration::SettingAuthor;
+using administration::SettingAuthors;
 using administration::SettingChange;
 using administration::SettingList;
 using administration::SettingValues;
@@ -177,6 +179,41 @@ TEST_CASE_METHOD(SettingFixture, "settings: what is wrong is refused with the re
     CHECK(stored() == kept);
     CHECK(owner.applied == kept);
     CHECK(list.changes() == kept);
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: who changed one, and when, is kept with it")
+{
+    const SettingAuthor pat{"p\xC3\xA4t \"4\"", DateTime::from_unix_seconds(1'000'000)};
+    const SettingAuthor sam{"", DateTime::from_unix_seconds(2'000'000)};
+    const SettingChange both[] = {{"server.name", Variant{"a"}},
+                                  {"server.auditing", Variant{true}}};
+    REQUIRE(list.change(both, owner, pat));
+    const SettingChange one[] = {{"server.name", Variant{"b"}}};
+    REQUIRE(list.change(one, owner, sam));
+    const SettingAuthors expected{{"server.auditing", pat}, {"server.name", sam}};
+    CHECK(list.authors() == expected);
+    SettingList again{storage, "settings.json", settings()};
+    REQUIRE(again.load());
+    CHECK(again.authors() == expected);
+    // With a change goes its author; one that nobody is told of has none.
+    const SettingChange back[] = {{"server.auditing", Variant{}}, {"server.name", Variant{"c"}}};
+    REQUIRE(list.change(back, owner));
+    CHECK(list.authors().empty());
+    REQUIRE(again.load());
+    CHECK(again.authors().empty());
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: a file without authors, or with damaged ones, is read")
+{
+    for (const char* more :
+         {"", ",\"authors\":7", ",\"authors\":{\"server.name\":{\"user\":\"x\"}}",
+          ",\"authors\":{\"server.name\":{\"user\":\"x\",\"time\":\"noon\"}}"}) {
+        INFO(more);
+        write(std::string{"{\"version\":1,\"settings\":{\"server.name\":\"a\"}"} + more + "}");
+        REQUIRE(list.load());
+        CHECK(list.changes().size() == 1);
+        CHECK(list.authors().empty());
+    }
 }
 
 TEST_CASE_METHOD(SettingFixture, "settings: what waits for a restart is not changed before")

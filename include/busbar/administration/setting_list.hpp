@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/core/variant.hpp>
@@ -36,6 +37,18 @@ struct Setting {
 
 /// Values by the names of settings.
 using SettingValues = std::map<std::string, Variant, std::less<>>;
+
+/// Who changed a setting online last, and when.
+struct SettingAuthor {
+    /// Empty: a Write, or the program itself, of which nobody knows who asked for it.
+    std::string user{};
+    DateTime time{};
+
+    friend bool operator==(const SettingAuthor&, const SettingAuthor&) = default;
+};
+
+/// By the names of settings that were changed; changes of older files have none.
+using SettingAuthors = std::map<std::string, SettingAuthor, std::less<>>;
 
 /// One change of a set. Null: the setting is again what it is without changes made online.
 struct SettingChange {
@@ -86,17 +99,20 @@ public:
     [[nodiscard]] const Setting* find(std::string_view name) const;
     /// What was changed online.
     [[nodiscard]] const SettingValues& changes() const { return changes_; }
+    [[nodiscard]] const SettingAuthors& authors() const { return authors_; }
     /// Makes a set of changes; a later one of a name wins. Bad_NotFound, Bad_TypeMismatch,
     /// Bad_OutOfRange, Bad_ResourceUnavailable if the Storage fails; what the owner refuses is
     /// Bad_InvalidState if it says so, else Bad_InvalidArgument. `where` names the setting, the
-    /// text is what was found and expected.
-    [[nodiscard]] Configured<void> change(std::span<const SettingChange> set, SettingOwner& owner);
+    /// text is what was found and expected. `author` is kept with each of them.
+    [[nodiscard]] Configured<void> change(std::span<const SettingChange> set, SettingOwner& owner,
+                                          const SettingAuthor& author = {});
 
 private:
     Storage* storage_;
     std::string file_;
     std::vector<Setting> settings_; // sorted by name
     SettingValues changes_;
+    SettingAuthors authors_;
 };
 
 /// Good, Bad_TypeMismatch or Bad_OutOfRange with what was found and expected: the value's type and
@@ -104,7 +120,9 @@ private:
 [[nodiscard]] BUSBAR_API Configured<void> check_setting(const Setting& setting,
                                                         const Variant& value);
 
-/// The file of a SettingList with these changes; what load() reads. The same for the same changes.
-[[nodiscard]] BUSBAR_API std::string settings_document(const SettingValues& changes);
+/// The file of a SettingList with these changes and who made them; what load() reads. The same for
+/// the same ones.
+[[nodiscard]] BUSBAR_API std::string settings_document(const SettingValues& changes,
+                                                       const SettingAuthors& authors = {});
 
 } // namespace busbar::administration

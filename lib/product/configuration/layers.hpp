@@ -49,6 +49,8 @@ struct Layers {
     std::string name;
     Overlays over{};
     administration::SettingValues changes{};
+    /// Of `changes`; for people only.
+    administration::SettingAuthors authors{};
 };
 
 struct Merged {
@@ -83,6 +85,8 @@ public:
 
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     [[nodiscard]] std::span<const administration::Setting> settings() const { return settings_; }
+    /// Who made the changes that were made online.
+    [[nodiscard]] const administration::SettingAuthors& authors() const { return layers_.authors; }
     /// The layers that say something of the setting. The first is the built-in one, the last is
     /// what counts.
     [[nodiscard]] std::vector<Saying> sayings(const administration::Setting& setting) const;

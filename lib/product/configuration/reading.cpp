@@ -66,6 +66,7 @@ Provenance provenance_of(const Origin& origin)
     administration::SettingList changed{folder, Settings::file_name, settings};
     expect(changed.load());
     layers.changes = changed.changes();
+    layers.authors = changed.authors();
     return {std::move(layers), std::move(settings), sources};
 }
 

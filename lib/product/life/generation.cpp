@@ -303,7 +303,8 @@ Configured<void> Generation::set_mode(controller::MachineMode mode)
     const Variant wanted{mode == controller::MachineMode::Run ? "RUN" : "PROGRAM"};
     const bool is_of_file = settings_->file_value(name) == wanted;
     const administration::SettingChange change{name, is_of_file ? Variant{} : wanted};
-    return settings_->list().change({&change, 1}, *settings_);
+    const administration::SettingAuthor author{.time = around_.environment.wall_clock->now()};
+    return settings_->list().change({&change, 1}, *settings_, author);
 }
 
 ProgramInForce Generation::program() const
@@ -368,7 +369,8 @@ TakenOver Generation::taken_over() const
     TakenOver all;
     all.files = settings_->sources().texts();
     if (!settings_->waits_for_restart()) {
-        all.settings = administration::settings_document(settings_->list().changes());
+        all.settings = administration::settings_document(settings_->list().changes(),
+                                                         settings_->list().authors());
     }
     all.project = project_ != nullptr ? project_->document() : std::string{};
     return all;

@@ -41,10 +41,16 @@ std::string with_unit(const std::string& text, std::string_view unit)
     return unit.empty() ? text : text + " " + std::string{unit};
 }
 
-/// When settings were changed online last.
-std::string change_time(const ControllerConfig& config)
+/// " by chief at 2026-11-21T06:00:00Z". Changes of which that was not kept are as old as the file,
+/// at least.
+std::string author_text(const Provenance& provenance, const std::string& name)
 {
-    storage::FolderStorage folder{config.certificates.folder};
+    const auto author = provenance.authors().find(name);
+    if (author != provenance.authors().end()) {
+        const std::string& user = author->second.user;
+        return (user.empty() ? "" : " by " + user) + " at " + to_string(author->second.time);
+    }
+    storage::FolderStorage folder{provenance.config().certificates.folder};
     const auto entry = folder.entry(Settings::file_name);
     return entry ? ", where settings were changed last at " + to_string(entry->modified)
                  : std::string{};
@@ -58,7 +64,7 @@ std::string file_text(const std::string& place)
                : "file " + place;
 }
 
-std::string origin_text(const Saying& saying, const ControllerConfig& config)
+std::string origin_text(const Saying& saying, const Provenance& provenance, const std::string& name)
 {
     const std::string at = saying.where.empty() ? std::string{} : " " + saying.where;
     switch (saying.layer) {
@@ -70,7 +76,7 @@ std::string origin_text(const Saying& saying, const ControllerConfig& config)
     case Layer::Project:
         return "project";
     case Layer::Online:
-        return "changed online" + change_time(config);
+        return "changed online" + author_text(provenance, name);
     case Layer::CommandLine:
         return "command line" + at;
     case Layer::BuiltIn:
@@ -171,13 +177,13 @@ std::string when_text(const std::string& name)
 std::string explain_setting(const Provenance& provenance, const Setting& setting)
 {
     const auto sayings = provenance.sayings(setting);
-    const ControllerConfig& config = provenance.config();
     const Saying& counts = sayings.back();
     std::string text = setting.name + " = " + with_unit(value_text(counts.value), setting.unit) +
-                       "\n" + line("from", origin_text(counts, config));
+                       "\n" + line("from", origin_text(counts, provenance, setting.name));
     for (auto before = sayings.rbegin() + 1; before != sayings.rend(); ++before) {
-        text += line(before == sayings.rbegin() + 1 ? "otherwise" : "",
-                     value_text(before->value) + ", " + origin_text(*before, config));
+        text +=
+            line(before == sayings.rbegin() + 1 ? "otherwise" : "",
+                 value_text(before->value) + ", " + origin_text(*before, provenance, setting.name));
     }
     text += line("default", value_text(sayings.front().value));
     if (setting.range) {

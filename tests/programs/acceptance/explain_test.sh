@@ -74,7 +74,7 @@ begin pki --config controller.toml
 chief 0 admin setting set "$url" limits.sessions 3
 explain 0 --config controller.toml --explain limits.sessions
 says '^limits.sessions = 3$'
-says '^  from  *changed online, where settings were changed last at 20'
+says '^  from  *changed online by chief at 20'
 says '^  otherwise  *4, file controller.toml:11$'
 ended && fail "the controller ended"
 
