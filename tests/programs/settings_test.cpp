@@ -262,6 +262,40 @@ TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRA
     CHECK(refusal(changes) == "none");
 }
 
+TEST_CASE_METHOD(SettingsFixture, "a file that is read again in RUN has the users and end points "
+                                  "that it had (3-2-6)")
+{
+    std::ofstream{folder.path / "press.st"} << "VAR_GLOBAL Speed : INT; END_VAR\n";
+    const auto with = [&](const std::string& mode, const std::string& rest) {
+        write("[machine]\nprogram = \"" + (folder.path / "press.st").string() + "\"\nmode = \"" +
+              mode + "\"\n" + rest);
+    };
+    const auto reread = [&] {
+        return complaint([&] { settings->read_again([](const auto&) {}); });
+    };
+    with("RUN", "");
+    start();
+    for (const char* rest :
+         {"[users]\nanonymous = \"read\"\n", "[[endpoint]]\npolicy = \"Basic256Sha256\"\n"}) {
+        INFO(rest);
+        with("RUN", std::string{"[limits]\nsessions = 7\n"} + rest);
+        const std::string said = reread();
+        INFO(said);
+        CHECK(said.find("cannot change while the machine is in RUN") != std::string::npos);
+        CHECK(said.starts_with(file));
+        CHECK(config().server.limits.max_sessions != 7); // a file is taken as a whole
+        with("PROGRAM", rest);
+        CHECK(reread() == "nothing");
+        with("PROGRAM", "");
+        CHECK(reread() == "nothing");
+        with("RUN", "");
+        CHECK(reread() == "nothing");
+    }
+    with("RUN", "[limits]\nsessions = 7\n");
+    CHECK(reread() == "nothing");
+    CHECK(config().server.limits.max_sessions == 7);
+}
+
 TEST_CASE_METHOD(SettingsFixture, "the last endpoint for administration cannot go")
 {
     write("[[endpoint]]\npolicy = \"Basic256Sha256\"\nmode = \"SignAndEncrypt\"\n");

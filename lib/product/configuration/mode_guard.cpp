@@ -18,6 +18,16 @@ constexpr std::array<std::string_view, 7> guarded{
     "users.anonymous",
 };
 
+/// The table with nothing but this key, if it has that.
+toml::table part_of(const toml::table& table, std::string_view key)
+{
+    toml::table part;
+    if (const toml::node* const node = table.get(key)) {
+        part.insert(key, *node);
+    }
+    return part;
+}
+
 } // namespace
 
 std::span<const std::string_view> program_only_settings()
@@ -33,6 +43,18 @@ Configured<void> check_in_run(const administration::SettingValues& now,
         const auto after = next.find(name);
         if (before != now.end() && after != next.end() && !(before->second == after->second)) {
             return refused_in_run(std::string{name});
+        }
+    }
+    return {};
+}
+
+Configured<void> check_file_in_run(const toml::table& now, const toml::table& next)
+{
+    for (const auto& [key, what] :
+         {std::pair{"users", "users and roles"}, std::pair{"endpoint", "endpoint"},
+          std::pair{"security", "security"}}) {
+        if (part_of(now, key) != part_of(next, key)) {
+            return refused_in_run(what);
         }
     }
     return {};

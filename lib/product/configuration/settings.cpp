@@ -30,6 +30,11 @@ bool is_encrypted(const ControllerConfig& config)
     });
 }
 
+bool is_in_run(const MachineConfig& machine)
+{
+    return machine.program != nullptr && machine.mode == controller::MachineMode::Run;
+}
+
 } // namespace
 
 std::string name_of_file(const std::string& path)
@@ -116,6 +121,13 @@ void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
     sources.receive_at(sources_.received_place());
     std::string text = read_config_text(path_, sources);
     Version all = version(text, std::move(sources), list_.changes());
+    if (is_in_run(config_.machine) && is_in_run(all.merged.config.machine)) {
+        auto may_change = check_file_in_run(parse_table(text_, name_), parse_table(text, name_));
+        if (!may_change) {
+            may_change.error().where = name_ + ": " + may_change.error().where;
+        }
+        expect(may_change);
+    }
     check(all.merged.config);
     if (running_.check) {
         expect(running_.check(all.merged.config));
@@ -144,8 +156,7 @@ Configured<void> Settings::check(const SettingValues& changes)
 {
     try {
         const Version all = version(text_, sources_, changes);
-        const MachineConfig& machine = config_.machine;
-        if (machine.program != nullptr && machine.mode == controller::MachineMode::Run) {
+        if (is_in_run(config_.machine)) {
             if (auto checked = check_in_run(values_, all.merged.values); !checked) {
                 return checked;
             }

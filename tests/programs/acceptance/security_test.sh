@@ -27,6 +27,19 @@ chief 1 admin role grant "$url" chief Supervisor
 grep -q 'Bad_InvalidState' out || fail "a role in RUN: $(cat out)"
 logged 'users and roles: cannot change while the machine is in RUN' || fail "the log has no reason"
 chief 1 admin setting set "$url" users.anonymous read
+# Nor by the file: they wait for PROGRAM, and the status says so.
+one_step
+cp controller.toml before.toml
+account late '"Operator"' >> controller.toml
+hang_up 'users and roles: cannot change while the machine is in RUN.*nothing was changed'
+as late 4 read "$url" i=2259
+chief 0 admin status "$url"
+says '^Pending changes: .*users and roles: cannot change while the machine is in RUN'
+cp before.toml controller.toml
+hang_up 'read again'
+chief 0 admin status "$url"
+says '^Pending changes: *none$'
+step_ends
 # Other settings change, and neither that nor a file that is as it was is a change of security.
 chief 0 admin setting set "$url" limits.sessions 40
 hang_up 'read again'
