@@ -8,9 +8,13 @@
 #include <string>
 #include <vector>
 
+#include <busbar/storage/folder_storage.hpp>
+
 #include "product/configuration/mode_guard.hpp"
 #include "product/configuration/setting_keys.hpp"
 #include "product/configuration/settings.hpp"
+#include "product/store/received_program.hpp"
+#include "product/store/taken_over.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace settings_test {
@@ -294,6 +298,36 @@ TEST_CASE_METHOD(SettingsFixture, "a file that is read again in RUN has the user
     with("RUN", "[limits]\nsessions = 7\n");
     CHECK(reread() == "nothing");
     CHECK(config().server.limits.max_sessions == 7);
+}
+
+TEST_CASE_METHOD(SettingsFixture, "a program that was sent is forgotten with the settings")
+{
+    const std::string pki = folder.path.string() + "/pki";
+    const std::string place = pki + "/program.received";
+    storage::FolderStorage storage{pki};
+    const auto send = [&] {
+        const std::string sent =
+            document_of({.name = "sent.st", .text = "VAR_GLOBAL Speed : INT; END_VAR\n"});
+        REQUIRE(keep_received(storage, sent));
+        TakenOver ran;
+        ran.files.emplace(file, std::make_shared<const std::string>(text));
+        ran.files.emplace(storage.place("program.received"),
+                          std::make_shared<const std::string>(sent));
+        REQUIRE(TakenOverFiles{storage}.keep(ran));
+    };
+    write("[machine]\nprogram = \"" + (folder.path / "press.st").string() + "\"\n");
+    // The files alone make no controller: what it ran with last stays to start with.
+    send();
+    forget_changes(file);
+    CHECK_FALSE(std::filesystem::exists(place));
+    CHECK(TakenOverFiles{storage}.read()->files.size() == 2);
+    std::ofstream{folder.path / "press.st"} << "VAR_GLOBAL Speed : INT; END_VAR\n";
+    send();
+    forget_changes(file);
+    CHECK_FALSE(std::filesystem::exists(place));
+    CHECK(TakenOverFiles{storage}.read()->files.size() == 1);
+    start();
+    CHECK(config().machine.program_name == config().machine.program_file);
 }
 
 TEST_CASE_METHOD(SettingsFixture, "the last endpoint for administration cannot go")

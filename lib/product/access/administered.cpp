@@ -10,6 +10,7 @@
 #include "identity.hpp"
 #include "product/configuration/mode_guard.hpp"
 #include "product/configuration/toml_reader.hpp"
+#include "product/store/received_program.hpp"
 #include "product/store/taken_over.hpp"
 
 namespace busbar::product {
@@ -109,8 +110,8 @@ void Administered::read_users()
 Configured<void> Administered::reset()
 {
     // Whoever set the first account's password at the machine keeps it.
-    static constexpr std::array<std::string_view, 4> names{"users.json", "roles.json",
-                                                           "settings.json", "setup.code"};
+    static constexpr std::array<std::string_view, 5> names{
+        "users.json", "roles.json", "settings.json", ReceivedProgram::file_name, "setup.code"};
     static constexpr std::array<std::string_view, 15> folders{
         TakenOverFiles::folder, "own/certs",         "own/private",         "own/crl",
         "own/replaced",         "trusted/certs",     "trusted/crl",         "issuers/certs",

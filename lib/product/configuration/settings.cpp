@@ -194,7 +194,9 @@ void Settings::apply(const SettingValues& changes)
 std::vector<std::string> forget_changes(const std::string& path)
 {
     std::vector<std::string> forgotten;
-    const std::string place = read_config_or_default(path).certificates.folder;
+    SourceFiles sources; // without the program, which may be what is damaged
+    const std::string place =
+        certificate_folder(parse_table(read_config_text(path, sources), name_of_file(path)));
     if (std::error_code ignored; !std::filesystem::exists(place, ignored)) {
         return forgotten;
     }
@@ -219,8 +221,15 @@ std::vector<std::string> forget_changes(const std::string& path)
         }
     }
     forget(Settings::file_name, "the settings that were changed online");
-    TakenOverFiles{folder}.forget_settings();
     forget(ReceivedProgram::file_name, std::move(program));
+    TakenOverFiles last{folder};
+    last.forget_settings();
+    try {
+        const Settings without{path};
+    } catch (const ConfigError&) {
+        return forgotten; // the program that it ran with last is all that it can start with
+    }
+    expect(last.forget_file(folder.place(ReceivedProgram::file_name)));
     return forgotten;
 }
 

@@ -111,7 +111,9 @@ private:
 };
 
 /// Forgets what was changed online, readable or not: settings, and a program that was sent. Returns
-/// what that was, in words. The controller must not run. Throws ConfigError.
+/// what that was, in words. A copy of that program stays in TakenOverFiles if the files alone make
+/// no controller. The controller must not run. Throws ConfigError; called again after one, or after
+/// a power cut, it forgets the rest.
 std::vector<std::string> forget_changes(const std::string& path);
 
 } // namespace busbar::product

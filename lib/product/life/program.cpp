@@ -89,8 +89,7 @@ int run(int argc, char** argv, Runtime& runtime)
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
     app.add_flag("--forget-changes", forgets_changes,
-                 "drop what administrators changed online, settings and a program that was sent, "
-                 "and end");
+                 "drop what was changed online, settings and a program that was sent, and end");
     prints.add_to(app);
     try {
         app.parse(argc, argv);

@@ -144,6 +144,15 @@ void TakenOverFiles::forget_settings()
     known_.erase(std::string{settings_name});
 }
 
+Configured<void> TakenOverFiles::forget_file(const std::string& path)
+{
+    auto files = files_in(part(files_name));
+    if (!files || files->erase(path) == 0) {
+        return {};
+    }
+    return keep_part(files_name, text_of(*files));
+}
+
 std::string TakenOverFiles::part(std::string_view name)
 {
     const auto bytes = read_file(*storage_, storage_path(folder, name), max_part_size);

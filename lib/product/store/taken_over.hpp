@@ -41,6 +41,8 @@ public:
     [[nodiscard]] Configured<void> keep(const TakenOver& all);
     /// Settings that were dropped on purpose do not come back.
     void forget_settings();
+    /// As forget_settings(), of one of the files. The problem is one of the Storage.
+    [[nodiscard]] Configured<void> forget_file(const std::string& path);
     /// Nothing if the controller never ran. A part that is damaged counts as one that is not there.
     [[nodiscard]] std::optional<TakenOver> read();
 

@@ -156,6 +156,29 @@ mode_is RUN
 power_cycle
 mode_is RUN
 
+# What was changed online is dropped at the machine: settings, and the program that was sent. It does
+# not come back, either, where the configuration is damaged later.
+program sent.st 'INT := 18' 'Depth : INT := 3;'
+as designer 0 admin program edit "$url" sent.st --yes
+value Depth 3
+chief 0 admin setting set "$url" limits.sessions 30
+power_cut
+"$controller" --config controller.toml --forget-changes || fail "nothing is forgotten"
+cp controller.toml good.toml
+for damage in '' '[[['; do
+    { cat good.toml; echo "$damage"; } > controller.toml
+    serve --config controller.toml
+    value Speed 18
+    gone Depth
+    chief 0 admin program show "$url"
+    says '^from: *press.st$'
+    chief 0 admin setting list "$url" limits.sessions
+    says 'limits.sessions *100\( \|$\)'
+    power_cut
+done
+cp good.toml controller.toml
+serve --config controller.toml
+
 # What was sent and is damaged since keeps nobody from starting.
 as designer 0 admin program edit "$url" press.st --yes
 power_cycle
