@@ -92,6 +92,13 @@ const FolderFile* CertificateFolder::known(std::string_view name) const
     return found != files_.end() && found->name == name ? &*found : nullptr;
 }
 
+bool CertificateFolder::may_hold(std::string_view file) const
+{
+    const FolderFile* const found = known(file);
+    return found != nullptr ? found->problem == unreadable || found->problem == beyond_budget
+                            : is_cut_ || problem_ == unreadable;
+}
+
 FolderFile CertificateFolder::read(const StorageEntry& entry, std::size_t max_size) const
 {
     FolderFile result{entry.name, entry.modified, entry.version, {}, {}, {}};

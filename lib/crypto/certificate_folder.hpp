@@ -69,6 +69,8 @@ public:
     }
     /// There are more names than were looked at.
     [[nodiscard]] bool is_cut() const { return is_cut_; }
+    /// The file may be there, unread: it or the folder cannot be read, or the folder is cut.
+    [[nodiscard]] bool may_hold(std::string_view file) const;
 
 private:
     [[nodiscard]] std::optional<FolderFile> look_at(const StorageEntry& entry,

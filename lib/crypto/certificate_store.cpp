@@ -9,6 +9,7 @@
 #include "rejected_list.hpp"
 #include "store_folders.hpp"
 #include "store_lists.hpp"
+#include "store_records.hpp"
 
 namespace busbar::crypto {
 
@@ -21,7 +22,8 @@ std::string_view name(StoreList list)
 CertificateStore::CertificateStore(Storage& storage, const StoreLimits& limits, LogSink& log)
     : storage_{&storage}, log_{&log}, lists_{std::make_unique<detail::StoreLists>(storage, limits,
                                                                                   log)},
-      rejected_{std::make_unique<detail::RejectedList>(*lists_, log)}
+      records_{std::make_unique<detail::StoreRecords>(*lists_, log)},
+      rejected_{std::make_unique<detail::RejectedList>(*lists_, *records_, log)}
 {
 }
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <busbar/core/detail/guarded.hpp>
-#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
 #include "store_lists.hpp"
 #include "store_names.hpp"
+#include "store_records.hpp"
 
 namespace busbar::crypto {
 
@@ -157,77 +157,36 @@ Checked<void> remove_all(const detail::StoreLists& lists, const std::vector<File
     return {};
 }
 
-/// What a record says of a revocation list beside the lists that it is in.
-void add_list_fields(std::vector<RecordField>& fields, const FolderFile& file,
-                     const StoreEntry& entry)
-{
-    const auto add = [&](std::string_view name, Variant value) {
-        fields.push_back({name, std::move(value)});
-    };
-    add("FileName", Variant{String{entry.file.substr(entry.file.rfind('/') + 1)}});
-    add("IssuerName", Variant{String{detail::issuer_common_name(*file.revocation_list())}});
-    add("NextUpdate", Variant{entry.valid_to});
-}
-
-/// `from` is empty unless it was moved.
-void tell_change(LogSink& log, RecordKind of_certificate, const std::string& what,
-                 const FolderFile& file, const StoreEntry& entry, StoreList list,
-                 std::string_view from = {})
-{
-    const bool is_list = entry.kind == EntryKind::RevocationList;
-    const RecordKind of_list = of_certificate == RecordKind::CertificateRemoved
-                                   ? RecordKind::RevocationListRemoved
-                                   : RecordKind::RevocationListAdded;
-    std::vector<RecordField> fields{{"ListName", Variant{String{name_of(list)}}}};
-    if (!from.empty()) {
-        fields.push_back({"FromListName", Variant{String{std::string{from}}}});
-    }
-    if (is_list) {
-        add_list_fields(fields, file, entry);
-    }
-    Record record{is_list ? of_list : of_certificate, LogLevel::Info, "certificate store"};
-    record.text = entry.subject + ", " + entry.thumbprint + ", was " + what;
-    record.certificate = is_list ? std::span<const std::byte>{} : file.certificate()->der();
-    record.fields = fields;
-    tell(log, record);
-}
-
-/// Tells of what `some` has and `others` has not.
-template <typename Entry>
-void tell_missing(const detail::StoreLists& lists, LogSink& log, StoreList list,
-                  const std::vector<Entry>& some, const std::vector<Entry>& others, bool is_added)
-{
-    for (const Entry& each : some) {
-        const bool is_there = std::any_of(others.begin(), others.end(), [&](const Entry& other) {
-            return std::ranges::equal(other.der(), each.der());
-        });
-        const auto file = is_there ? std::nullopt : parse(each.der());
-        if (file) {
-            const EntryKind kind =
-                file->certificate() != nullptr ? EntryKind::Certificate : EntryKind::RevocationList;
-            const StoreEntry entry = detail::entry_of({&lists.home(list, kind), &*file});
-            tell_change(
-                log, is_added ? RecordKind::CertificateAdded : RecordKind::CertificateRemoved,
-                (is_added ? "added to " : "removed from ") + name_of(list), *file, entry, list);
-        }
-    }
-}
-
 } // namespace
 
-void CertificateStore::tell_changes(const TrustList& before, const TrustList& after) const
+void CertificateStore::tell_changes(const TrustList& before, const TrustList& after)
 {
     const auto tell = [&](const TrustList& some, const TrustList& others, bool is_added) {
-        const auto tell_one = [&](StoreList list, const auto& mine, const auto& theirs) {
-            tell_missing(*lists_, *log_, list, mine, theirs, is_added);
+        const auto tell_missing = [&](StoreList list, const auto& mine, const auto& theirs) {
+            for (const auto& each : mine) {
+                const bool is_there = std::ranges::any_of(theirs, [&](const auto& other) {
+                    return std::ranges::equal(other.der(), each.der());
+                });
+                const auto file = is_there ? std::nullopt : parse(each.der());
+                if (file && is_added) {
+                    records_->added(list, *file);
+                } else if (file) {
+                    records_->removed(list, *file);
+                }
+            }
         };
-        tell_one(StoreList::Trusted, some.trusted, others.trusted);
-        tell_one(StoreList::Trusted, some.trusted_crls, others.trusted_crls);
-        tell_one(StoreList::Issuers, some.issuers, others.issuers);
-        tell_one(StoreList::Issuers, some.issuer_crls, others.issuer_crls);
+        tell_missing(StoreList::Trusted, some.trusted, others.trusted);
+        tell_missing(StoreList::Trusted, some.trusted_crls, others.trusted_crls);
+        tell_missing(StoreList::Issuers, some.issuers, others.issuers);
+        tell_missing(StoreList::Issuers, some.issuer_crls, others.issuer_crls);
     };
     tell(before, after, false);
     tell(after, before, true);
+}
+
+void CertificateStore::tell_found_changes(DateTime now)
+{
+    records_->look(now);
 }
 
 Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::byte> contents)
@@ -260,10 +219,7 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
         return refuse_disk(saved.error(), adding, list);
     }
     // What is done is done.
-    busbar::detail::attempt([&] {
-        tell_change(*log_, RecordKind::CertificateAdded, "added to " + name_of(list), *file, entry,
-                    list);
-    });
+    busbar::detail::attempt([&] { records_->added(list, *file); });
     return entry;
 }
 
@@ -277,16 +233,12 @@ Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbpri
     if (found.empty()) {
         return refuse_missing(removing, list, thumbprint);
     }
-    const StoreEntry entry = detail::entry_of(found.front());
     const FolderFile file = *found.front().file;
     if (auto removed = remove_all(*lists_, found, removing, list); !removed) {
         return removed;
     }
     // What is done is done.
-    busbar::detail::attempt([&] {
-        tell_change(*log_, RecordKind::CertificateRemoved, "removed from " + name_of(list), file,
-                    entry, list);
-    });
+    busbar::detail::attempt([&] { records_->removed(list, file); });
     return {};
 }
 
@@ -304,7 +256,6 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
     if (from == to) {
         return {};
     }
-    const StoreEntry entry = detail::entry_of(found.front());
     const FolderFile file = *found.front().file;
     if (lists_->find(to, thumbprint).empty()) {
         if (auto moved = move_one(*lists_, found.front(), to); !moved) {
@@ -316,11 +267,7 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
         return removed;
     }
     // What is done is done.
-    busbar::detail::attempt([&] {
-        tell_change(*log_, RecordKind::CertificateMoved,
-                    "moved from " + name_of(from) + " to " + name_of(to), file, entry, to,
-                    name(from));
-    });
+    busbar::detail::attempt([&] { records_->moved(from, to, file); });
     return {};
 }
 

@@ -86,6 +86,7 @@ void RejectedList::make_room()
     const std::size_t limit = lists_->limits().max_rejected;
     for (std::size_t i = 0; files.size() - i >= limit && i < files.size(); ++i) {
         if (lists_->storage().remove(files[i].name())) {
+            records_->forget(StoreList::Rejected, files[i].file->thumbprint());
             tell(RecordKind::CertificateDiscarded, *files[i].file->certificate(),
                  "the oldest in rejected, was discarded: the list is full");
         }
@@ -115,6 +116,7 @@ void RejectedList::save(const Certificate& certificate, DateTime now, std::strin
         tell(RecordKind::CertificateDiscarded, certificate, "cannot be saved in rejected");
         return;
     }
+    records_->know(StoreList::Rejected, {.name = file, .object = certificate}, home);
     tell(RecordKind::CertificateSaved, certificate,
          "was saved in rejected; to trust it, move it to trusted");
     make_room();

@@ -8,13 +8,18 @@
 #include <busbar/core/record.hpp>
 
 #include "store_lists.hpp"
+#include "store_records.hpp"
 
 namespace busbar::crypto::detail {
 
 /// Keeps strangers' certificates within the limits of number and rate.
 class RejectedList {
 public:
-    RejectedList(StoreLists& lists, LogSink& log) : lists_{&lists}, log_{&log} {}
+    /// `records` hears of what is saved and discarded, which are records of their own.
+    RejectedList(StoreLists& lists, StoreRecords& records, LogSink& log)
+        : lists_{&lists}, records_{&records}, log_{&log}
+    {
+    }
 
     void save(const Certificate& certificate, DateTime now, std::string_view source);
 
@@ -26,6 +31,7 @@ private:
     void tell(RecordKind kind, const Certificate& certificate, std::string_view what) const;
 
     StoreLists* lists_;
+    StoreRecords* records_;
     LogSink* log_;
     DateTime minute_;
     std::size_t acted_{0}; // since minute_

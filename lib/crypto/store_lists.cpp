@@ -140,6 +140,15 @@ bool StoreLists::is_cut(StoreList list) const
                        [](const CertificateFolder& folder) { return folder.is_cut(); });
 }
 
+bool StoreLists::may_hold(StoreList list, std::string_view name) const
+{
+    const auto& all = folders(list);
+    return std::any_of(all.begin(), all.end(), [&](const CertificateFolder& folder) {
+        const std::size_t slash = name.rfind('/');
+        return name.substr(0, slash) == folder.name() && folder.may_hold(name.substr(slash + 1));
+    });
+}
+
 const CertificateFolder& StoreLists::home(StoreList list, EntryKind kind) const
 {
     const auto& all = folders(list);

@@ -47,6 +47,9 @@ public:
     [[nodiscard]] std::size_t limit(StoreList list, StoreEntry::Kind kind) const;
     /// A folder of the list has more files than were looked at.
     [[nodiscard]] bool is_cut(StoreList list) const;
+    /// The file of that name in the storage may be there, unread: it or its folder cannot be read,
+    /// or the folder is cut.
+    [[nodiscard]] bool may_hold(StoreList list, std::string_view name) const;
     /// Where new files of the kind go.
     [[nodiscard]] const CertificateFolder& home(StoreList list, StoreEntry::Kind kind) const;
 

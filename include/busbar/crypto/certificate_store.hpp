@@ -24,6 +24,7 @@ namespace busbar::crypto {
 namespace detail {
 class RejectedList;
 class StoreLists;
+class StoreRecords;
 } // namespace detail
 
 /// The lists of a store (Part 12, F.1).
@@ -125,7 +126,13 @@ public:
 
     /// Tells the log, as add() and remove() do, of each certificate and revocation list in which
     /// the lists `after` differ from `before`: once what stage() laid down is committed.
-    void tell_changes(const TrustList& before, const TrustList& after) const;
+    void tell_changes(const TrustList& before, const TrustList& after);
+
+    /// Tells the log of each certificate and revocation list that came into trusted, issuers and
+    /// rejected since the last call, went from them or was moved, by other hands than this
+    /// object's, which tells at once of what it does. The first call takes the lists as they are.
+    /// What cannot be read now counts as being there still.
+    void tell_found_changes(DateTime now);
 
     [[nodiscard]] Storage& storage() const { return *storage_; }
 
@@ -133,6 +140,7 @@ private:
     Storage* storage_;
     LogSink* log_;
     std::unique_ptr<detail::StoreLists> lists_;
+    std::unique_ptr<detail::StoreRecords> records_;
     std::unique_ptr<detail::RejectedList> rejected_;
 };
 

@@ -49,12 +49,14 @@ void make_folders(crypto::CertificateStore& store)
 
 Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& log)
     : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
-      client_store_{files, config.certificates.limits, log},
+      has_client_folders_{needs_certificates(config)}, client_store_{files,
+                                                                     config.certificates.limits,
+                                                                     log},
       client_validator_{client_store_, log, config.certificates.validation},
       user_files_{files, "users"}, user_store_{user_files_, config.certificates.limits, log},
       user_validator_{user_store_, log, config.certificates.validation}
 {
-    if (needs_certificates(config)) {
+    if (has_client_folders_) {
         make_folders(client_store_);
     }
     if (config.users.certified) {
@@ -121,8 +123,19 @@ void Admission::replace_users(const UserConfig& users)
     add_users();
 }
 
+void Admission::tell_found_certificates(DateTime now)
+{
+    if (has_client_folders_) {
+        client_store_.tell_found_changes(now);
+    }
+    if (config_.certified) {
+        user_store_.tell_found_changes(now);
+    }
+}
+
 std::string Admission::read_certificates(DateTime now)
 {
+    tell_found_certificates(now);
     const auto count = [now](crypto::CertificateStore& store) {
         const crypto::TrustList& list = store.trust_list(now);
         return std::to_string(list.trusted.size()) + " trusted certificates and " +

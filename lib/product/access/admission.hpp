@@ -31,8 +31,12 @@ public:
     void check_users(const UserConfig& users, const std::string& file) const;
     /// Lets in whom `users` names from now on, and nobody else; after check_users().
     void replace_users(const UserConfig& users);
-    /// Reads the trust lists again, which happens anyway when files change; how many there are.
+    /// Reads the trust lists again, which happens anyway when files change, and tells the log of
+    /// what was found; how many there are.
     [[nodiscard]] std::string read_certificates(DateTime now);
+    /// Tells the log of certificates that came into the folders of the trust lists or went from
+    /// there; see CertificateStore::tell_found_changes().
+    void tell_found_certificates(DateTime now);
     /// Where passwords are checked from now on; it is to end before this and the server.
     void check_passwords_on(server::Worker& worker) { users_.passwords().set_worker(&worker); }
 
@@ -41,6 +45,7 @@ private:
 
     UserConfig config_;
     bool trusts_all_clients_;
+    bool has_client_folders_;
     crypto::InsecureAcceptAnyCertificate accept_all_;
     crypto::CertificateStore client_store_;
     crypto::StoreValidator client_validator_;

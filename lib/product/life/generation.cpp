@@ -111,6 +111,7 @@ void Generation::publish(const Requests& requests)
 
 void Generation::start()
 {
+    tell_found_certificates();
     if (config_.machine.program != nullptr) {
         around_.runtime.mode_changed(config_.machine.mode);
     }
@@ -130,6 +131,7 @@ void Generation::start()
 
 void Generation::halt()
 {
+    tell_found_certificates();
     if (mapped_) {
         mapped_->stop();
     }
@@ -139,6 +141,18 @@ void Generation::halt()
     } else if (task_) {
         task_->stop();
     }
+}
+
+void Generation::look()
+{
+    lookout_.look();
+    tell_found_certificates();
+}
+
+/// Another generation takes the folders as it finds them.
+void Generation::tell_found_certificates()
+{
+    admission_.tell_found_certificates(around_.environment.wall_clock->now());
 }
 
 /// A problem names the file where the configuration is from.

@@ -95,8 +95,8 @@ public:
     void start();
     /// The PLC stops, and another server may serve labels; start() has it go on.
     void halt();
-    /// See Lookout.
-    void look() { lookout_.look(); }
+    /// See Lookout; and looks into the folders of certificates.
+    void look();
     /// What it was made of, and what administrators have changed that is in force; without where it
     /// listens.
     [[nodiscard]] TakenOver taken_over() const;
@@ -135,6 +135,7 @@ private:
     [[nodiscard]] server::Server make_server();
     /// Settings or accounts of the security profile are others.
     void security_changed();
+    void tell_found_certificates();
     void publish(const Requests& requests);
     void attach(const Requests& requests);
     /// Whether other information models than those that are served could be.

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The names of a project in the server's certificate, also where that was made before there was a
-# project (seed 001, 9.10).
+# project (seed 001, 9.10), and the records of certificates that come and go.
 # usage: certificate_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -35,4 +35,28 @@ shut_down
 serve --config controller.toml --project project
 logged 'other names are configured' && fail "the certificate has the names"
 shut_down
+
+# What comes into the folders of a machine that runs, and goes, is in the execution log once; what
+# was there at the start is not (seed 000, 7-1-1).
+machine >> controller.toml
+press 17 > press.st
+mine=$(ls pki/trusted/certs)
+records() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | grep -c -e "$1"; }
+has_records() { [ "$(records "$1")" -eq "$2" ]; }
+serve --config controller.toml
+chief 0 admin status "$url"
+cp pki/own/certs/*.der pki/rejected/certs/dropped.der
+kill -HUP "$pid"
+await has_records 'CERT.*0100.*REJECTED' 1
+mv pki/rejected/certs/dropped.der pki/issuers/certs/
+kill -HUP "$pid"
+await has_records 'CERT.*0102.*REJECTED->ISSUER' 1
+rm pki/issuers/certs/dropped.der
+kill -HUP "$pid"
+await has_records 'CERT.*0101.*ISSUER' 1
+chief 0 admin trust add "$url" pki/own/certs/*.der
+await has_records 'CERT.*0100.*TRUSTED' 1
+shut_down
+has_records 'CERT.*010[0-2]' 4 || fail "the execution log has other records of certificates"
+has_records "${mine%% \[*}.*0100" 0 || fail "what was there at the start was added"
 exit $((failures > 0))
