@@ -153,13 +153,13 @@ private:
 int serve(const std::string& file, std::atomic<double>& longest_ms)
 {
     try {
-        product::Origin origin;
-        origin.file = file;
+        product::Configuration configuration;
+        configuration.file = file;
         product::SimulatedRuntime runtime;
         net::StderrLog log{LogLevel::Debug};
         bool starts = true;
         while (starts) {
-            const auto controller = product::start(origin, runtime, log, {});
+            const auto controller = product::start(configuration, runtime, log, {});
             const PieceMeter meter{*controller, longest_ms};
             starts = controller->run();
         }

@@ -10,9 +10,11 @@ namespace busbar::product {
 
 namespace {
 
-Overlays overlays_of(const Origin& origin, const std::shared_ptr<const KeptProject>& project)
+Overlays overlays_of(const Configuration& configuration,
+                     const std::shared_ptr<const KeptProject>& project)
 {
-    Overlays over{.preset = origin.preset, .port = origin.port, .names = origin.names};
+    Overlays over{
+        .preset = configuration.preset, .port = configuration.port, .names = configuration.names};
     if (project != nullptr) {
         over.project = [project](ControllerConfig& config,
                                  const administration::SettingValues& changes) {
@@ -40,26 +42,27 @@ std::shared_ptr<const KeptProject> project_in(const std::string& folder)
 
 } // namespace
 
-Reading read_sources(const Origin& origin, Substitutes substitutes)
+Reading read_sources(const Configuration& configuration, Substitutes substitutes)
 {
     Reading reading;
-    if (!origin.project.empty()) {
-        reading.project = std::make_shared<KeptProject>(origin.project, substitutes.project,
+    if (!configuration.project.empty()) {
+        reading.project = std::make_shared<KeptProject>(configuration.project, substitutes.project,
                                                         substitutes.takes_other_project);
     }
-    reading.settings = std::make_unique<Settings>(origin.file, overlays_of(origin, reading.project),
-                                                  std::move(substitutes.files));
+    reading.settings =
+        std::make_unique<Settings>(configuration.file, overlays_of(configuration, reading.project),
+                                   std::move(substitutes.files));
     reading.config = reading.settings->config();
     return reading;
 }
 
-Provenance provenance_of(const Origin& origin)
+Provenance provenance_of(const Configuration& configuration)
 {
     SourceFiles sources;
-    Layers layers{.text = read_config_text(origin.file, sources),
-                  .name = name_of_file(origin.file)};
-    layers.over =
-        overlays_of(origin, origin.project.empty() ? nullptr : project_in(origin.project));
+    Layers layers{.text = read_config_text(configuration.file, sources),
+                  .name = name_of_file(configuration.file)};
+    layers.over = overlays_of(
+        configuration, configuration.project.empty() ? nullptr : project_in(configuration.project));
     auto settings =
         controller_settings(with_preset(parse_table(layers.text, layers.name), layers.over));
     storage::FolderStorage folder{certificate_folder(parse_table(layers.text, layers.name))};

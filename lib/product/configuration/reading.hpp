@@ -14,8 +14,6 @@
 
 namespace busbar::product {
 
-using Origin = Configuration;
-
 /// The effective configuration: what is in force is made by merge() and nowhere else, for a start
 /// as for each change of a running controller. Later layers count more (see Layer).
 struct Reading {
@@ -38,9 +36,10 @@ struct Substitutes {
 };
 
 /// Whether anybody can log in or not. Throws ConfigError.
-[[nodiscard]] Reading read_sources(const Origin& origin, Substitutes substitutes = {});
+[[nodiscard]] Reading read_sources(const Configuration& configuration,
+                                   Substitutes substitutes = {});
 /// Where all values of that come from. It only reads, so that it may be asked beside a controller
 /// that runs. Throws ConfigError.
-[[nodiscard]] Provenance provenance_of(const Origin& origin);
+[[nodiscard]] Provenance provenance_of(const Configuration& configuration);
 
 } // namespace busbar::product

@@ -55,9 +55,9 @@ std::function<void(DateTime)> following_scans(const Plant& plant, Administered& 
 
 } // namespace
 
-Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
-                       const Requests& requests)
-    : origin_{origin}, around_{around}, security_changed_{requests.security_changed},
+Generation::Generation(const Configuration& configuration, Reading reading,
+                       const Surroundings& around, const Requests& requests)
+    : configuration_{configuration}, around_{around}, security_changed_{requests.security_changed},
       settings_{std::move(reading.settings)}, config_{complete(std::move(reading.config), around)},
       plant_{config_, around.runtime}, project_{std::move(reading.project)},
       administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
@@ -167,8 +167,9 @@ server::Server Generation::make_server()
     environment.channel_worker = &channel_worker_; // of which it makes no use before it is served
     return expect(server::Server::create(config_.server, environment)
                       .transform_error([this](Problem problem) {
-                          problem.where = (origin_.file.empty() ? "the server" : origin_.file) +
-                                          ": " + problem.where;
+                          problem.where =
+                              (configuration_.file.empty() ? "the server" : configuration_.file) +
+                              ": " + problem.where;
                           return problem;
                       }));
 }
@@ -347,7 +348,7 @@ Configured<void> Generation::check_edit(const Reading& next) const
 {
     const MachineConfig& machine = next.config.machine;
     if (next.settings->text() != settings_->text()) {
-        return misconfigured(origin_.file, "is another one, too");
+        return misconfigured(configuration_.file, "is another one, too");
     }
     return check_same_tasks(*config_.machine.program, *machine.program)
         .and_then([&] { return plant_.program()->check_edit(*machine.program); })
@@ -426,7 +427,7 @@ void Generation::print_statistics() const
 std::string Generation::reload()
 {
     const std::vector<Account> before = admission_.user_config().accounts;
-    std::string found = product::reload(origin_.file, *settings_, admission_,
+    std::string found = product::reload(configuration_.file, *settings_, admission_,
                                         around_.environment.wall_clock->now());
     const char* separator = "; what was changed online counts instead of the file: ";
     for (const std::string& name : settings_->overruled()) {

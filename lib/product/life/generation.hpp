@@ -79,9 +79,9 @@ struct Requests {
 /// On the server's thread.
 class Generation {
 public:
-    /// Ready to be served, with a PLC that does not scan yet. `origin` is for messages. Throws
-    /// ConfigError.
-    Generation(const Origin& origin, Reading reading, const Surroundings& around,
+    /// Ready to be served, with a PLC that does not scan yet. `configuration` is for messages.
+    /// Throws ConfigError.
+    Generation(const Configuration& configuration, Reading reading, const Surroundings& around,
                const Requests& requests);
     Generation(const Generation&) = delete;
     Generation& operator=(const Generation&) = delete;
@@ -152,7 +152,7 @@ private:
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     transfers(const Requests& requests);
 
-    Origin origin_;
+    Configuration configuration_;
     Surroundings around_;
     std::function<void()> security_changed_;
     std::unique_ptr<Settings> settings_;

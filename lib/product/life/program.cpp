@@ -62,7 +62,7 @@ int end_early(const CLI::App& app, const CLI::ParseError& error)
 
 int run(int argc, char** argv, Runtime& runtime)
 {
-    Origin origin;
+    Configuration configuration;
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
@@ -71,14 +71,15 @@ int run(int argc, char** argv, Runtime& runtime)
     CLI::App app{
         "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
         "endpoints and limits again, and take over another program of [machine]; SIGTERM ends it."};
-    app.add_option("--config", origin.file, "configuration; the built-in one by default");
-    app.add_option("--port", origin.port, "instead of the configuration's; 0 is any that is free");
-    app.add_option("--preset", origin.preset,
+    app.add_option("--config", configuration.file, "configuration; the built-in one by default");
+    app.add_option("--port", configuration.port,
+                   "instead of the configuration's; 0 is any that is free");
+    app.add_option("--preset", configuration.preset,
                    "the limits of a product instead of the configuration's: nj501, nx102 or "
                    "rd81opc96")
         ->type_name("NAME");
     app.add_option(
-           "--project", origin.project,
+           "--project", configuration.project,
            "the folder of a project of model mode, which `busbar project write` puts there; "
            "it says network, users, security and information models")
         ->type_name("FOLDER");
@@ -101,9 +102,9 @@ int run(int argc, char** argv, Runtime& runtime)
         return 0;
     }
     if (wants_hash) {
-        return hash_password(origin.file);
+        return hash_password(configuration.file);
     }
-    if (const auto end = prints.run(origin)) {
+    if (const auto end = prints.run(configuration)) {
         return *end;
     }
     // Messages of some 100 kB come and go all the time: keep their pages.
@@ -112,7 +113,7 @@ int run(int argc, char** argv, Runtime& runtime)
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
     if (forgets_changes) {
-        const auto forgotten = forget_changes(origin.file);
+        const auto forgotten = forget_changes(configuration.file);
         for (const std::string& each : forgotten) {
             std::printf("forgot %s\n", each.c_str());
         }
@@ -122,9 +123,9 @@ int run(int argc, char** argv, Runtime& runtime)
         return 0;
     }
     if (wants_certificate) {
-        return regenerate_certificate(read_sources(origin).config);
+        return regenerate_certificate(read_sources(configuration).config);
     }
-    expect(expect(Controller::create(std::move(origin), runtime))->run());
+    expect(expect(Controller::create(std::move(configuration), runtime))->run());
     return 0;
 }
 

@@ -30,7 +30,7 @@ void RunningController::check_download(const ControllerConfig& next, const std::
 
 bool RunningController::download()
 {
-    Reading reading = read(origin_);
+    Reading reading = read(configuration_);
     const MachineConfig& machine = reading.config.machine;
     if (!machine.program || *machine.program_text == *current_->config().machine.program_text) {
         tell_of_other_file();
@@ -68,7 +68,7 @@ void RunningController::tell_of_other_file()
 
 Reading RunningController::reading_with(const ProgramChange& change) const
 {
-    return read(origin_,
+    return read(configuration_,
                 {.files = current_->sources().with_program(
                      change.document, current_->config().machine.program_file, change.program),
                  .project = current_->taken_over().project});
@@ -143,10 +143,10 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
 
 void RunningController::download_labels()
 {
-    if (!labels_ || origin_.file.empty()) {
+    if (!labels_ || configuration_.file.empty()) {
         return;
     }
-    const Reading next = read(origin_);
+    const Reading next = read(configuration_);
     if (labels_->download(next.config)) {
         current_->use(next.settings->sources());
         keep();

@@ -66,9 +66,10 @@ Standing standing_of(const ControllerConfig& config)
 
 } // namespace
 
-RunningController::RunningController(Origin origin, Beginning beginning, Runtime& runtime,
-                                     LogSink& log, const ControllerOptions& options)
-    : origin_{std::move(origin)}, runtime_{runtime}, log_{log},
+RunningController::RunningController(Configuration configuration, Beginning beginning,
+                                     Runtime& runtime, LogSink& log,
+                                     const ControllerOptions& options)
+    : configuration_{std::move(configuration)}, runtime_{runtime}, log_{log},
       takes_signals_{options.takes_signals}, greets_{options.greets},
       listening_{loop_, listeners_of(beginning.reading.config)}, has_terminal_{has_terminal()}
 {
@@ -84,7 +85,8 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
     }
     if (reading.project != nullptr && runtime_.labels() == nullptr) {
         if (!runtime_.is_simulated()) {
-            throw ConfigError{origin_.project, "found a project, and this PLC has no labels"};
+            throw ConfigError{configuration_.project,
+                              "found a project, and this PLC has no labels"};
         }
         labels_.emplace(config, clock_);
     }
@@ -98,8 +100,8 @@ RunningController::RunningController(Origin origin, Beginning beginning, Runtime
     listen(config, beginning.last ? beginning.last->listeners : Listening::Listeners{});
     listening_.set_in(config);
     runtime_use_.emplace(runtime_, static_cast<RuntimeHost&>(*this));
-    current_ =
-        std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
+    current_ = std::make_unique<Generation>(configuration_, std::move(reading), surroundings(),
+                                            requests());
     clients_.use(current_->clients());
     identity_ = current_->config().server.identity;
     register_with_discovery_server(current_->config());
@@ -153,9 +155,10 @@ void RunningController::listen_as_told()
         expect(listening_.go_as_told());
         try {
             const TakenOver now = current_->taken_over(); // nothing else is taken up by this
-            replace(Machine::Cause::Restart,
-                    read(origin_, {SourceFiles{now.files}, now.project, !now.project.empty()}),
-                    {.reason = "it can listen where it is told to"});
+            replace(
+                Machine::Cause::Restart,
+                read(configuration_, {SourceFiles{now.files}, now.project, !now.project.empty()}),
+                {.reason = "it can listen where it is told to"});
         } catch (const ConfigError&) {
             listening_.go_back();
             throw;
@@ -325,7 +328,7 @@ void RunningController::restart(const administration::RestartWish& wish)
 {
     loop_.post([this, wish] {
         try_to([&] {
-            replace(Machine::Cause::Restart, read(origin_),
+            replace(Machine::Cause::Restart, read(configuration_),
                     {.reason = wish.reason, .delay = wish.delay, .return_time = wish.return_time});
         });
     });
@@ -334,7 +337,7 @@ void RunningController::restart(const administration::RestartWish& wish)
 Configured<void> RunningController::may_restart()
 {
     try {
-        return check_listeners(read(origin_).config);
+        return check_listeners(read(configuration_).config);
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
@@ -375,9 +378,9 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     }
     listening_.set_in(reading.config);
     try {
-        take_over(
-            std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests()),
-            std::move(handover));
+        take_over(std::make_unique<Generation>(configuration_, std::move(reading), surroundings(),
+                                               requests()),
+                  std::move(handover));
     } catch (const ConfigError&) {
         if (moves) {
             listening_.go_back();

@@ -72,8 +72,8 @@ public:
     /// then it listens where it did last, or for administrators at this machine, and goes where it
     /// is told to once it can; but not one that never ran and has no machine's program. Throws
     /// ConfigError. `runtime` and `log` must outlive it.
-    RunningController(Origin origin, Beginning beginning, Runtime& runtime, LogSink& log,
-                      const ControllerOptions& options);
+    RunningController(Configuration configuration, Beginning beginning, Runtime& runtime,
+                      LogSink& log, const ControllerOptions& options);
     RunningController(const RunningController&) = delete;
     RunningController& operator=(const RunningController&) = delete;
 
@@ -156,7 +156,7 @@ private:
     /// `change` may throw a ConfigError, which goes to the log.
     void try_to(FunctionRef<void()> change);
 
-    Origin origin_;
+    Configuration configuration_;
     Runtime& runtime_;
     LogSink& log_;
     bool takes_signals_;

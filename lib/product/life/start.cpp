@@ -45,11 +45,11 @@ std::string_view lines_before(std::string_view text, std::size_t line)
 
 /// The folder of certificates, as far as the file can be read: in a text that is no TOML up to
 /// where it is none.
-std::string kept_in(const Origin& origin)
+std::string kept_in(const Configuration& configuration)
 {
     try {
         SourceFiles sources;
-        const std::string text = read_config_text(origin.file, sources);
+        const std::string text = read_config_text(configuration.file, sources);
         auto table = parse_toml(text);
         if (!table) {
             table = parse_toml(lines_before(text, table.error().line));
@@ -150,7 +150,7 @@ without_damaged(Storage& folder,
 /// Makes a controller of what it begins with.
 using Make = FunctionRef<std::unique_ptr<RunningController>(Beginning beginning)>;
 
-std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin,
+std::unique_ptr<RunningController> start_by(const Way& way, const Configuration& configuration,
                                             const TakenOver& last, Storage& folder,
                                             const std::string& refusal, Make make)
 {
@@ -163,7 +163,7 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
     if (way.takes_settings && last.settings) {
         settings.emplace(folder, *last.settings);
     }
-    auto controller = make({read(origin, std::move(substitutes)), last, refusal});
+    auto controller = make({read(configuration, std::move(substitutes)), last, refusal});
     if (settings) {
         settings->use();
     }
@@ -172,22 +172,22 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Origin& origin
 
 } // namespace
 
-std::unique_ptr<RunningController> start(const Origin& origin, Runtime& runtime, LogSink& log,
-                                         const ControllerOptions& options)
+std::unique_ptr<RunningController> start(const Configuration& configuration, Runtime& runtime,
+                                         LogSink& log, const ControllerOptions& options)
 {
     const auto make = [&](Beginning beginning) {
-        return std::make_unique<RunningController>(origin, std::move(beginning), runtime, log,
-                                                   options);
+        return std::make_unique<RunningController>(configuration, std::move(beginning), runtime,
+                                                   log, options);
     };
-    storage::FolderStorage folder{kept_in(origin)};
+    storage::FolderStorage folder{kept_in(configuration)};
     auto last = TakenOverFiles{folder}.read();
-    if (last && !origin.file.empty() && !last->files.contains(origin.file)) {
+    if (last && !configuration.file.empty() && !last->files.contains(configuration.file)) {
         last.reset(); // of another controller, which has the same folder
     }
     try {
         return without_damaged(folder, [&](const std::string& damage) {
             Substitutes substitutes{.project = last ? last->project : std::string{}};
-            return make({read(origin, std::move(substitutes)), last, damage});
+            return make({read(configuration, std::move(substitutes)), last, damage});
         });
     } catch (const ConfigError& error) {
         if (!last) {
@@ -196,7 +196,7 @@ std::unique_ptr<RunningController> start(const Origin& origin, Runtime& runtime,
         for (const Way& way : ways) {
             try {
                 return without_damaged(folder, [&](const std::string& damage) {
-                    return start_by(way, origin, *last, folder,
+                    return start_by(way, configuration, *last, folder,
                                     error.what() + (damage.empty() ? "" : "; " + damage), make);
                 });
             } catch (const ConfigError&) {

@@ -14,7 +14,8 @@ namespace busbar::product {
 /// "settings.json.refused".
 ///
 /// Throws ConfigError if that makes none either, or if it never ran.
-[[nodiscard]] std::unique_ptr<RunningController>
-start(const Origin& origin, Runtime& runtime, LogSink& log, const ControllerOptions& options);
+[[nodiscard]] std::unique_ptr<RunningController> start(const Configuration& configuration,
+                                                       Runtime& runtime, LogSink& log,
+                                                       const ControllerOptions& options);
 
 } // namespace busbar::product

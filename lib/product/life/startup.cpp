@@ -101,15 +101,16 @@ void add_first_account(ControllerConfig& config)
     offer_users(config);
 }
 
-Reading read(const Origin& origin, Substitutes substitutes)
+Reading read(const Configuration& configuration, Substitutes substitutes)
 {
-    Reading reading = read_sources(origin, std::move(substitutes));
+    Reading reading = read_sources(configuration, std::move(substitutes));
     ControllerConfig& config = reading.config;
-    if (origin.file.empty()) {
+    if (configuration.file.empty()) {
         add_first_account(config);
     } else if (is_nobody(config.users) && !config.users.has_setup) {
-        throw ConfigError{origin.file, "nobody can log in, expected an account, anonymous, "
-                                       "certificates or tokens in [users]: see --print-config"};
+        throw ConfigError{configuration.file,
+                          "nobody can log in, expected an account, anonymous, "
+                          "certificates or tokens in [users]: see --print-config"};
     }
     return reading;
 }

@@ -23,6 +23,6 @@ void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, Lo
 void add_first_account(ControllerConfig& config);
 /// What read_sources() gives, for which somebody can log in: without a file it may make the first
 /// account and print its password.
-[[nodiscard]] Reading read(const Origin& origin, Substitutes substitutes = {});
+[[nodiscard]] Reading read(const Configuration& configuration, Substitutes substitutes = {});
 
 } // namespace busbar::product

@@ -271,9 +271,9 @@ std::vector<std::string> keys_like(const Provenance& provenance, const std::stri
     return like;
 }
 
-int print_explanation(const Origin& origin, const std::string& key)
+int print_explanation(const Configuration& configuration, const std::string& key)
 {
-    const Provenance provenance = provenance_of(origin);
+    const Provenance provenance = provenance_of(configuration);
     const std::string wanted = key.empty() ? std::string{all_keys} : key;
     const std::string text = explain(provenance, wanted);
     if (!text.empty()) {

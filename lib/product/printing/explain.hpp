@@ -14,7 +14,7 @@ namespace busbar::product {
 /// The keys that may have been meant: those that have the word in them, else the most alike.
 [[nodiscard]] std::vector<std::string> keys_like(const Provenance& provenance,
                                                  const std::string& word);
-/// Prints that of what `origin` says; 0, or 2 for a key that there is not.
-[[nodiscard]] int print_explanation(const Origin& origin, const std::string& key);
+/// Prints that of what `configuration` says; 0, or 2 for a key that there is not.
+[[nodiscard]] int print_explanation(const Configuration& configuration, const std::string& key);
 
 } // namespace busbar::product

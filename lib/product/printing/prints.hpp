@@ -41,11 +41,11 @@ struct Prints {
                           ->type_name("[KEY]");
         app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     }
-    /// The program's end; nothing if none of them is wanted. `origin` is what the rest of the
-    /// command line says.
-    [[nodiscard]] std::optional<int> run(const Origin& origin) const
+    /// The program's end; nothing if none of them is wanted. `configuration` is what the rest of
+    /// the command line says.
+    [[nodiscard]] std::optional<int> run(const Configuration& configuration) const
     {
-        const std::string& file = origin.file;
+        const std::string& file = configuration.file;
         const auto of = [&](const std::string& own) { return own.empty() ? file : own; };
         if (limits->count() != 0) {
             return print_limits(of(limits_file));
@@ -58,7 +58,7 @@ struct Prints {
                                      net::is_clock_synchronized());
         }
         if (explanation->count() != 0) {
-            return print_explanation(origin, explained);
+            return print_explanation(configuration, explained);
         }
         return preset.empty() ? std::nullopt : std::optional{print_preset(preset)};
     }
