@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/core/text_forms.hpp>
 
 #include "json_file.hpp"
@@ -123,7 +124,7 @@ SettingAuthors authors_in(const detail::Json& document, const SettingValues& cha
             author != nullptr ? detail::text_of(*author, "time") : nullptr;
         const auto parsed = time != nullptr ? parse_date_time(*time) : std::nullopt;
         if (user != nullptr && parsed) {
-            authors.emplace(name, SettingAuthor{*user, *parsed});
+            authors.emplace(name, SettingAuthor{printable(*user), *parsed});
         }
     }
     return authors;
@@ -264,7 +265,7 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         if (author == SettingAuthor{}) {
             authors.erase(each.name);
         } else {
-            authors.insert_or_assign(each.name, author);
+            authors.insert_or_assign(each.name, SettingAuthor{printable(author.user), author.time});
         }
     }
     if (auto checked = owner.check(changes); !checked) {

@@ -175,7 +175,8 @@ StatusCode ProgramService::may_take(const TransferRequest& request)
 
 bool ProgramService::takes_long(const TransferRequest& request) const
 {
-    return wish_of(request.options).value().has_file();
+    const auto wish = wish_of(request.options);
+    return wish && wish->has_file();
 }
 
 void ProgramService::prepare(const Variant& options, std::span<const std::byte> bytes)
