@@ -42,8 +42,8 @@ END
 }
 node() { echo "nsu=urn:busbar:machine;s=$1"; }
 
-# as USER CODE ARGUMENTS...: busbar's exit code where this user asks. With BUSBAR_POWER_CYCLE=every
-# power is cut after each command that may have changed something, before the next one.
+# as USER CODE ARGUMENTS...: busbar's exit code where this user asks. Power is cut
+# after each command that may have changed something, before the next one.
 as() {
     user=$1 wanted_by=$2
     shift 2
@@ -79,6 +79,7 @@ hang_up() {
 shut_down() {
     kill "$pid"
     await ended
+    due=""
 }
 
 # begin FOLDER ARGUMENTS...: the first start, with certificates in the folder; it trusts busbar.
@@ -111,7 +112,7 @@ is_look() {
     return 1
 }
 cycle_when_due() {
-    [ "${BUSBAR_POWER_CYCLE:-}" = every ] && [ -n "$due" ] && [ -z "$is_one_step" ] || return 0
+    [ -n "$due" ] && [ -z "$is_one_step" ] || return 0
     kept_last=${last:-}
     power_cycle
     run 0 --user chief --password-file password --trust admin status "$url"

@@ -49,8 +49,10 @@ cp "$example"/tank.st .
 sed -i 's/^    Leaking .*/&\n    Batch : UDINT := 17;/' tank.st
 hang_up '\(downloaded\|edited online\): tank.st'
 await has_value Batch 17
+one_step # it is not RETAIN
 chief 0 write "$url" "$(node Batch)" 18
 has_value Batch 18 || fail "a variable of the controller's memory is not written"
+step_ends
 await above Level 20
 
 # Whoever sends a program over OPC UA learns what the runtime has against it, and everybody else
