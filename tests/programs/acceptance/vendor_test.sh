@@ -58,19 +58,24 @@ await above Level 20
 # Whoever sends a program over OPC UA learns what the runtime has against it, and everybody else
 # sees it in the status, until another one is taken up.
 sed '/Pumping/d' tank.st > less.st
-as 1 admin program download "$url" less.st --yes
+one_step
+chief 0 write "$url" "$(node Batch)" 18
+chief 1 admin program download "$url" less.st --yes
 says 'less.st was sent and refused: .*Pumping: the program has no such variable'
 has_value Batch 18 || fail "the program from before does not go on"
-as 0 admin program show "$url"
+chief 0 admin program show "$url"
 says '^refused: .*less.st'
-as 0 admin status "$url"
+chief 0 admin status "$url"
 says 'less.st was sent and refused'
+step_ends
 sed 's/^    Batch .*/    Batch : UDINT := 19;/' tank.st > more.st
-as 0 admin program download "$url" more.st --yes
+one_step
+chief 0 admin program download "$url" more.st --yes
 says 'the controller runs the program'
 has_value Batch 19 || fail "the program that was sent does not run"
-as 0 admin status "$url"
+chief 0 admin status "$url"
 ! grep -q 'was sent and refused' out || fail "a refusal is told of that is over"
+step_ends
 power_cycle
 await has_value Batch 19
 
