@@ -26,11 +26,11 @@ namespace busbar::crypto::detail {
 /// One file of a folder.
 struct FolderFile {
     std::string name;
-    DateTime modified;
-    StorageEntry::Version version;
+    DateTime modified{};
+    StorageEntry::Version version{};
     std::array<std::byte, 32> digest{}; // of the contents
-    std::variant<std::monostate, Certificate, RevocationList> object;
-    std::string_view problem; // why there is no object
+    std::variant<std::monostate, Certificate, RevocationList> object{};
+    std::string_view problem{}; // why there is no object
 
     /// Null if the file holds something else.
     [[nodiscard]] const Certificate* certificate() const { return std::get_if<1>(&object); }
