@@ -526,6 +526,37 @@ TEST_CASE_METHOD(Working, "a right login among guesses is looked at in its turn"
     }
 }
 
+TEST_CASE_METHOD(Working, "who waits for checks is told when they end without a decision")
+{
+    auto first = fixture.connect(encrypt);
+    REQUIRE(first.create_session());
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    std::vector<std::uint32_t> sent;
+    for (int i = 0; i < 5; ++i) {
+        sent.push_back(send(first, "operator-secret"));
+    }
+    const auto waiting = send(client, "operator-secret");
+    REQUIRE(worker.jobs.size() == 5);
+    SECTION("their nonce was used meanwhile")
+    {
+        fixture.users.used_worker = nullptr;
+        REQUIRE(first.activate(first.user("maria", "maria-secret")) == status::Good);
+        fixture.users.used_worker = &worker;
+        finish(first);
+        for (const auto request : sent) {
+            CHECK(first.take_activate(request) == status::Bad_ApplicationSignatureInvalid);
+        }
+    }
+    SECTION("their session is closed meanwhile")
+    {
+        REQUIRE(first.close_session() == status::Good);
+        finish(first);
+    }
+    fixture.advance(4s, client);
+    CHECK(client.take_activate(waiting) == status::Bad_UserAccessDenied);
+}
+
 TEST_CASE_METHOD(Working, "logins that were right do not count as failures")
 {
     auto client = fixture.connect(encrypt);

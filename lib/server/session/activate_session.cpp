@@ -342,14 +342,15 @@ void ActivateSession::check_ended(TimePoint now)
 void ActivateSession::work_done(TimePoint now)
 {
     const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
-    if (is_finished()) {
-        return;
+    if (!is_finished()) {
+        const StatusCode thrown = busbar::detail::guarded(needs_.log, "the end of a login",
+                                                          [&] { take_result(*check, now); });
+        if (thrown.is_bad()) {
+            fault(thrown);
+        }
     }
-    const StatusCode thrown = busbar::detail::guarded(needs_.log, "the end of a login",
-                                                      [&] { take_result(*check, now); });
-    if (thrown.is_bad()) {
-        fault(thrown);
-    }
+    // A check that decided nothing has failed. Others may wait for its end.
+    busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
 }
 
 void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
