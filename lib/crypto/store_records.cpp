@@ -135,7 +135,7 @@ void StoreRecords::look(DateTime now)
     tell_found(gone, come);
 }
 
-/// What went from one list and came into another was moved.
+/// A certificate that left one list and came into another counts as moved.
 void StoreRecords::tell_found(std::array<KnownList, 4>& gone, const std::array<KnownList, 4>& come)
 {
     for (const StoreList to : looked_at) {

@@ -85,7 +85,7 @@ public:
 
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     [[nodiscard]] std::span<const administration::Setting> settings() const { return settings_; }
-    /// Who made the changes that were made online.
+    /// Returns who changed each setting online, and when.
     [[nodiscard]] const administration::SettingAuthors& authors() const { return layers_.authors; }
     /// The layers that say something of the setting. The first is the built-in one, the last is
     /// what counts.

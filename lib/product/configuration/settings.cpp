@@ -35,6 +35,21 @@ bool is_in_run(const MachineConfig& machine)
     return machine.program != nullptr && machine.mode == controller::MachineMode::Run;
 }
 
+/// The program that was sent, for people.
+std::string received_text(Storage& folder)
+{
+    if (const auto bytes =
+            read_file(folder, ReceivedProgram::file_name, ReceivedProgram::max_size)) {
+        const std::string_view document{reinterpret_cast<const char*>(bytes->data()),
+                                        bytes->size()};
+        if (const auto sent = read_received(document, {})) {
+            return "the program " + printable(sent->name) + " that " + printable(sent->user) +
+                   " sent";
+        }
+    }
+    return "a program that was sent, and cannot be read";
+}
+
 } // namespace
 
 std::string name_of_file(const std::string& path)
@@ -201,27 +216,19 @@ std::vector<std::string> forget_changes(const std::string& path)
         return forgotten;
     }
     storage::FolderStorage folder{place};
-    const auto forget = [&](std::string_view file, std::string what) {
-        if (const auto removed = folder.remove(file)) {
-            forgotten.push_back(std::move(what));
-        } else if (removed.error() != StorageError::NotFound) {
-            expect(Configured<void>{misconfigured(folder.place(file),
-                                                  std::string{text(removed.error())},
-                                                  status_of(removed.error()))});
-        }
+    const auto is_there = [&](std::string_view file) {
+        const auto entry = folder.entry(file);
+        return entry || entry.error() != StorageError::NotFound;
     };
-    std::string program = "a program that was sent, and cannot be read";
-    if (const auto bytes =
-            read_file(folder, ReceivedProgram::file_name, ReceivedProgram::max_size)) {
-        const std::string_view document{reinterpret_cast<const char*>(bytes->data()),
-                                        bytes->size()};
-        if (const auto sent = read_received(document, {})) {
-            program =
-                "the program " + printable(sent->name) + " that " + printable(sent->user) + " sent";
-        }
+    if (is_there(Settings::file_name)) {
+        expect(administration::SettingList{folder, Settings::file_name, {}}.forget());
+        forgotten.emplace_back("the settings that were changed online");
     }
-    forget(Settings::file_name, "the settings that were changed online");
-    forget(ReceivedProgram::file_name, std::move(program));
+    if (is_there(ReceivedProgram::file_name)) {
+        std::string program = received_text(folder);
+        expect(keep_received(folder, std::nullopt));
+        forgotten.push_back(std::move(program));
+    }
     TakenOverFiles last{folder};
     last.forget_settings();
     try {

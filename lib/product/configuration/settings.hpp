@@ -73,7 +73,7 @@ public:
     /// From now on what is changed is in force at once, where it can be.
     void run(Running running) { running_ = std::move(running); }
     /// The file again, under what was changed. `check` may throw. Throws a ConfigError and changes
-    /// nothing; it is one, too, if a machine that stays in RUN gets other users or end points.
+    /// nothing, also if a machine that stays in RUN would get other users or endpoints.
     void read_again(FunctionRef<void(const ControllerConfig&)> check);
 
     [[nodiscard]] Variant value(const administration::Setting& setting) const override;

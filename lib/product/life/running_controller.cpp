@@ -80,9 +80,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
             loop_.post([this, is_in] { machine_->medium_is(is_in); });
         });
     }
-    if (!beginning.refusal.empty()) {
-        refuse_beginning(beginning.refusal);
-    }
+    refuse_beginning(beginning);
     if (reading.project != nullptr && runtime_.labels() == nullptr) {
         if (!runtime_.is_simulated()) {
             throw ConfigError{configuration_.project,
@@ -107,9 +105,16 @@ RunningController::RunningController(Configuration configuration, Beginning begi
     register_with_discovery_server(current_->config());
 }
 
-void RunningController::refuse_beginning(const std::string& why)
+void RunningController::refuse_beginning(const Beginning& beginning)
 {
-    const std::string text = why + "; it begins with what it ran with last";
+    const auto& [reading, last, refusal, damage] = beginning;
+    if (refusal.empty() && damage.empty()) {
+        return;
+    }
+    const std::string more = refusal.empty() || damage.empty() ? damage : "; " + damage;
+    const std::string why = refusal + more;
+    const std::string text =
+        refusal.empty() ? damage : refusal + "; it begins with what it ran with last" + more;
     log_.write(LogLevel::Error, "controller", text);
     pending_.ask(PendingChanges::By::Start, text);
     if (machine_) {

@@ -62,6 +62,8 @@ struct Beginning {
     std::optional<TakenOver> last;
     /// Why it begins with a part of `last` instead of what is there now; empty: it does not.
     std::string refusal;
+    /// What it begins without; empty: it has everything.
+    std::string damage{};
 };
 
 /// A controller while it runs: its listeners, its machine with life and logs, and the Generation
@@ -98,7 +100,7 @@ private:
     /// Clients see why it does not serve any more, and an administrator may have it start again.
     /// Suspended still tells what was done.
     void halt(const std::string& why, ServerState state = ServerState::Failed);
-    void refuse_beginning(const std::string& why);
+    void refuse_beginning(const Beginning& beginning);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
     /// Some seconds after the machine's memory was replaced: what runs is not of it (seed 000,

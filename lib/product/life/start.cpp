@@ -113,8 +113,9 @@ private:
     bool is_used_{false};
 };
 
-/// Whether the problem is that a list of users or roles is damaged, which then lies beside: it
-/// keeps no machine from running, and whoever is in it is not let in.
+/// Returns true if the problem is a damaged list of users or roles, which lies beside as .refused
+/// from then on: no machine has to stand still for it. Its users are not let in, and roles are as
+/// the configuration has them, without what was changed of them online.
 bool set_aside(Storage& folder, const Problem& problem)
 {
     constexpr std::size_t most = 64U << 20U;
@@ -142,7 +143,7 @@ without_damaged(Storage& folder,
                 throw;
             }
             damage += (damage.empty() ? "" : "; ") + std::string{error.what()} +
-                      ", which lies beside as .refused and lets nobody in";
+                      ", which lies beside as .refused and does not count";
         }
     }
 }
@@ -152,7 +153,8 @@ using Make = FunctionRef<std::unique_ptr<RunningController>(Beginning beginning)
 
 std::unique_ptr<RunningController> start_by(const Way& way, const Configuration& configuration,
                                             const TakenOver& last, Storage& folder,
-                                            const std::string& refusal, Make make)
+                                            const std::string& refusal, const std::string& damage,
+                                            Make make)
 {
     Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
     if (way.takes_files) {
@@ -163,7 +165,7 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Configuration&
     if (way.takes_settings && last.settings) {
         settings.emplace(folder, *last.settings);
     }
-    auto controller = make({read(configuration, std::move(substitutes)), last, refusal});
+    auto controller = make({read(configuration, std::move(substitutes)), last, refusal, damage});
     if (settings) {
         settings->use();
     }
@@ -187,7 +189,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
     try {
         return without_damaged(folder, [&](const std::string& damage) {
             Substitutes substitutes{.project = last ? last->project : std::string{}};
-            return make({read(configuration, std::move(substitutes)), last, damage});
+            return make({read(configuration, std::move(substitutes)), last, {}, damage});
         });
     } catch (const ConfigError& error) {
         if (!last) {
@@ -196,8 +198,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
         for (const Way& way : ways) {
             try {
                 return without_damaged(folder, [&](const std::string& damage) {
-                    return start_by(way, configuration, *last, folder,
-                                    error.what() + (damage.empty() ? "" : "; " + damage), make);
+                    return start_by(way, configuration, *last, folder, error.what(), damage, make);
                 });
             } catch (const ConfigError&) {
                 // The next way takes something else, and the first reason is what matters.

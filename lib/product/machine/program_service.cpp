@@ -70,7 +70,7 @@ std::string verdict_report(const ProgramVerdict& verdict)
 struct ProgramService::Wish {
     enum class Task : std::uint8_t { Check, Compare, Edit, Download, Restore, Mode };
 
-    /// That has a program.
+    /// Returns true if a program comes with it.
     [[nodiscard]] bool has_file() const { return task != Task::Restore && task != Task::Mode; }
 
     Task task;

@@ -134,7 +134,7 @@ private:
     [[nodiscard]] bool is_known_good(std::string_view user, std::string_view source) const;
     /// By the failures alone, or else by the checks that are under way.
     [[nodiscard]] static Admission admission(const Count* count, std::size_t most, Duration delay);
-    /// What binds the user at the source, and everybody at the source.
+    /// Returns what limits this user at the source, or every user there.
     [[nodiscard]] Admission admit_user(std::string_view source, std::string_view user,
                                        TimePoint now) const;
     [[nodiscard]] Admission admit_source(std::string_view source, TimePoint now) const;

@@ -19,6 +19,8 @@ echo "patience is more" > other
 press 0 > press.st
 
 begin pki --config controller.toml
+await has SERVER 0005 1
+[ "$(count SERVER 0004)" -eq "$(count SERVER 0005)" ] || fail "0004 does not go with 0005"
 
 # In RUN users, passwords and roles stay.
 chief 1 admin user add "$url" pat --new-password-file other
