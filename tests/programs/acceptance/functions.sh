@@ -1,7 +1,8 @@
 # What the acceptance tests share: a controller as its users have it, with an administrator "chief"
 # whose password, as everybody's, is in the file "password". To be read into a script whose
 # $controller and $busbar are the programs, after which it runs in a folder of its own.
-. "$(dirname "$0")/../functions.sh"
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/../functions.sh"
 
 echo "Patience_123" > password
 hash=$(quick_hash password)
@@ -119,4 +120,37 @@ cycle_when_due() {
     says '^Server operating status: *Running$'
     says "^Restart due: *no\$"
     last=$kept_last
+}
+
+# entry MODE SECTION: NAME shows this entry of entries.txt with what follows, up to the next one or
+# the end (finish); lacks MODE SECTION: NAME -- WHY says that it does less than the manual, and why.
+# Both are noted for ./table, which sets BUSBAR_SEEN. An entry can be shown in several parts.
+entry_now="" entry_failures=0
+note_entry() {
+    [ -z "${BUSBAR_SEEN:-}" ] ||
+        printf '%s\t%s\t%s\n' "$1" "$2" "$3" >> "$BUSBAR_SEEN/seen.$(basename "$0")"
+}
+check_entry() {
+    sed 's/ | .*//' "$here/entries.txt" | grep -q -x -F -e "$1" || fail "no such entry: $1"
+}
+entry_ends() {
+    [ -n "$entry_now" ] || return 0
+    kind=works
+    [ "$failures" -eq "$entry_failures" ] || kind=fails
+    note_entry "$kind" "$entry_now" "$(basename "$0" _test.sh)"
+    entry_now=""
+}
+entry() {
+    entry_ends
+    check_entry "$*"
+    entry_now=$* entry_failures=$failures
+}
+lacks() {
+    what=${*%% -- *}
+    check_entry "$what"
+    note_entry lacks "$what" "${*#* -- }"
+}
+finish() {
+    entry_ends
+    exit $((failures > 0))
 }

@@ -23,4 +23,4 @@ ended && fail "a SIGHUP during the start ended the controller"
 run 0 endpoints "opc.tcp://127.0.0.1:$port"
 kill "$pid"
 wait "$pid" || fail "exit code $? at the end"
-exit $((failures > 0))
+finish

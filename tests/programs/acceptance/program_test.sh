@@ -209,4 +209,4 @@ mode_is RUN
 power_cycle
 value Speed 18
 shut_down
-exit $((failures > 0))
+finish
