@@ -109,18 +109,18 @@ void TransferNodes::close_and_commit(MethodCall& call)
     const administration::TransferRequest request{file->options, call.user(), call.session_id()};
     auto outputs = one_output(Variant{NodeId{}});
     const StatusCode may = transfer_.owner->may_take(request);
-    if (may.is_bad() || !transfer_.owner->takes_long(request)) {
+    if (may.is_good() && is_taking_) {
+        return call.fail(status::Bad_TooManyOperations);
+    }
+    auto preparation = may.is_bad() ? std::function<void()>{}
+                                    : transfer_.owner->preparation(request, *file->bytes);
+    if (!preparation) {
         const StatusCode taken = may.is_bad() ? may : transfer_.owner->take(request, *file->bytes);
         return end_taking(call, file, taken, std::move(outputs));
     }
-    if (is_taking_) {
-        return call.fail(status::Bad_TooManyOperations);
-    }
     // The file may be gone at the end, with its session, and so may the right to send it.
     const auto kept = std::make_shared<MethodCall>(std::move(call));
-    const auto work = [this, options = file->options, bytes = file->bytes] {
-        transfer_.owner->prepare(options, *bytes);
-    };
+    const auto work = [bytes = file->bytes, prepare = std::move(preparation)] { prepare(); };
     const auto end = [this, kept, holder = holder_of(server_, *kept), outputs = std::move(outputs),
                       handle = file->handle, options = file->options,
                       bytes = file->bytes](StatusCode done) mutable {

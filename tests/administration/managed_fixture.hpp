@@ -109,13 +109,13 @@ struct PlainTransfers final : administration::TransferOwner {
         return answer;
     }
 
-    [[nodiscard]] bool takes_long(const administration::TransferRequest&) const override
+    [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest&,
+                                                    std::span<const std::byte> bytes) override
     {
-        return is_slow;
-    }
-    void prepare(const Variant&, std::span<const std::byte> bytes) override
-    {
-        prepared.emplace_back(bytes.begin(), bytes.end());
+        if (!is_slow) {
+            return {};
+        }
+        return [this, bytes] { prepared.emplace_back(bytes.begin(), bytes.end()); };
     }
 
     bool is_slow{false}; // takes files on a worker
@@ -195,7 +195,9 @@ struct ManagedFixture {
                 .file_transfers = {transfer},
                 .status = {{"RestartDue", Variant{false}, [] { return Variant{true}; }},
                            {"Users", Variant{Array<String>{"x"}},
-                            [] { return Variant{Array<String>{"admin", "pat"}}; }}},
+                            [] {
+                                return Variant{Array<String>{"admin", "pat"}};
+                            }}},
                 .authorities = authorities,
                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));

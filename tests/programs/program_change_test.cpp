@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <string>
 #include <utility>
 
@@ -77,11 +78,13 @@ TEST_CASE("program change: tasks and instances are told by name, and take a down
     controller::Program before;
     before.tasks = {{"Main", 4, "T#10ms"}, {"Slow", 8, "T#100ms"}};
     before.instances = {{"Press", "PressProgram", "Main"}};
-    CHECK(check_same_tasks(before, before));
+    const std::array editions{controller::CheckedProgram::create(before).value()};
+    CHECK(check_edit(editions, *editions.front()));
     const auto refusal = [&](auto edit) {
         controller::Program edited = before;
         edit(edited);
-        const auto checked = check_same_tasks(before, edited);
+        const auto checked =
+            check_edit(editions, *controller::CheckedProgram::create(edited).value());
         return checked ? "" : text(checked.error());
     };
     static const std::string end = "; that takes a download, no online edit";

@@ -10,6 +10,8 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "product/configuration/config.hpp"
+
 namespace program_service_test {
 
 using namespace busbar;
@@ -32,8 +34,8 @@ struct ServiceFixture {
         const Variant options{wish};
         const administration::TransferRequest request{options, user, tool};
         const auto bytes = std::as_bytes(std::span{file});
-        if (service.takes_long(request)) {
-            std::thread{[&] { service.prepare(options, bytes); }}.join();
+        if (const auto prepare = service.preparation(request, bytes)) {
+            std::thread{prepare}.join();
         }
         return std::string{name(service.take(request, bytes))};
     }
@@ -44,10 +46,14 @@ struct ServiceFixture {
         return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
                      : std::string{name(bytes.error())};
     }
-    [[nodiscard]] bool takes_long(const char* wish) const
+    [[nodiscard]] bool takes_long(const char* wish)
     {
         const Variant options{wish};
-        return service.takes_long({options, user, tool});
+        return static_cast<bool>(service.preparation({options, user, tool}, {}));
+    }
+    [[nodiscard]] static std::shared_ptr<const controller::CheckedProgram> empty_program()
+    {
+        return controller::CheckedProgram::create({}).value();
     }
 
     NodeId tool{1, "tool"};
@@ -55,23 +61,27 @@ struct ServiceFixture {
     NullLog log;
     FixedClock clock;
     std::optional<ProgramChange> asked;
-    ProgramService service{{.program =
-                                [] {
-                                    return ProgramInForce{
-                                        .name = "a.st",
-                                        .text = std::make_shared<const std::string>(),
-                                        .program = std::make_shared<const controller::Program>(),
-                                        .file = "a.st"};
-                                },
-                            .change =
-                                [this](const ProgramChange& change) {
-                                    asked = change;
-                                    return Configured<ProgramVerdict>{};
-                                },
-                            .mode = [] { return controller::MachineMode::Program; },
-                            .set_mode = [](controller::MachineMode) { return Configured<void>{}; },
-                            .clock = clock,
-                            .log = log}};
+    ProgramService service{
+        {.program =
+             [] {
+                 return ProgramInForce{.name = "a.st",
+                                       .text = std::make_shared<const std::string>(),
+                                       .program = empty_program(),
+                                       .file = "a.st"};
+             },
+         .base =
+             [] {
+                 return ProgramBase{{empty_program()}, PlcTrial{ControllerConfig{}}};
+             },
+         .change =
+             [this](const ProgramChange& change) {
+                 asked = change;
+                 return Configured<ProgramVerdict>{};
+             },
+         .mode = [] { return controller::MachineMode::Program; },
+         .set_mode = [](controller::MachineMode) { return Configured<void>{}; },
+         .clock = clock,
+         .log = log}};
 };
 
 } // namespace
@@ -79,11 +89,12 @@ struct ServiceFixture {
 TEST_CASE("Program service: a program that is sent is read before the server's turn", )
 {
     ServiceFixture controller;
-    for (const char* wish : {"check a.st", "compare a.st", "edit a.st", "download a.st"}) {
+    for (const char* wish :
+         {"check a.st", "compare a.st", "edit a.st", "download a.st", "restore"}) {
         INFO(wish);
         CHECK(controller.takes_long(wish));
     }
-    for (const char* wish : {"restore", "mode RUN", "check", "nothing"}) {
+    for (const char* wish : {"mode RUN", "check", "nothing"}) {
         INFO(wish);
         CHECK_FALSE(controller.takes_long(wish));
     }
@@ -91,8 +102,10 @@ TEST_CASE("Program service: a program that is sent is read before the server's t
         INFO(wish);
         CHECK(controller.send(wish, declarations) == "Good");
         REQUIRE(controller.asked);
-        REQUIRE(controller.asked->program != nullptr);
-        CHECK(controller.asked->program->variables.size() == 1);
+        REQUIRE(controller.asked->prepared);
+        CHECK(controller.asked->prepared->files.program->program().variables.size() == 1);
+        CHECK(controller.asked->prepared->files.tried != nullptr);
+        CHECK(controller.asked->prepared->may_edit);
         controller.asked.reset();
     }
     CHECK(controller.send("compare b.st", declarations) == "Good");

@@ -41,8 +41,8 @@ struct ServiceFixture {
             return std::string{name(may)};
         }
         const auto bytes = std::as_bytes(std::span{file});
-        if (service.takes_long(request)) {
-            service.prepare(options, bytes);
+        if (const auto prepare = service.preparation(request, bytes)) {
+            prepare();
         }
         return std::string{name(service.take(request, bytes))};
     }
@@ -186,14 +186,15 @@ TEST_CASE("9.13 Project service: what is prepared elsewhere leaves the service a
     REQUIRE(server.send("write", document_of_host("A")) == "Good");
     const Variant options{"write"};
     const administration::TransferRequest request{options, server.user, first_tool};
-    REQUIRE(server.service.takes_long(request));
     const std::string document = document_of_host("B");
     const auto bytes = std::as_bytes(std::span{document});
-    server.service.prepare(options, bytes);
+    const auto prepare = server.service.preparation(request, bytes);
+    REQUIRE(prepare);
+    prepare();
     CHECK(server.fetch(Variant{}) == document_of_host("A")); // until it is taken
     CHECK(server.service.take(request, bytes) == status::Good);
     CHECK(server.fetch(Variant{}) == document);
-    server.service.prepare(options, bytes); // and nobody takes it
+    prepare(); // and nobody takes it
     CHECK(server.send("verify", document) == "Good");
     CHECK(server.send("write", document_of_host("E")) == "Good");
     CHECK(server.fetch(Variant{}) == document_of_host("E"));

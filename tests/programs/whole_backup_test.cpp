@@ -122,7 +122,7 @@ TEST_CASE("whole backup: another unit has settings and program of the file (8-2-
     CHECK(config.server.application_name == "First");
     CHECK(config.server.limits.max_sessions == 7);
     CHECK(config.users.anonymous == AccountAccess::Read);
-    CHECK(config.machine.program->variables.front().name == "a");
+    CHECK(config.machine.program->program().variables.front().name == "a");
     CHECK(config.address != "127.0.0.2"); // of the first machine's network
     CHECK(second.take("verify", file) == "Good");
     CHECK(second.report().find("settings.json\"]") == std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,7 +39,7 @@ struct TransferRequest {
 };
 
 /// The program on the other side of a TemporaryFileTransfer: it makes files and takes them. On the
-/// server's thread, which everybody waits for meanwhile, but for prepare(). Bad statuses
+/// server's thread, which everybody waits for meanwhile, but for preparation(). Bad statuses
 /// go to the client as they are.
 class BUSBAR_API TransferOwner {
 public:
@@ -65,13 +66,19 @@ public:
     {
         return status::Bad_NotSupported;
     }
-    /// Whether to take such a file would keep the server waiting. Then prepare() comes before
-    /// take(), others are served meanwhile, and nobody else commits a file. Asked after may_take.
-    [[nodiscard]] virtual bool takes_long(const TransferRequest&) const { return false; }
-    /// On Administration's worker, so it touches nothing that the server's thread may use
-    /// meanwhile; without a worker on the server's thread. If it throws, or there is nobody to do
-    /// it, or the user's right or session has gone meanwhile, take() does not come.
-    virtual void prepare(const Variant& /*options*/, std::span<const std::byte>) {}
+    /// What has to be done before take() and would keep the server waiting; empty: nothing. Asked
+    /// after may_take, on the server's thread, so that it may take along a copy of what it needs;
+    /// the bytes stay until take() or, if that does not come, until it is destroyed.
+    ///
+    /// It is called on Administration's worker, so it touches nothing that the server's thread may
+    /// use meanwhile; without a worker on the server's thread. Others are served meanwhile, and no
+    /// other file is committed. If it throws, or there is nobody to do it, or the user's right or
+    /// session has gone meanwhile, take() does not come.
+    [[nodiscard]] virtual std::function<void()> preparation(const TransferRequest&,
+                                                            std::span<const std::byte>)
+    {
+        return {};
+    }
 };
 
 /// An Object of TemporaryFileTransferType (Part 20, 4.4) below Objects: clients read what a program

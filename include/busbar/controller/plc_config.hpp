@@ -27,6 +27,8 @@ struct PlcVariable {
     bool is_writable{true};
     /// The most bytes of a text.
     std::uint32_t capacity{80};
+
+    friend bool operator==(const PlcVariable&, const PlcVariable&) = default;
 };
 
 enum class PlcProgramKind : std::uint8_t {
@@ -56,6 +58,8 @@ struct PlcProgram {
     /// type cannot have becomes the nearest that it can.
     std::string sets{};
     double to{0};
+
+    friend bool operator==(const PlcProgram&, const PlcProgram&) = default;
 };
 
 /// Something that happens in the machine and that clients are told of, as an event.
@@ -67,6 +71,8 @@ struct PlcEvent {
     /// 1 to 1,000 (Part 5, 6.4.2).
     std::uint16_t severity{500};
     std::string message;
+
+    friend bool operator==(const PlcEvent&, const PlcEvent&) = default;
 };
 
 struct PlcConfig {
@@ -75,6 +81,8 @@ struct PlcConfig {
     std::vector<PlcProgram> programs;
     /// Looked for after the programs.
     std::vector<PlcEvent> events;
+
+    friend bool operator==(const PlcConfig&, const PlcConfig&) = default;
 };
 
 } // namespace busbar::controller

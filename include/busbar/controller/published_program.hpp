@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/controller/program_image.hpp>
 #include <busbar/controller/program_types.hpp>
 #include <busbar/controller/publishing.hpp>
@@ -38,7 +39,12 @@ class BUSBAR_API PublishedProgram {
     struct Key {};
 
 public:
-    /// The problem is that of ProgramTypes or of an initial value that does not fit.
+    /// A program that it was made with, or edited to.
+    using Edition = std::shared_ptr<const CheckedProgram>;
+
+    [[nodiscard]] static std::unique_ptr<PublishedProgram> create(Edition program,
+                                                                  const PublishingLimits& limits);
+    /// Checks the program first. The problem is that of CheckedProgram.
     [[nodiscard]] static Configured<std::unique_ptr<PublishedProgram>>
     create(Program program, const PublishingLimits& limits);
     explicit PublishedProgram(Key) {}
@@ -46,8 +52,11 @@ public:
     PublishedProgram& operator=(const PublishedProgram&) = delete;
 
     /// The program that it was made with, without what was edited.
-    [[nodiscard]] const Program& program() const { return editions_.front()->program; }
-    [[nodiscard]] const ProgramTypes& types() const { return *editions_.front()->types; }
+    [[nodiscard]] const Program& program() const { return editions_.front()->program(); }
+    [[nodiscard]] const ProgramTypes& types() const { return editions_.front()->types(); }
+    /// The first one is what it was made with, the last one the program as it is. A copy serves to
+    /// check edits in another thread.
+    [[nodiscard]] const std::vector<Edition>& editions() const { return editions_; }
     [[nodiscard]] const Publication& publication() const { return *publication_; }
     /// Of the published variables, in their order.
     [[nodiscard]] std::span<const std::uint32_t> handles() const { return handles_; }
@@ -57,8 +66,11 @@ public:
     [[nodiscard]] Configured<ProgramImage>
     make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
-    /// Whether edit() would find that the program has to be downloaded; the image is not looked at.
-    [[nodiscard]] Configured<void> check_edit(Program edited) const;
+    /// Whether the program is one that these can be edited to; the problem names a type or a
+    /// variable that is another one than it was, which takes a download. The image is not looked
+    /// at. Any thread.
+    [[nodiscard]] static Configured<void> check_edit(std::span<const Edition> editions,
+                                                     const CheckedProgram& edited);
     /// Takes in an online edit (seed 000, 3-3-2, 4-2-5 and 6-2-2): `edited` is the whole program.
     /// Variables whose names are new are added, with their types, and those that it does not have
     /// any more are removed; another publish attribute counts as one of the two. `image` is the one
@@ -69,26 +81,20 @@ public:
     /// is given publication() again and handles(); should that fail, the variables are without
     /// nodes until a later call of it, and nothing else is wrong.
     ///
-    /// The problem is one that create() or ProgramImage::add has, or that a type or a variable is
-    /// another one than in `edited`, which takes a download. Nothing was changed then.
+    /// check_edit() must have found nothing against it. The problem is one of ProgramImage::add;
+    /// nothing was changed then.
+    [[nodiscard]] Configured<ProgramAddition> edit(Edition edited, std::uint16_t namespace_index,
+                                                   ProgramImage& image);
+    /// Checks the program first; the problem may be that of create() or of check_edit(), too.
     [[nodiscard]] Configured<ProgramAddition> edit(Program edited, std::uint16_t namespace_index,
                                                    ProgramImage& image);
 
 private:
-    /// A program as it came, whose types look at it.
-    struct Edition {
-        Program program;
-        std::optional<ProgramTypes> types{};
-    };
-
-    [[nodiscard]] static Configured<std::unique_ptr<const Edition>> checked(Program program);
-    [[nodiscard]] Configured<std::unique_ptr<const Edition>> edition_of(Program edited) const;
     struct NewHandles;
     /// Variables that are new in the image have handles from `first` on.
     void take(NewHandles handles, std::uint32_t first) noexcept;
 
-    /// The first one is what it was made with, the last one the program as it is.
-    std::vector<std::unique_ptr<const Edition>> editions_;
+    std::vector<Edition> editions_;
     std::optional<Publication> publication_;
     std::vector<std::uint32_t> handles_;
     /// Of all in the image, by their folded names.

@@ -30,6 +30,8 @@ struct PublishingLimits {
     /// Arrays of structures with several dimensions, and such arrays of anything in structures.
     bool allows_matrices_with_structures{true};
     bool allows_unions{true};
+
+    friend bool operator==(const PublishingLimits&, const PublishingLimits&) = default;
 };
 
 /// NJ501 (seed 000, 1-2-2): 10,000 variables, 10,000 values, 100 structure definitions; 1,024

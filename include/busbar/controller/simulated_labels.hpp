@@ -28,6 +28,8 @@ struct SimulatedLabelsOptions {
     bool can_sample{true};
     /// Of one Sample request; its points are rounded up to the next 8,192.
     std::uint32_t max_sampled_points{32'768};
+
+    friend bool operator==(const SimulatedLabelsOptions&, const SimulatedLabelsOptions&) = default;
 };
 
 /// The labels of a simulated PLC: a backend whose program runs in this process.

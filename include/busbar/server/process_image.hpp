@@ -44,6 +44,8 @@ struct ImageOptions {
     std::uint32_t max_bytes_per_scan{1U << 20U};
     /// How often variables may be added while the task runs.
     std::uint32_t max_additions{64};
+
+    friend bool operator==(const ImageOptions&, const ImageOptions&) = default;
 };
 
 /// Variables that were added to an image.

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <busbar/controller/machine_types.hpp>
-#include <busbar/controller/program_initial.hpp>
 
 #include "controller/publishing/type_facts.hpp"
 #include "online_edit.hpp"
@@ -123,34 +122,24 @@ struct PublishedProgram::NewHandles {
     std::vector<std::uint32_t> handles;
 };
 
-Configured<std::unique_ptr<const PublishedProgram::Edition>>
-PublishedProgram::checked(Program program)
+std::unique_ptr<PublishedProgram>
+PublishedProgram::create(std::shared_ptr<const CheckedProgram> program,
+                         const PublishingLimits& limits)
 {
-    auto edition = std::make_unique<Edition>(Edition{std::move(program)});
-    auto types = ProgramTypes::create(edition->program);
-    if (!types) {
-        return Unexpected{std::move(types).error()};
-    }
-    edition->types = std::move(*types);
-    if (auto initial = check_initial_values(*edition->types); !initial) {
-        return Unexpected{std::move(initial).error()};
-    }
-    return edition;
+    auto result = std::make_unique<PublishedProgram>(Key{});
+    result->editions_.push_back(std::move(program));
+    result->publication_.emplace(result->types(), limits);
+    const auto indices = variables_of_image(result->types(), result->publication_->published(), {});
+    result->take(NewHandles{{}, result->program(), indices, *result->publication_}, 0);
+    return result;
 }
 
 Configured<std::unique_ptr<PublishedProgram>>
 PublishedProgram::create(Program program, const PublishingLimits& limits)
 {
-    auto edition = checked(std::move(program));
-    if (!edition) {
-        return Unexpected{std::move(edition).error()};
-    }
-    auto result = std::make_unique<PublishedProgram>(Key{});
-    result->editions_.push_back(std::move(*edition));
-    result->publication_.emplace(result->types(), limits);
-    const auto indices = variables_of_image(result->types(), result->publication_->published(), {});
-    result->take(NewHandles{{}, result->program(), indices, *result->publication_}, 0);
-    return result;
+    return CheckedProgram::create(std::move(program)).transform([&](auto checked) {
+        return create(std::move(checked), limits);
+    });
 }
 
 void PublishedProgram::take(NewHandles handles, std::uint32_t first) noexcept
@@ -169,39 +158,32 @@ Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_in
         options);
 }
 
-Configured<std::unique_ptr<const PublishedProgram::Edition>>
-PublishedProgram::edition_of(Program edited) const
+Configured<void> PublishedProgram::check_edit(std::span<const Edition> editions,
+                                              const CheckedProgram& edited)
 {
-    auto edition = checked(std::move(edited));
-    if (!edition) {
-        return edition;
-    }
-    const ProgramTypes& types = *(*edition)->types;
-    for (const auto& before : editions_) {
-        if (auto same = detail::check_same_types(*before->types, types); !same) {
-            return Unexpected{std::move(same).error()};
+    for (const Edition& before : editions) {
+        if (auto same = detail::check_same_types(before->types(), edited.types()); !same) {
+            return same;
         }
     }
-    if (auto same = detail::check_same_variables(*editions_.back()->types, types); !same) {
-        return Unexpected{std::move(same).error()};
-    }
-    return edition;
-}
-
-Configured<void> PublishedProgram::check_edit(Program edited) const
-{
-    return edition_of(std::move(edited)).transform([](const auto&) {});
+    return detail::check_same_variables(editions.back()->types(), edited.types());
 }
 
 Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t namespace_index,
                                                    ProgramImage& image)
 {
-    auto edition = edition_of(std::move(edited));
-    if (!edition) {
-        return Unexpected{std::move(edition).error()};
-    }
-    const ProgramTypes& types = *(*edition)->types;
-    const ProgramTypes& current = *editions_.back()->types;
+    return CheckedProgram::create(std::move(edited)).and_then([&](Edition checked) {
+        return check_edit(editions_, *checked).and_then([&] {
+            return edit(std::move(checked), namespace_index, image);
+        });
+    });
+}
+
+Configured<ProgramAddition> PublishedProgram::edit(Edition edited, std::uint16_t namespace_index,
+                                                   ProgramImage& image)
+{
+    const ProgramTypes& types = edited->types();
+    const ProgramTypes& current = editions_.back()->types();
     const Variables before = by_name(current.program());
     const Variables after = by_name(types.program());
     Handles in_image{in_image_};
@@ -221,7 +203,7 @@ Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t
     if (!placed) {
         return Unexpected{std::move(placed).error()};
     }
-    editions_.push_back(std::move(*edition));
+    editions_.push_back(std::move(edited));
     *publication_ = std::move(publication);
     take(std::move(handles), placed->first_handle);
     return ProgramAddition{group, std::move(*placed), std::move(retained), std::move(removed),

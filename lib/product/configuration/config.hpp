@@ -103,7 +103,7 @@ struct FilesConfig {
 /// A controller that publishes the variables of its program by itself (seed 000).
 struct MachineConfig {
     /// Null: there is none.
-    std::shared_ptr<const controller::Program> program;
+    std::shared_ptr<const controller::CheckedProgram> program;
     /// What the configuration names.
     std::string program_file;
     /// That of the program, which is another one if it was received.

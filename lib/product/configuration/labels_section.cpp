@@ -40,8 +40,7 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
     }
     ProgramFile file = read_program_file(table, "program");
     labels.program_text = std::move(file.text);
-    labels.program = std::move(file.program);
-    static_cast<void>(make_labels(labels));
+    labels.program = {file.program, &file.program->program()};
 }
 
 } // namespace busbar::product

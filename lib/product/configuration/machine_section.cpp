@@ -40,15 +40,6 @@ controller::MachineTypeOptions default_types()
 #endif
 }
 
-std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerConfig& config)
-{
-    const MachineConfig& machine = config.machine;
-    return expect(controller::PublishedProgram::create(*machine.program, machine.publishing)
-                      .transform_error([&](Problem problem) {
-                          return in_file(std::move(problem), machine.program_name);
-                      }));
-}
-
 void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
@@ -80,7 +71,6 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     machine.program_text = std::move(file.text);
     machine.program = std::move(file.program);
     machine.program_name = std::move(file.name);
-    static_cast<void>(publish_program(config));
 }
 
 } // namespace busbar::product

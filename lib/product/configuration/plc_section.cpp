@@ -13,6 +13,7 @@
 #include <busbar/controller/plc.hpp>
 
 #include "limit_keys.hpp"
+#include "plc_trial.hpp"
 
 namespace busbar::product {
 
@@ -167,23 +168,6 @@ std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view whe
     throw ConfigError{problem};
 }
 
-/// Whether there could be such a PLC.
-Configured<std::unique_ptr<controller::Plc>> try_plc(const ControllerConfig& config)
-{
-    if (config.labels.program) {
-        const auto program = make_labels(config.labels)->program();
-        return controller::Plc::create(config.plc, program->types(), program->image());
-    }
-    if (!config.machine.program) {
-        return controller::Plc::create(config.plc);
-    }
-    const auto program = publish_program(config);
-    const auto image = program->make_image(
-        1, {.image = config.image, .elementary = config.machine.types.elementary});
-    return image ? controller::Plc::create(config.plc, program->types(), *image)
-                 : Unexpected{image.error()};
-}
-
 } // namespace
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
@@ -215,9 +199,15 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
         }
         config.plc.events.push_back(read_event(entry));
     }
-    if (const auto plc = try_plc(config); !plc) {
-        fail(plc.error(), {{"variables", variables}, {"programs", programs}, {"events", events}});
+    auto& tried = table.sources().tried();
+    PlcTrial trial{config};
+    if (tried != nullptr && *tried == trial) {
+        return;
     }
+    if (const auto done = trial.run(); !done) {
+        fail(done.error(), {{"variables", variables}, {"programs", programs}, {"events", events}});
+    }
+    tried = std::make_shared<const PlcTrial>(std::move(trial));
 }
 
 } // namespace busbar::product

@@ -132,8 +132,7 @@ void Settings::take(Version version)
 
 void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
 {
-    SourceFiles sources;
-    sources.receive_at(sources_.received_place());
+    SourceFiles sources = sources_.again();
     std::string text = read_config_text(path_, sources);
     Version all = version(text, std::move(sources), list_.changes());
     if (is_in_run(config_.machine) && is_in_run(all.merged.config.machine)) {

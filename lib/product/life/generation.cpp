@@ -288,6 +288,7 @@ std::vector<administration::TemporaryFileTransfer> Generation::programs(const Re
     }
     program_service_.emplace(ProgramService::Needs{
         .program = [this] { return program(); },
+        .base = [this] { return program_base(); },
         .change = requests.change_program,
         .mode = [machine] { return machine->mode(); },
         .set_mode = [this](controller::MachineMode mode) { return set_mode(mode); },
@@ -344,24 +345,34 @@ ProgramInForce Generation::program() const
     return now;
 }
 
-Configured<void> Generation::check_edit(const Reading& next) const
+ProgramBase Generation::program_base() const
+{
+    return {plant_.program()->editions(), PlcTrial{config_}};
+}
+
+Configured<void> Generation::check_edit(const Reading& next,
+                                        const std::optional<PreparedProgram>& prepared) const
 {
     const MachineConfig& machine = next.config.machine;
     if (next.settings->text() != settings_->text()) {
         return misconfigured(configuration_.file, "is another one, too");
     }
-    return check_same_tasks(*config_.machine.program, *machine.program)
-        .and_then([&] { return plant_.program()->check_edit(*machine.program); })
-        .transform_error(
-            [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
+    const auto& editions = plant_.program()->editions();
+    const bool is_known = prepared && prepared->edition == editions.back() &&
+                          prepared->files.program == machine.program;
+    Configured<void> may =
+        is_known ? prepared->may_edit : product::check_edit(editions, *machine.program);
+    return std::move(may).transform_error(
+        [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
 }
 
-Configured<void> Generation::edit(const Reading& next)
+Configured<void> Generation::edit(const Reading& next,
+                                  const std::optional<PreparedProgram>& prepared)
 {
     const MachineConfig& machine = next.config.machine;
     MachineProgram& program = *plant_.program();
     const auto add = [&] {
-        return program.edit(*machine.program, server_)
+        return program.edit(machine.program, server_)
             .transform([&](controller::ProgramAddition change) {
                 plant_.loaded().edited(change);
                 return change;
@@ -369,7 +380,7 @@ Configured<void> Generation::edit(const Reading& next)
             .transform_error(
                 [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
     };
-    return check_edit(next)
+    return check_edit(next, prepared)
         .and_then([&] { return around_.machine->edit(program, add); })
         .transform([&] {
             config_.machine.program = machine.program;

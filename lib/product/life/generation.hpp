@@ -104,9 +104,13 @@ public:
     void use(SourceFiles sources) { settings_->use(std::move(sources)); }
     /// Has the PLC's program, which may run, become that of `next`. The problem is that this takes
     /// another generation, with the file: nothing was changed.
-    [[nodiscard]] Configured<void> edit(const Reading& next);
-    /// Whether edit() would.
-    [[nodiscard]] Configured<void> check_edit(const Reading& next) const;
+    [[nodiscard]] Configured<void> edit(const Reading& next,
+                                        const std::optional<PreparedProgram>& prepared = {});
+    /// Whether edit() would; `prepared` may have it already.
+    [[nodiscard]] Configured<void> check_edit(const Reading& next,
+                                              const std::optional<PreparedProgram>& prepared) const;
+    /// Of a machine: what its program is changed against.
+    [[nodiscard]] ProgramBase program_base() const;
     /// Whether nobody has changed settings since `next` was read.
     [[nodiscard]] bool has_settings_of(const Reading& next) const
     {

@@ -30,7 +30,7 @@ void RunningController::check_download(const ControllerConfig& next, const std::
 
 bool RunningController::download()
 {
-    Reading reading = read(configuration_);
+    Reading reading = read(configuration_, {.files = current_->sources().again()});
     const MachineConfig& machine = reading.config.machine;
     if (!machine.program || *machine.program_text == *current_->config().machine.program_text) {
         tell_of_other_file();
@@ -70,7 +70,8 @@ Reading RunningController::reading_with(const ProgramChange& change) const
 {
     return read(configuration_,
                 {.files = current_->sources().with_program(
-                     change.document, current_->config().machine.program_file, change.program),
+                     change.document, current_->config().machine.program_file,
+                     change.prepared ? change.prepared->files : SourceFiles::Prepared{}),
                  .project = current_->taken_over().project});
 }
 
@@ -82,7 +83,7 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         ProgramVerdict verdict;
         verdict.is_same =
             *next.config.machine.program_text == *current_->config().machine.program_text;
-        const auto may_edit = current_->check_edit(next);
+        const auto may_edit = current_->check_edit(next, change.prepared);
         verdict.against_edit = may_edit ? "" : text(may_edit.error());
         try {
             check_download(next.config, "");
@@ -103,7 +104,7 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         expect(current_->keep_program(change.document));
         if (change.step == Step::Download) {
             download_soon(change, std::move(next), std::move(before));
-        } else if (const auto edited = current_->edit(next); !edited) {
+        } else if (const auto edited = current_->edit(next, change.prepared); !edited) {
             expect(current_->keep_program(before));
             return Unexpected{edited.error()};
         } else {
@@ -146,7 +147,7 @@ void RunningController::download_labels()
     if (!labels_ || configuration_.file.empty()) {
         return;
     }
-    const Reading next = read(configuration_);
+    const Reading next = read(configuration_, {.files = current_->sources().again()});
     if (labels_->download(next.config)) {
         current_->use(next.settings->sources());
         keep();

@@ -47,7 +47,7 @@ void make_root(storage::FolderStorage& folder)
 Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
                  MediumFound medium_found)
     : config_{config.machine}, files_folder_{config.certificates.folder},
-      max_variables_{std::max(usual_variables, config.machine.program->variables.size())},
+      max_variables_{std::max(usual_variables, config.machine.program->program().variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
       medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
       event_files_{state_, controller::MachineEventLogOptions{}.folder}, events_{lines},
@@ -262,7 +262,7 @@ bool Machine::fits(const ControllerConfig& config) const
            config.machine.medium_folder == config_.medium_folder &&
            config.machine.execution_log == config_.execution_log &&
            config.machine.retained == config_.retained &&
-           config.machine.program->variables.size() <= max_variables_;
+           config.machine.program->program().variables.size() <= max_variables_;
 }
 
 void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config)

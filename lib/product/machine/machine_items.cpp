@@ -158,9 +158,9 @@ MemoryItem settings_item(const Settings& settings, std::string name, std::string
         return values_in(settings, bytes).and_then([&](const SettingValues& values) {
             const SourceFiles& now = settings.sources();
             return settings.check_restored(
-                values, *program
-                            ? now.with_program(**program, settings.config().machine.program_file)
-                            : now);
+                values,
+                *program ? now.with_program(**program, settings.config().machine.program_file, {})
+                         : now);
         });
     };
     return item;
@@ -220,14 +220,10 @@ MemoryItem program_item(const Settings& settings, const NextProgram& next)
         return is_of_file ? Bytes{} : Bytes{own.begin(), own.end()};
     };
     item.part = std::move(part);
-    item.check = [&settings](std::string_view, std::span<const std::byte> bytes) {
+    item.check = [](std::string_view, std::span<const std::byte> bytes) {
         return read_received(text_of(bytes), std::string{ReceivedProgram::file_name})
             .and_then([](const ReceivedProgram& program) {
                 return read_program(program.text, program.name);
-            })
-            .and_then([&](controller::Program program) {
-                return controller::PublishedProgram::create(std::move(program),
-                                                            settings.config().machine.publishing);
             })
             .transform([](const auto&) {});
     };

@@ -34,7 +34,8 @@ const std::string& controller_name(const ControllerConfig& config)
 }
 
 MachineProgram::MachineProgram(const ControllerConfig& config)
-    : config_{config}, program_{publish_program(config)}
+    : config_{config}, program_{controller::PublishedProgram::create(config.machine.program,
+                                                                     config.machine.publishing)}
 {
 }
 
@@ -84,10 +85,10 @@ void MachineProgram::show_mode(server::Server& server, controller::MachineMode m
                                                  : controller::OperatingMode::Program);
 }
 
-Configured<controller::ProgramAddition> MachineProgram::edit(const controller::Program& edited,
-                                                             server::Server& server)
+Configured<controller::ProgramAddition>
+MachineProgram::edit(controller::PublishedProgram::Edition edited, server::Server& server)
 {
-    auto added = program_->edit(edited, nodes_->namespace_index(), *image_);
+    auto added = program_->edit(std::move(edited), nodes_->namespace_index(), *image_);
     if (!added) {
         return added;
     }

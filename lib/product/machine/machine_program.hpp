@@ -43,13 +43,14 @@ public:
     /// 000, 3-3-2 and 4-2-5), after publish(); the task may run, and waits for nothing. The problem
     /// is that it takes a download: nothing was changed, or nodes are missing which a download
     /// brings.
-    [[nodiscard]] Configured<controller::ProgramAddition> edit(const controller::Program& edited,
-                                                               server::Server& server);
+    /// check_edit() must have found nothing against it.
+    [[nodiscard]] Configured<controller::ProgramAddition>
+    edit(controller::PublishedProgram::Edition edited, server::Server& server);
 
-    /// Whether edit() would do; the image's room is not looked at.
-    [[nodiscard]] Configured<void> check_edit(const controller::Program& edited) const
+    /// See PublishedProgram.
+    [[nodiscard]] const std::vector<controller::PublishedProgram::Edition>& editions() const
     {
-        return program_->check_edit(edited);
+        return program_->editions();
     }
     /// After publish(): what clients see as the mode.
     void show_mode(server::Server& server, controller::MachineMode mode) const;

@@ -32,7 +32,8 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     }
     plc_ = program_ ? program_->make_plc(server, runtime_)
                     : expect(controller::Plc::create(config_.plc, config_.image));
-    loaded_ = expect(runtime_.load(*plc_, config_.machine.program.get()));
+    loaded_ = expect(runtime_.load(
+        *plc_, config_.machine.program ? &config_.machine.program->program() : nullptr));
     plc_->use(*loaded_);
     source_.emplace(plc_->image());
     controller::PlcNodesOptions nodes;

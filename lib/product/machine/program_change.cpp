@@ -10,6 +10,8 @@
 #include <busbar/controller/program_types.hpp>
 #include <busbar/core/text.hpp>
 
+#include "program_file.hpp"
+
 namespace busbar::product {
 
 namespace {
@@ -195,11 +197,31 @@ std::vector<ProgramDifference> differences(const controller::Program& file,
     return all;
 }
 
-Configured<void> check_same_tasks(const controller::Program& before,
-                                  const controller::Program& edited)
+Configured<void> check_edit(std::span<const controller::PublishedProgram::Edition> editions,
+                            const controller::CheckedProgram& edited)
 {
-    return check_same("tasks", before.tasks, edited.tasks).and_then([&] {
-        return check_same("instances", before.instances, edited.instances);
+    // Tasks and instances are nothing that an online edit changes.
+    const controller::Program& before = editions.back()->program();
+    return check_same("tasks", before.tasks, edited.program().tasks)
+        .and_then(
+            [&] { return check_same("instances", before.instances, edited.program().instances); })
+        .and_then([&] { return controller::PublishedProgram::check_edit(editions, edited); });
+}
+
+Configured<PreparedProgram> prepare_program(const ProgramBase& base, std::string_view text,
+                                            const std::string& name)
+{
+    return read_program(text, name).transform([&](SourceFiles::Program program) {
+        PlcTrial trial{base.trial};
+        trial.program = program;
+        const bool is_possible = trial.run().has_value();
+        return PreparedProgram{
+            .files = {.text = nullptr,
+                      .program = program,
+                      .tried = is_possible ? std::make_shared<const PlcTrial>(std::move(trial))
+                                           : nullptr},
+            .edition = base.editions.back(),
+            .may_edit = check_edit(base.editions, *program)};
     });
 }
 

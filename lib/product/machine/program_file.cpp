@@ -14,24 +14,29 @@ namespace {
 
 constexpr std::string_view xml_ending = ".xml";
 
-/// As it was read before from what lies at this place, or else by `read`.
-template <typename Read>
-std::shared_ptr<const controller::Program> program_of(SourceFiles& sources,
-                                                      const std::string& place, Read read)
+using ReadProgram = std::shared_ptr<const controller::CheckedProgram>;
+
+/// The program that lies at this place: as it was read before, or else read now.
+ReadProgram program_of(SourceFiles& sources, const std::string& place, std::string_view text,
+                       const std::string& name)
 {
-    auto& program = sources.program(place);
+    ReadProgram& program = sources.program(place);
     if (program == nullptr) {
-        program = std::make_shared<const controller::Program>(expect(read()));
+        program = expect(read_program(text, name));
     }
     return program;
 }
 
 } // namespace
 
-Configured<controller::Program> read_program(std::string_view text, const std::string& name)
+Configured<ReadProgram> read_program(std::string_view text, const std::string& name)
 {
-    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
-                                      : controller::read_declarations(text, name);
+    auto program = name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
+                                              : controller::read_declarations(text, name);
+    return std::move(program).and_then([&](controller::Program read) {
+        return controller::CheckedProgram::create(std::move(read))
+            .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
+    });
 }
 
 ProgramFile read_program_file(const TomlTable& table, const std::string& key)
@@ -46,7 +51,7 @@ ProgramFile read_program_file(const TomlTable& table, const std::string& key)
     if (!text) {
         table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
     }
-    auto program = program_of(sources, path, [&] { return read_program(**text, path); });
+    auto program = program_of(sources, path, **text, path);
     return {*std::move(text), std::move(program), path};
 }
 
@@ -58,8 +63,7 @@ ProgramFile read_machine_program(const TomlTable& table, const std::string& key)
         return read_program_file(table, key);
     }
     auto received = expect(read_received(**document, sources.received_place()));
-    auto program = program_of(sources, sources.received_place(),
-                              [&] { return read_program(received.text, received.name); });
+    auto program = program_of(sources, sources.received_place(), received.text, received.name);
     return {std::make_shared<const std::string>(std::move(received.text)), std::move(program),
             std::move(received.name)};
 }

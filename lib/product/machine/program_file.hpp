@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include <busbar/controller/program.hpp>
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/core/problem.hpp>
 
 #include "product/configuration/toml_reader.hpp"
@@ -16,21 +16,22 @@ namespace busbar::product {
 struct ProgramFile {
     /// As the file has it, to tell whether it is another one.
     std::shared_ptr<const std::string> text;
-    std::shared_ptr<const controller::Program> program;
+    std::shared_ptr<const controller::CheckedProgram> program;
     /// How messages call it.
     std::string name;
 };
 
-/// Reads a program whose file has this name; problems name file, line and column.
-[[nodiscard]] Configured<controller::Program> read_program(std::string_view text,
-                                                           const std::string& name);
+/// Reads and checks a program whose file has this name; problems name the file, and line and column
+/// where these are known. Any thread.
+[[nodiscard]] Configured<std::shared_ptr<const controller::CheckedProgram>>
+read_program(std::string_view text, const std::string& name);
 /// Reads the file that the key names. Throws ConfigError, with the file's name, line and column if
 /// it is about what is in there.
 [[nodiscard]] ProgramFile read_program_file(const TomlTable& table, const std::string& key);
 /// The same of a machine, for which a ReceivedProgram counts instead of the file.
 [[nodiscard]] ProgramFile read_machine_program(const TomlTable& table, const std::string& key);
 
-/// A problem of the program as a whole has no file yet.
+/// Names the file in a problem of the program as a whole.
 [[nodiscard]] Problem in_file(Problem problem, const std::string& file);
 
 } // namespace busbar::product

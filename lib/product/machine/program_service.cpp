@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include <busbar/controller/declaration_reader.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
@@ -35,7 +36,20 @@ void write_member(detail::JsonWriter& json, std::string_view name, std::string_v
     json.string(text);
 }
 
-Configured<std::string> difference_report(const std::vector<ProgramDifference>& differences)
+/// See prepare_program().
+Configured<PreparedProgram> prepare_file(const ProgramBase& base, const std::string& file)
+{
+    return SourceFiles{}
+        .text(file, controller::DeclarationLimits{}.max_text_size)
+        .and_then([&](SourceFiles::Text text) {
+            return prepare_program(base, *text, file).transform([&](PreparedProgram prepared) {
+                prepared.files.text = std::move(text);
+                return prepared;
+            });
+        });
+}
+
+std::string difference_report(const std::vector<ProgramDifference>& differences)
 {
     detail::JsonWriter json;
     json.begin_object();
@@ -136,7 +150,7 @@ std::string ProgramService::status_text() const
     json.name("bytes");
     json.word(std::to_string(now.text->size()));
     json.name("variables");
-    json.word(std::to_string(now.program->variables.size()));
+    json.word(std::to_string(now.program->program().variables.size()));
     json.name("published");
     json.word(std::to_string(now.published));
     json.name("fileIsOther");
@@ -173,19 +187,32 @@ StatusCode ProgramService::may_take(const TransferRequest& request)
     return wish_of(request.options) ? status::Good : status::Bad_InvalidArgument;
 }
 
-bool ProgramService::takes_long(const TransferRequest& request) const
+std::function<void()> ProgramService::preparation(const TransferRequest& request,
+                                                  std::span<const std::byte> bytes)
 {
     const auto wish = wish_of(request.options);
-    return wish && wish->has_file();
-}
-
-void ProgramService::prepare(const Variant& options, std::span<const std::byte> bytes)
-{
+    if (!wish || wish->task == Wish::Task::Mode) {
+        return {};
+    }
     const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    read_ = read_program(text, std::string{wish_of(options).value().name})
-                .transform([](controller::Program program) {
-                    return std::make_shared<const controller::Program>(std::move(program));
-                });
+    prepared_ = misconfigured(std::string{wish->verb}, "was not prepared");
+    if (wish->task == Wish::Task::Compare) {
+        return [this, text, name = std::string{wish->name}, now = needs_.program().program] {
+            prepared_ = read_program(text, name).transform([&](const SourceFiles::Program& read) {
+                differences_ = difference_report(differences(read->program(), now->program()));
+                return PreparedProgram{};
+            });
+        };
+    }
+    auto base = needs_.base();
+    if (wish->task == Wish::Task::Restore) {
+        return [this, base = std::move(base), file = needs_.program().file] {
+            prepared_ = prepare_file(base, file);
+        };
+    }
+    return [this, text, base = std::move(base), name = std::string{wish->name}] {
+        prepared_ = prepare_program(base, text, name);
+    };
 }
 
 StatusCode ProgramService::take(const TransferRequest& request, std::span<const std::byte> bytes)
@@ -214,11 +241,9 @@ Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::s
                                                   std::string_view text)
 {
     if (wish.has_file()) {
-        return std::exchange(read_, nullptr).and_then([&](const ReadProgram& program) {
-            return wish.task == Wish::Task::Compare
-                       ? difference_report(differences(*program, *needs_.program().program))
-                       : change(wish, user, text, program);
-        });
+        return wish.task != Wish::Task::Compare ? change(wish, user, text)
+               : prepared_                      ? std::exchange(differences_, {})
+                           : Configured<std::string>{Unexpected{std::move(prepared_).error()}};
     }
     if (!text.empty()) {
         return misconfigured(std::string{wish.verb}, "found a file, expected an empty one",
@@ -228,8 +253,11 @@ Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::s
 }
 
 Configured<std::string> ProgramService::change(const Wish& wish, const std::string& user,
-                                               std::string_view text, ReadProgram program)
+                                               std::string_view text)
 {
+    if (!prepared_) {
+        return Unexpected{std::move(prepared_).error()};
+    }
     using Task = Wish::Task;
     using Step = ProgramChange::Step;
     const Step step = wish.task == Task::Check  ? Step::Check
@@ -237,7 +265,7 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
                                                 : Step::Download;
     const ProgramChange change{
         step, document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}}),
-        std::move(program)};
+        *std::move(prepared_)};
     return needs_.change(change).transform([&](const ProgramVerdict& verdict) {
         return step == Step::Check  ? verdict_report(verdict)
                : step == Step::Edit ? std::string{R"({"edited":true})"}
@@ -246,19 +274,23 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
 }
 
 /// By an online edit if that does.
-Configured<std::string> ProgramService::restore() const
+Configured<std::string> ProgramService::restore()
 {
     using Step = ProgramChange::Step;
     if (!needs_.program().is_received) {
         return misconfigured("restore", "the program is the file's already",
                              status::Bad_NothingToDo);
     }
-    return needs_.change({Step::Check}).and_then([&](const ProgramVerdict& verdict) {
+    if (!prepared_) {
+        return Unexpected{std::move(prepared_).error()};
+    }
+    ProgramChange change{.prepared = *std::move(prepared_)};
+    return needs_.change(change).and_then([&](const ProgramVerdict& verdict) {
         const bool is_edit = verdict.is_same || verdict.against_edit.empty();
-        return needs_.change({is_edit ? Step::Edit : Step::Download})
-            .transform([&](const ProgramVerdict&) {
-                return std::string{is_edit ? R"({"edited":true})" : R"({"downloaded":true})"};
-            });
+        change.step = is_edit ? Step::Edit : Step::Download;
+        return needs_.change(change).transform([&](const ProgramVerdict&) {
+            return std::string{is_edit ? R"({"edited":true})" : R"({"downloaded":true})"};
+        });
     });
 }
 

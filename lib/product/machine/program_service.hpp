@@ -10,9 +10,10 @@
 
 #include <busbar/administration/file_transfer.hpp>
 #include <busbar/controller/machine_settings.hpp>
-#include <busbar/controller/program.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
+
+#include "program_change.hpp"
 
 namespace busbar::product {
 
@@ -21,7 +22,7 @@ struct ProgramInForce {
     /// As messages call it.
     std::string name;
     std::shared_ptr<const std::string> text;
-    std::shared_ptr<const controller::Program> program;
+    std::shared_ptr<const controller::CheckedProgram> program;
     /// What the configuration names.
     std::string file;
     /// It was received, and counts instead of that file.
@@ -43,8 +44,8 @@ struct ProgramChange {
     Step step{Step::Check};
     /// Of a ReceivedProgram. Nothing: what was received is forgotten, and the file counts.
     std::optional<std::string> document{};
-    /// What the document's text was read as; null: it has to be read.
-    std::shared_ptr<const controller::Program> program{};
+    /// What was made of its text, or of the file; nothing: it has to be read.
+    std::optional<PreparedProgram> prepared{};
 };
 
 /// What a change comes to.
@@ -79,13 +80,14 @@ struct ProgramVerdict {
 /// What is refused only then, as by the PLC's runtime, is the "refusal" of the status, and the
 /// program from before goes on.
 ///
-/// Of two who send at once the second is refused. Programs are read on the worker; all else is done
-/// on the server's thread.
+/// Of two who send at once the second is refused. Programs are read, checked and compared on the
+/// worker; all else is done on the server's thread.
 class ProgramService final : public administration::TransferOwner {
 public:
     /// All must outlive it.
     struct Needs {
         std::function<ProgramInForce()> program;
+        std::function<ProgramBase()> base;
         /// Carries a change out, or only looks at it; the problem is why nothing has changed.
         std::function<Configured<ProgramVerdict>(const ProgramChange& change)> change;
         std::function<controller::MachineMode()> mode;
@@ -103,14 +105,13 @@ public:
     [[nodiscard]] Result<std::vector<std::byte>>
     generate(const administration::TransferRequest& request, std::size_t max_size) override;
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
-    [[nodiscard]] bool takes_long(const administration::TransferRequest& request) const override;
-    void prepare(const Variant& options, std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest& request,
+                                                    std::span<const std::byte> bytes) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
 
 private:
     struct Wish;
-    using ReadProgram = std::shared_ptr<const controller::Program>;
     /// Of the last CloseAndCommit.
     struct Report {
         NodeId session;
@@ -122,14 +123,15 @@ private:
     [[nodiscard]] Configured<std::string> carry_out(const Wish& wish, const std::string& user,
                                                     std::string_view text);
     [[nodiscard]] Configured<std::string> change(const Wish& wish, const std::string& user,
-                                                 std::string_view text, ReadProgram program);
-    [[nodiscard]] Configured<std::string> restore() const;
+                                                 std::string_view text);
+    [[nodiscard]] Configured<std::string> restore();
     [[nodiscard]] Configured<std::string> change_mode(const Wish& wish) const;
 
     Needs needs_;
     Report report_;
-    /// Of the file that is being taken.
-    Configured<ReadProgram> read_{nullptr};
+    // What preparation() leaves for take(), of which there is one at a time.
+    Configured<PreparedProgram> prepared_;
+    std::string differences_;
 };
 
 } // namespace busbar::product

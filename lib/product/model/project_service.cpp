@@ -156,18 +156,17 @@ StatusCode ProjectService::may_take(const TransferRequest& request)
     return needs_project && needs_.store.current() == nullptr ? status::Bad_NotFound : status::Good;
 }
 
-bool ProjectService::takes_long(const TransferRequest& request) const
+std::function<void()> ProjectService::preparation(const TransferRequest& request,
+                                                  std::span<const std::byte> bytes)
 {
-    return wish_of(request.options) != "update";
-}
-
-void ProjectService::prepare(const Variant& options, std::span<const std::byte> bytes)
-{
-    if (wish_of(options) == "write") {
-        staged_.emplace(std::as_const(needs_.store).stage(bytes));
-    } else {
-        differences_ = compare(bytes, *needs_.store.current());
+    const std::string wish = wish_of(request.options);
+    if (wish == "update") {
+        return {};
     }
+    if (wish == "write") {
+        return [this, bytes] { staged_.emplace(std::as_const(needs_.store).stage(bytes)); };
+    }
+    return [this, bytes] { differences_ = compare(bytes, *needs_.store.current()); };
 }
 
 StatusCode ProjectService::take(const TransferRequest& request, std::span<const std::byte> bytes)

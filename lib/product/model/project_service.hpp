@@ -63,8 +63,8 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
-    [[nodiscard]] bool takes_long(const administration::TransferRequest& request) const override;
-    void prepare(const Variant& options, std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest& request,
+                                                    std::span<const std::byte> bytes) override;
 
 private:
     /// Of the last CloseAndCommit.
@@ -76,12 +76,12 @@ private:
     [[nodiscard]] Result<std::string> text_of(const administration::TransferRequest& request) const;
     [[nodiscard]] std::string status_text() const;
     [[nodiscard]] std::string project_state() const;
-    /// What prepare() has staged becomes the project of the store.
+    /// What was staged becomes the project of the store.
     [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
     [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
     Needs needs_;
     Report report_;
-    // What prepare() leaves for take().
+    // What preparation() leaves for take().
     std::optional<Configured<controller::ProjectStore::Staged>> staged_;
     Configured<std::string> differences_;
 };

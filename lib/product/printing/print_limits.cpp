@@ -63,7 +63,8 @@ std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& con
     if (!config.machine.program) {
         return server::ProcessImage::create({}, config.image);
     }
-    const auto program = publish_program(config);
+    const auto program =
+        controller::PublishedProgram::create(config.machine.program, config.machine.publishing);
     return expect(program->make_image(
                       1, {.image = config.image, .elementary = config.machine.types.elementary}))
         .image();

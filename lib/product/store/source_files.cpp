@@ -39,6 +39,11 @@ Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::si
         return misconfigured(path, "found more than " + std::to_string(most) + " bytes",
                              status::Bad_EncodingLimitsExceeded);
     }
+    const auto before = texts_before_.find(path);
+    if (before != texts_before_.end() && *before->second == text) {
+        return texts_.emplace(path, before->second).first->second;
+    }
+    programs_.erase(path);
     return texts_.emplace(path, std::make_shared<const std::string>(std::move(text))).first->second;
 }
 
@@ -57,18 +62,39 @@ Configured<std::optional<SourceFiles::Text>> SourceFiles::received()
 }
 
 SourceFiles SourceFiles::with_program(const std::optional<std::string>& document,
-                                      const std::string& file,
-                                      std::shared_ptr<const controller::Program> program) const
+                                      const std::string& file, Prepared prepared) const
 {
-    SourceFiles all{texts_};
-    all.received_place_ = received_place_;
+    SourceFiles all{*this};
+    all.has_all_ = !all.texts_.empty();
+    all.texts_.erase(received_place_);
+    all.programs_.erase(received_place_);
+    const std::string& place = document ? received_place_ : file;
     if (document) {
-        all.texts_[received_place_] = std::make_shared<const std::string>(*document);
-        all.programs_[received_place_] = std::move(program);
+        all.texts_[place] = std::make_shared<const std::string>(*document);
     } else {
-        all.texts_.erase(received_place_);
         all.texts_.erase(file);
+        if (prepared.text != nullptr) {
+            all.texts_[place] = std::move(prepared.text);
+        }
     }
+    if (prepared.program != nullptr) {
+        all.programs_[place] = std::move(prepared.program);
+    } else {
+        all.programs_.erase(place);
+    }
+    if (prepared.tried != nullptr) {
+        all.tried_ = std::move(prepared.tried);
+    }
+    return all;
+}
+
+SourceFiles SourceFiles::again() const
+{
+    SourceFiles all;
+    all.received_place_ = received_place_;
+    all.texts_before_ = texts_;
+    all.programs_ = programs_;
+    all.tried_ = tried_;
     return all;
 }
 

@@ -8,10 +8,12 @@
 #include <string>
 #include <utility>
 
-#include <busbar/controller/program.hpp>
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/core/problem.hpp>
 
 namespace busbar::product {
+
+struct PlcTrial;
 
 /// The text files that a configuration is made of: its own file, and the programs and information
 /// models that it names. Each is read once and remembered, so that all that is made of them later
@@ -19,6 +21,7 @@ namespace busbar::product {
 class SourceFiles {
 public:
     using Text = std::shared_ptr<const std::string>;
+    using Program = std::shared_ptr<const controller::CheckedProgram>;
     /// By their paths, as the configuration has them.
     using Texts = std::map<std::string, Text, std::less<>>;
 
@@ -36,27 +39,40 @@ public:
     /// The document of the ReceivedProgram; nothing if there is none, or none among texts that it
     /// was made with. Problems as of text().
     [[nodiscard]] Configured<std::optional<Text>> received();
-    /// These, but with this document of a ReceivedProgram, and what its text was read as, if it
-    /// was; or with none, and what lies in `file` by then.
-    [[nodiscard]] SourceFiles
-    with_program(const std::optional<std::string>& document, const std::string& file,
-                 std::shared_ptr<const controller::Program> program = nullptr) const;
+    /// What was made of a program's file elsewhere. All may be null.
+    struct Prepared {
+        Text text{};
+        Program program{};
+        std::shared_ptr<const PlcTrial> tried{};
+    };
+    /// These, but with this document of a ReceivedProgram, for which `prepared` needs no text; or
+    /// with none, and with what was prepared of `file`, or whatever lies there by then.
+    [[nodiscard]] SourceFiles with_program(const std::optional<std::string>& document,
+                                           const std::string& file, Prepared prepared) const;
+    /// Remembers no texts, so that all are read again, but what was made of those that turn out to
+    /// be the same.
+    [[nodiscard]] SourceFiles again() const;
     /// What was read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }
 
     /// The program that a file's text was read as, so that it need not be read again; null if it
     /// was not yet. For read_program_file.
-    [[nodiscard]] std::shared_ptr<const controller::Program>& program(const std::string& path)
-    {
-        return programs_[path];
-    }
+    [[nodiscard]] Program& program(const std::string& path) { return programs_[path]; }
+    /// The PLC that was found possible last; null if there was none.
+    [[nodiscard]] std::shared_ptr<const PlcTrial>& tried() { return tried_; }
 
 private:
+    using Programs = std::map<std::string, Program, std::less<>>;
+
     Texts texts_;
+    /// See again().
+    Texts texts_before_;
     /// It was made with all there is to a configuration.
     bool has_all_{false};
     std::string received_place_;
-    std::map<std::string, std::shared_ptr<const controller::Program>, std::less<>> programs_;
+    /// Of texts, and of those before.
+    Programs programs_;
+    std::shared_ptr<const PlcTrial> tried_;
 };
 
 } // namespace busbar::product
