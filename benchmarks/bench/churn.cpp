@@ -4,9 +4,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,7 +14,6 @@
 #include <utility>
 
 #include <busbar/core/attribute_id.hpp>
-#include <busbar/net/system.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/monitored_item.hpp>
@@ -25,16 +21,15 @@
 #include <busbar/types/view.hpp>
 
 #include "administration_calls.hpp"
-#include "identity.hpp"
 #include "load.hpp"
 #include "own_controller.hpp"
 #include "own_server.hpp"
+#include "tool_user.hpp"
 
 namespace busbar::bench {
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 /// A sanitizer's controller that is busy with all of them is slow.
@@ -332,35 +327,13 @@ void download(const Scene& scene, Dice dice)
 }
 
 /// People who use `busbar`.
-class ToolUser {
+class ToolUsers {
 public:
-    ToolUser(const Scene& scene, unsigned seed) : scene_{scene}, dice_{seed} {}
-
-    /// A certificate of the tool that the controller trusts, and files that commands name.
-    [[nodiscard]] static bool prepare(const Scene& scene)
+    ToolUsers(const Scene& scene, unsigned seed)
+        : scene_{scene}, dice_{seed}, tool_{scene.controller, scene.options.tool}
     {
-        const fs::path folder{scene.controller.folder()};
-        std::ofstream{folder / "password"} << good_password << "\n";
-        if (!execute(scene, "cert create")) {
-            return false;
-        }
-        std::error_code failed;
-        for (const auto& each : fs::recursive_directory_iterator{folder / "data", failed}) {
-            if (each.path().extension() == ".der") {
-                fs::copy_file(each.path(), folder / "pki/trusted/certs/tool.der", failed);
-            }
-        }
-        scene.controller.reload();
-        const auto spare = make_identity(net::SystemWallClock{}.now());
-        if (!spare) {
-            return false;
-        }
-        const auto der = spare->certificates.front().der();
-        std::ofstream{folder / "spare.der", std::ios::binary}.write(
-            reinterpret_cast<const char*>(der.data()), static_cast<std::streamsize>(der.size()));
-        std::ofstream{folder / "thumbprint"} << spare->certificates.front().thumbprint_text();
-        return !failed;
     }
+
     void run()
     {
         while (!scene_.ledger.is_over) {
@@ -371,25 +344,13 @@ public:
             if (is_rare && dice_.roll(4) != 0) {
                 continue;
             }
-            const std::string line = "--user " + std::string{user} +
-                                     " --password-file password --trust " + std::string{words};
             scene_.ledger.note(
                 "busbar " + std::string{words.substr(0, words.find(' ', words.find(' ') + 1))},
-                execute(scene_, line));
+                tool_.run(user, words));
         }
     }
 
 private:
-    [[nodiscard]] static bool execute(const Scene& scene, const std::string& words)
-    {
-        const std::string command =
-            "cd '" + scene.controller.folder() +
-            "' && XDG_DATA_HOME=\"$PWD/data\" BUSBAR_URL=" + scene.controller.url() +
-            " timeout 60 '" + fs::absolute(scene.options.tool).string() + "' " + words +
-            " </dev/null >/dev/null 2>&1";
-        return std::system(command.c_str()) == 0; // NOLINT(*-mt-unsafe)
-    }
-
     static constexpr std::string_view security = "SecurityAdmin";
     static constexpr std::string_view configure = "ConfigureAdmin";
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 40> commands{{
@@ -437,6 +398,7 @@ private:
 
     Scene scene_;
     Dice dice_;
+    ToolUser tool_;
 };
 
 /// All of them, each on a thread of its own.
@@ -455,7 +417,7 @@ void play(const Scene& scene)
     threads.emplace_back([&scene, seed = ++seed] { guess(scene, Dice{seed}); });
     threads.emplace_back([&scene, seed = ++seed] { download(scene, Dice{seed}); });
     for (int i = 0; i < 2 && !scene.options.tool.empty(); ++i) {
-        threads.emplace_back([&scene, seed = ++seed] { ToolUser{scene, seed}.run(); });
+        threads.emplace_back([&scene, seed = ++seed] { ToolUsers{scene, seed}.run(); });
     }
     const TimePoint begin = clock_now();
     while (elapsed_us(begin) / 1e6 < scene.options.seconds && scene.controller.is_running()) {
@@ -508,7 +470,7 @@ Result<ChurnReport> churn(const ChurnOptions& options)
     }
     Ledger ledger;
     const Scene scene{**controller, ledger, options};
-    if (!options.tool.empty() && !ToolUser::prepare(scene)) {
+    if (!options.tool.empty() && !ToolUser{**controller, options.tool}.prepare()) {
         return fail(status::Bad_ConfigurationError);
     }
     ChurnReport report;

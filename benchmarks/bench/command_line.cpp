@@ -115,9 +115,14 @@ CLI::App* add_hostile(CLI::App& app, HostileOptions& options)
         ->capture_default_str();
     hostile
         ->add_option("--variables", options.variables,
-                     "further ones of the controller that --administration starts")
+                     "further ones of the controller that --administration or --tool starts")
         ->check(CLI::Range(0, 100'000))
         ->capture_default_str();
+    hostile
+        ->add_option("--tool", options.tool,
+                     "or: programs, backups and projects that this `busbar` sends to controllers "
+                     "of both modes, with --variables")
+        ->check(CLI::ExistingFile);
     hostile->add_flag("--own-addresses", options.has_own_addresses,
                       "each of them from an address of its own, 127.0.0.2 and so on");
     hostile->add_flag("--unrationed", options.is_unrationed,

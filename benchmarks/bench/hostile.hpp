@@ -42,8 +42,10 @@ struct HostileOptions {
     std::string password;
     std::optional<channel::ApplicationIdentity> identity;
     std::size_t calls{1'000};
-    /// Of our own controller's program.
+    /// Of our own controller's program, or its labels.
     std::size_t variables{0};
+    /// Or `busbar`, by which programs, backups and projects are sent to controllers of our own.
+    std::string tool;
     /// What the server's thread had of a processor at a time, since it was asked last; may be
     /// empty.
     std::function<double()> take_longest_piece_ms;

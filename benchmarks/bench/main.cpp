@@ -10,6 +10,7 @@
 #include "compare.hpp"
 #include "own_controller.hpp"
 #include "own_server.hpp"
+#include "product_calls.hpp"
 #include "report.hpp"
 
 using namespace busbar;
@@ -108,9 +109,37 @@ int run_administration(bench::Options options, bench::HostileOptions hostile, bo
     return attack(options, hostile);
 }
 
+/// Controllers of our own, one of each mode, that somebody administers by `busbar`.
+int run_products(bench::Options options, const bench::HostileOptions& hostile)
+{
+    std::vector<bench::HostileRow> rows;
+    for (const bool is_model : {false, true}) {
+        const auto own =
+            bench::OwnController::start({.variables = hostile.variables, .is_model = is_model});
+        if (!own) {
+            return complain(options, own.error());
+        }
+        options.url = (*own)->url();
+        bench::Load load{options};
+        const auto prepared = load.prepare();
+        const auto more = prepared ? bench::administer(load, **own, {**own, hostile.tool}, is_model)
+                                   : fail(prepared.error());
+        if (!more) {
+            (*own)->keep_folder();
+            return complain(options, more.error());
+        }
+        rows.insert(rows.end(), more->begin(), more->end());
+    }
+    bench::print(options, hostile, rows);
+    return 0;
+}
+
 /// Against the server of the options, or one of our own.
 int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
 {
+    if (!hostile.tool.empty()) {
+        return run_products(std::move(options), hostile);
+    }
     if (hostile.is_administration || !hostile.passwords.empty()) {
         return run_administration(std::move(options), std::move(hostile), has_url);
     }

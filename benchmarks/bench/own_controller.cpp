@@ -28,6 +28,7 @@
 #include <busbar/net/system.hpp>
 
 #include "identity.hpp"
+#include "mapped/mapped_model.hpp"
 #include "own_server.hpp"
 #include "process.hpp"
 #include "product/life/start.hpp"
@@ -40,7 +41,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr std::string_view program_file = "bench.st";
 constexpr std::string_view output_file = "output";
 
 /// Cheap enough for a program that is slowed down by a sanitizer.
@@ -62,6 +62,14 @@ constexpr std::string_view usual_logins = R"(
 [limits]
 login_failures_per_address = 1000
 [users]
+)";
+
+constexpr std::string_view machine_table = R"([machine]
+name = "Controller"
+mode = "PROGRAM"
+state = "state"
+medium = "medium"
+execution_log = true
 )";
 
 /// Which nobody listens at; 0 if there is none.
@@ -150,11 +158,12 @@ private:
 };
 
 /// As busbar-controller does, with what it does measured.
-int serve(const std::string& file, std::atomic<double>& longest_ms)
+int serve(const std::string& file, bool is_model, std::atomic<double>& longest_ms)
 {
     try {
         product::Configuration configuration;
         configuration.file = file;
+        configuration.project = is_model ? "project" : "";
         product::SimulatedRuntime runtime;
         net::StderrLog log{LogLevel::Debug};
         bool starts = true;
@@ -187,8 +196,9 @@ struct OwnController::Shared {
 };
 
 OwnController::OwnController(std::string folder, channel::ApplicationIdentity client,
-                             Shared* shared)
-    : folder_{std::move(folder)}, client_{std::move(client)}, shared_{shared}
+                             Shared* shared, OwnControllerOptions options)
+    : folder_{std::move(folder)}, client_{std::move(client)}, shared_{shared}, options_{std::move(
+                                                                                   options)}
 {
 }
 
@@ -205,25 +215,24 @@ Result<std::unique_ptr<OwnController>> OwnController::start(const OwnControllerO
         return fail(status::Bad_OutOfMemory);
     }
     std::unique_ptr<OwnController> controller{
-        new OwnController{std::move(folder), *std::move(client), new (memory) Shared}};
-    if (!controller->begin(options)) {
+        new OwnController{std::move(folder), *std::move(client), new (memory) Shared, options}};
+    if (!controller->begin()) {
         controller->keep_folder();
         return fail(status::Bad_CommunicationError);
     }
     return controller;
 }
 
-bool OwnController::begin(const OwnControllerOptions& options)
+bool OwnController::begin()
 {
-    variables_ = options.variables;
     const std::uint16_t port = free_port();
     url_ = "opc.tcp://127.0.0.1:" + std::to_string(port);
-    if (port == 0 || !write_files(options, port)) {
+    if (port == 0 || !write_files(port)) {
         return false;
     }
     const std::string file = folder_ + "/controller.toml";
     const std::string program =
-        options.program.empty() ? "" : fs::absolute(options.program).string();
+        options_.program.empty() ? "" : fs::absolute(options_.program).string();
     process_ = ::fork();
     if (process_ != 0) {
         return process_ > 0 && await();
@@ -232,23 +241,23 @@ bool OwnController::begin(const OwnControllerOptions& options)
     redirect_output(folder_ + "/" + std::string{output_file});
     static_cast<void>(::chdir(folder_.c_str()));
     if (program.empty()) {
-        ::_exit(serve(file, shared_->longest_ms));
+        ::_exit(serve(file, options_.is_model, shared_->longest_ms));
     }
     ::execl(program.c_str(), program.c_str(), "--config", file.c_str(), nullptr);
     ::_exit(127);
 }
 
-bool OwnController::write_files(const OwnControllerOptions& options, std::uint16_t port) const
+bool OwnController::write_files(std::uint16_t port) const
 {
     std::ostringstream text;
     text << "[server]\nname = \"Bench\"\naddress = \"127.0.0.1\"\nauditing = true\nport = " << port
          << "\n[certificates]\nfolder = \"pki\"\n"
          << "[[endpoint]]\npolicy = \"None\"\nmode = \"None\"\n"
          << "[[endpoint]]\npolicy = \"Basic256Sha256\"\nmode = \"SignAndEncrypt\"\n"
-         << accounts(options.has_quick_logins)
+         << accounts(options_.has_quick_logins)
          << "[[files]]\nname = \"recipes\"\nfolder = \"recipes\"\n"
-         << "[machine]\nprogram = \"" << program_file << "\"\nname = \"Controller\"\n"
-         << "mode = \"PROGRAM\"\nstate = \"state\"\nmedium = \"medium\"\nexecution_log = true\n";
+         << (options_.is_model ? "[labels]\n" : machine_table) << "program = \"" << program_file
+         << "\"\n";
     const fs::path folder{folder_};
     std::error_code failed;
     fs::create_directories(folder / "pki/trusted/certs", failed);
@@ -259,19 +268,38 @@ bool OwnController::write_files(const OwnControllerOptions& options, std::uint16
            write_program(0);
 }
 
-bool OwnController::write_program(std::size_t number) const
+bool OwnController::write_program(std::size_t number, std::string_view file) const
 {
     std::ostringstream text;
     text << "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n    Speed : INT := 17;\n"
          << "    Text : STRING[32] := 'bench';\n    List : ARRAY [0..9] OF LREAL;\n";
-    for (std::size_t i = 0; i < variables_; ++i) {
-        text << "    Bulk" << i << " : DINT;\n";
+    for (std::size_t i = 0; i < options_.variables; ++i) {
+        if (options_.is_model) {
+            text << "    " << mapped_name(i) << " : INT;\n";
+        } else {
+            text << "    Bulk" << i << " : DINT;\n";
+        }
     }
     for (std::size_t i = 0; i < number % 8; ++i) {
         text << "    Added" << i << " : " << (number % 16 < 8 ? "DINT" : "LREAL") << ";\n";
     }
     text << "END_VAR\nVAR_GLOBAL RETAIN\n    Kept : DINT := 5;\nEND_VAR\n";
-    return write_file(fs::path{folder_} / program_file, text.str());
+    return write_file(fs::path{folder_} / file, text.str());
+}
+
+bool OwnController::write_project(std::string_view file) const
+{
+    MappedModel model;
+    model.objects = options_.variables / model.variables;
+    controller::Project project;
+    project.network.listeners.front().port =
+        static_cast<std::uint32_t>(std::stoul(url_.substr(url_.rfind(':') + 1)));
+    project.security.policies.clear();
+    project.security.mode = MessageSecurityMode::None;
+    project.security.allows_anonymous = true;
+    project.models = model_files(model);
+    const auto document = controller::document_of(project);
+    return document && write_file(fs::path{folder_} / file, *document);
 }
 
 bool OwnController::await()

@@ -29,6 +29,8 @@ struct OwnControllerOptions {
     bool has_quick_logins{false};
     /// Published DINT beside those that the program has anyway.
     std::size_t variables{0};
+    /// In model mode, with so many INT labels instead and a folder for a project, but none in it.
+    bool is_model{false};
 };
 
 /// A controller of this project in a process and a folder of its own, which has a program,
@@ -36,6 +38,8 @@ struct OwnControllerOptions {
 /// PROGRAM.
 class OwnController {
 public:
+    static constexpr std::string_view program_file = "bench.st";
+
     /// Before this process has threads. Returns when it answers. Bad_CommunicationError if it does
     /// not, or ends; its output stays in the folder then.
     [[nodiscard]] static Result<std::unique_ptr<OwnController>>
@@ -52,8 +56,12 @@ public:
     [[nodiscard]] const channel::ApplicationIdentity& client() const { return client_; }
     /// See take_longest_piece_ms of HostileOptions; 0 with a program of its own.
     [[nodiscard]] double take_longest_piece_ms();
-    /// Writes the program's file. Number 0 is what it starts with; others have other variables.
-    [[nodiscard]] bool write_program(std::size_t number) const;
+    /// Writes the program's file, or another one in the folder. Number 0 is what it starts with;
+    /// others have other variables.
+    [[nodiscard]] bool write_program(std::size_t number,
+                                     std::string_view file = program_file) const;
+    /// Writes a project into the folder whose Variables are the labels.
+    [[nodiscard]] bool write_project(std::string_view file) const;
     /// Has it read its files again, SIGHUP.
     void reload() const;
     [[nodiscard]] bool is_running();
@@ -67,9 +75,10 @@ public:
 private:
     struct Shared;
 
-    OwnController(std::string folder, channel::ApplicationIdentity client, Shared* shared);
-    [[nodiscard]] bool write_files(const OwnControllerOptions& options, std::uint16_t port) const;
-    [[nodiscard]] bool begin(const OwnControllerOptions& options);
+    OwnController(std::string folder, channel::ApplicationIdentity client, Shared* shared,
+                  OwnControllerOptions options);
+    [[nodiscard]] bool write_files(std::uint16_t port) const;
+    [[nodiscard]] bool begin();
     [[nodiscard]] bool await();
 
     std::string folder_;
@@ -77,7 +86,7 @@ private:
     /// With the process.
     Shared* shared_;
     std::string url_;
-    std::size_t variables_{0};
+    OwnControllerOptions options_;
     pid_t process_{0};
     std::optional<int> exit_code_;
     bool keeps_folder_{false};

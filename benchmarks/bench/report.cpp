@@ -157,8 +157,9 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
     if (has_memory) {
         std::printf(" %10s %10s", "peak MB", "left MB");
     }
-    const bool has_calls = std::any_of(rows.begin(), rows.end(),
-                                       [](const HostileRow& row) { return !row.status.empty(); });
+    const bool has_calls = std::any_of(rows.begin(), rows.end(), [](const HostileRow& row) {
+        return !row.status.empty() || row.longest_piece_ms > 0;
+    });
     std::printf(has_calls ? " %10s status\n" : "\n", "piece ms");
     for (const HostileRow& row : rows) {
         std::printf("%-*s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f %11.1f", width,
