@@ -13,6 +13,9 @@ namespace {
 
 /// Between two Reads.
 constexpr std::chrono::milliseconds pause_of_reads{1};
+/// For connects, while the server may be starting again.
+constexpr std::chrono::milliseconds longest_restart{5'000};
+constexpr std::chrono::milliseconds pause_of_connects{20};
 
 } // namespace
 
@@ -26,8 +29,15 @@ GoodClient::GoodClient(Load& load) : load_{&load}
 
 Result<void> GoodClient::connect()
 {
-    loop_ = std::make_unique<net::ClientLoop>();
-    return load_->open(*loop_, true, patience);
+    const TimePoint begin = clock_now();
+    for (;;) {
+        loop_ = std::make_unique<net::ClientLoop>();
+        const auto connected = load_->open(*loop_, true, patience);
+        if (connected || clock_now() - begin > longest_restart) {
+            return connected;
+        }
+        std::this_thread::sleep_for(pause_of_connects);
+    }
 }
 
 Result<void> GoodClient::read_while(const std::function<bool(double)>& goes_on, HostileRow& row)

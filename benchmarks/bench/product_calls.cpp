@@ -24,7 +24,7 @@ struct ProductCommand {
 
 constexpr std::array<ProductCommand, 15> machine_commands{{
     {"program check", "admin program check added.st"},
-    {"program compare", "admin program compare added.st"},
+    {"program compare", "admin program compare first.st"},
     {"program edit, 3 more", "admin program edit added.st --yes"},
     {"program edit, 3 fewer", "admin program edit first.st --yes"},
     {"program download", "admin program download other.st --yes"},
@@ -33,11 +33,11 @@ constexpr std::array<ProductCommand, 15> machine_commands{{
     {"setting set", "admin setting set plc.scan_ms 10"},
     {"backup", "admin backup all.backup --yes"},
     {"verify", "admin verify all.backup"},
-    {"restore", "admin restore all.backup --yes"},
     {"mode run", "admin mode run --yes"},
     {"mode program", "admin mode program --yes"},
     {"log", "admin log -n 20"},
     {"status", "admin status"},
+    {"restore", "admin restore all.backup --yes"}, // it starts again some seconds later
 }};
 
 constexpr std::array<ProductCommand, 6> model_commands{{

@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 #include <busbar/controller/program.hpp>
@@ -26,11 +28,19 @@ public:
 
     [[nodiscard]] const Program& program() const { return program_; }
     [[nodiscard]] const ProgramTypes& types() const { return *types_; }
+    /// The variable of this name, as fold_name() has it; null if there is none.
+    [[nodiscard]] const GlobalVariable* variable(const std::string& folded) const
+    {
+        const auto found = variables_.find(folded);
+        return found != variables_.end() ? found->second : nullptr;
+    }
 
 private:
     Program program_;
     /// Looks at program_.
     std::optional<ProgramTypes> types_;
+    /// By their folded names.
+    std::unordered_map<std::string, const GlobalVariable*> variables_;
 };
 
 } // namespace busbar::controller

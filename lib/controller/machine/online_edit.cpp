@@ -1,7 +1,6 @@
 #include "online_edit.hpp"
 
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "controller/program/program_problem.hpp"
@@ -41,26 +40,22 @@ Configured<void> check_same_types(const ProgramTypes& before, const ProgramTypes
     return {};
 }
 
-Configured<void> check_same_variables(const ProgramTypes& before, const ProgramTypes& edited)
+Configured<void> check_same_variables(const CheckedProgram& before, const CheckedProgram& edited)
 {
-    TypePrints old_prints{before};
-    TypePrints new_prints{edited};
-    std::unordered_map<std::string, const GlobalVariable*> known;
-    for (const GlobalVariable& variable : before.program().variables) {
-        known.emplace(fold_name(variable.name), &variable);
-    }
+    TypePrints old_prints{before.types()};
+    TypePrints new_prints{edited.types()};
     const auto& variables = edited.program().variables;
     for (std::size_t i = 0; i < variables.size(); ++i) {
-        const auto old = known.find(fold_name(variables[i].name));
-        if (old == known.end()) {
+        const GlobalVariable* const old = before.variable(fold_name(variables[i].name));
+        if (old == nullptr) {
             continue;
         }
         const std::string where = place_in("variables", i, variables[i].name);
-        if (old->second->is_constant != variables[i].is_constant) {
+        if (old->is_constant != variables[i].is_constant) {
             return changed_online(where, variables[i].place,
                                   variables[i].is_constant ? "was no constant" : "was a constant");
         }
-        if (old_prints.print(old->second->type) != new_prints.print(variables[i].type)) {
+        if (old_prints.print(old->type) != new_prints.print(variables[i].type)) {
             return changed_online(where, variables[i].place, "had another type");
         }
     }

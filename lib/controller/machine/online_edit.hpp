@@ -1,6 +1,6 @@
 #pragma once
 
-#include <busbar/controller/program_types.hpp>
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/core/problem.hpp>
 
 namespace busbar::controller::detail {
@@ -14,7 +14,7 @@ namespace busbar::controller::detail {
                                                 const ProgramTypes& edited);
 /// No variable has another type, or is a constant and was none. Initial values, RETAIN, the publish
 /// attribute, addresses and comments may be others.
-[[nodiscard]] Configured<void> check_same_variables(const ProgramTypes& before,
-                                                    const ProgramTypes& edited);
+[[nodiscard]] Configured<void> check_same_variables(const CheckedProgram& before,
+                                                    const CheckedProgram& edited);
 
 } // namespace busbar::controller::detail

@@ -45,42 +45,35 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
     return indices;
 }
 
-using Variables = std::unordered_map<std::string, const GlobalVariable*>;
-
-Variables by_name(const Program& program)
-{
-    Variables all;
-    for (const GlobalVariable& each : program.variables) {
-        all.emplace(fold_name(each.name), &each);
-    }
-    return all;
-}
-
 /// The folded names of variables of `before` that clients saw and are not to see any more.
-std::unordered_set<std::string> unpublished_names(const Program& before, const Variables& edited)
+std::unordered_set<std::string> unpublished_names(const Program& before,
+                                                  const CheckedProgram& edited)
 {
     std::unordered_set<std::string> names;
     for (const GlobalVariable& each : before.variables) {
-        const auto found = edited.find(fold_name(each.name));
-        if (found == edited.end() || found->second->publish == NetworkPublish::Hidden) {
-            names.insert(fold_name(each.name));
+        std::string name = fold_name(each.name);
+        const GlobalVariable* const found = edited.variable(name);
+        if (found == nullptr || found->publish == NetworkPublish::Hidden) {
+            names.insert(std::move(name));
         }
     }
     return names;
 }
 
 /// Those of the image that are RETAIN in `edited` and were not in `before`.
-std::vector<ProgramImageAddition> retained_anew(const Variables& before, const Program& edited,
+std::vector<ProgramImageAddition> retained_anew(const CheckedProgram& before, const Program& edited,
                                                 const Handles& in_image)
 {
     std::vector<ProgramImageAddition> all;
     for (std::size_t i = 0; i < edited.variables.size(); ++i) {
         const GlobalVariable& variable = edited.variables[i];
+        if (!variable.is_retained) {
+            continue;
+        }
         const std::string name = fold_name(variable.name);
-        const auto old = before.find(name);
+        const GlobalVariable* const old = before.variable(name);
         const auto handle = in_image.find(name);
-        if (variable.is_retained && old != before.end() && !old->second->is_retained &&
-            handle != in_image.end()) {
+        if (old != nullptr && !old->is_retained && handle != in_image.end()) {
             all.push_back({handle->second, {i}, nullptr});
         }
     }
@@ -166,7 +159,7 @@ Configured<void> PublishedProgram::check_edit(std::span<const Edition> editions,
             return same;
         }
     }
-    return detail::check_same_variables(editions.back()->types(), edited.types());
+    return detail::check_same_variables(*editions.back(), edited);
 }
 
 Configured<ProgramAddition> PublishedProgram::edit(Program edited, std::uint16_t namespace_index,
@@ -183,15 +176,14 @@ Configured<ProgramAddition> PublishedProgram::edit(Edition edited, std::uint16_t
                                                    ProgramImage& image)
 {
     const ProgramTypes& types = edited->types();
-    const ProgramTypes& current = editions_.back()->types();
-    const Variables before = by_name(current.program());
-    const Variables after = by_name(types.program());
+    const CheckedProgram& current = *editions_.back();
     Handles in_image{in_image_};
-    std::erase_if(in_image, [&](const auto& each) { return !after.contains(each.first); });
-    auto retained = retained_anew(before, types.program(), in_image);
+    std::erase_if(in_image,
+                  [&](const auto& each) { return edited->variable(each.first) == nullptr; });
+    auto retained = retained_anew(current, types.program(), in_image);
     // A copy, so that nothing has changed if the image cannot have them.
     Publication publication{*publication_};
-    auto removed = publication.remove(unpublished_names(current.program(), after));
+    auto removed = publication.remove(unpublished_names(current.program(), *edited));
     const PublicationGroup group = publication.add(types);
     const std::span<const PublishedVariable> added{publication.published()};
     const auto indices = variables_of_image(types, added.subspan(group.first_published), in_image);

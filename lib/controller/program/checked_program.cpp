@@ -15,6 +15,10 @@ Configured<std::shared_ptr<const CheckedProgram>> CheckedProgram::create(Program
     if (auto initial = check_initial_values(*checked->types_); !initial) {
         return Unexpected{std::move(initial).error()};
     }
+    checked->variables_.reserve(checked->program_.variables.size());
+    for (const GlobalVariable& each : checked->program_.variables) {
+        checked->variables_.emplace(fold_name(each.name), &each);
+    }
     return checked;
 }
 
