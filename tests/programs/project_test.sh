@@ -263,7 +263,7 @@ kill -HUP "$pid"
 await logged 'line.st:[0-9]*:[0-9]*: .*nothing was changed'
 
 # 9.8: a second listener, for administrators only, at an address of its own.
-tool_port=$((20000 + $$ % 12000))
+tool_port=$((20000 + $$ % 1500 * 8))
 tool=opc.tcp://127.0.1.2:$tool_port
 cp line.first line.st
 run 0 project set press.busbar "listener 1.address" 127.0.0.1 "listener 1.use" data \

@@ -65,6 +65,10 @@ public:
     /// restores them, if its program has them. One of a name that is kept takes its place.
     void add(const ProgramTypes& types, const ProgramImageAddition& added);
 
+    /// Keeps no longer what is not RETAIN in the edited program: one of the name that comes back
+    /// begins as declared. The file has it until the next save().
+    void drop_others(const Program& edited);
+
     /// How many variables are kept.
     [[nodiscard]] std::size_t size() const { return variables_.size(); }
     /// Puts what the file and the journal have into the image's memory. If there is a journal the

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <unordered_set>
 
 #include <busbar/core/text.hpp>
 #include <busbar/server/image_structure.hpp>
@@ -64,6 +65,24 @@ RetainedValues::~RetainedValues() = default;
 void RetainedValues::add(const ProgramTypes& types, const ProgramImageAddition& added)
 {
     take_in(types, added.variables, added.first_handle);
+}
+
+void RetainedValues::drop_others(const Program& edited)
+{
+    std::unordered_set<std::string> retained;
+    for (const GlobalVariable& each : edited.variables) {
+        if (each.is_retained && !each.is_constant) {
+            retained.insert(fold_name(each.name));
+        }
+    }
+    std::erase_if(variables_,
+                  [&](const Variable& each) { return !retained.contains(fold_name(each.name)); });
+    by_name_.clear();
+    by_handle_.assign(by_handle_.size(), 0);
+    for (std::size_t i = 0; i < variables_.size(); ++i) {
+        by_name_.emplace(fold_name(variables_[i].name), i);
+        by_handle_[variables_[i].handle] = i + 1;
+    }
 }
 
 void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::size_t> indices,

@@ -181,6 +181,13 @@ Configured<void> Settings::check(const SettingValues& changes)
     }
 }
 
+SettingValues Settings::values_on_disk() const
+{
+    SourceFiles sources = sources_.again();
+    const std::string text = read_config_text(path_, sources);
+    return version(text, std::move(sources), {}).merged.values;
+}
+
 Configured<void> Settings::check_restored(const SettingValues& changes, SourceFiles sources) const
 {
     try {

@@ -51,6 +51,8 @@ public:
     {
         return version(text_, sources_, changes).merged.values;
     }
+    /// All of them, as the file says them that lies there now. Throws ConfigError.
+    [[nodiscard]] administration::SettingValues values_on_disk() const;
     /// As check(), of what another controller or an earlier time had, whatever the mode; with
     /// `sources` instead of sources().
     [[nodiscard]] Configured<void> check_restored(const administration::SettingValues& changes,

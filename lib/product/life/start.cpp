@@ -23,15 +23,17 @@ namespace {
 
 /// What of a TakenOver is used.
 struct Way {
+    /// All but the program that was received.
     bool takes_files;
     bool takes_received;
     bool takes_settings;
     bool takes_project;
 };
 
-constexpr std::array ways{Way{true, false, false, false}, Way{true, true, false, false},
-                          Way{false, false, true, false}, Way{false, false, false, true},
-                          Way{true, true, true, true}};
+/// A program that was received and can be read counts: the first way is for one that is damaged.
+constexpr std::array ways{Way{false, true, false, false}, Way{true, false, false, false},
+                          Way{true, true, false, false},  Way{false, false, true, false},
+                          Way{false, false, false, true}, Way{true, true, true, true}};
 
 /// The first lines of a text, up to this one, counted from 1.
 std::string_view lines_before(std::string_view text, std::size_t line)
@@ -73,6 +75,24 @@ SourceFiles::Texts with_received(SourceFiles::Texts files, Storage& folder)
         files.erase(place);
     }
     return files;
+}
+
+/// Returns true if a program was received and the file has become damaged.
+bool has_damaged_received(Storage& folder)
+{
+    const auto bytes = read_file(folder, ReceivedProgram::file_name, ReceivedProgram::max_size);
+    if (!bytes) {
+        return bytes.error() != StorageError::NotFound;
+    }
+    const std::string_view document{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    return !read_received(document, {}).has_value();
+}
+
+/// The program that was received when the files were taken over, and nothing else of them.
+SourceFiles::Texts received_alone(const SourceFiles::Texts& files, Storage& folder)
+{
+    const auto received = files.find(folder.place(ReceivedProgram::file_name));
+    return received != files.end() ? SourceFiles::Texts{*received} : SourceFiles::Texts{};
 }
 
 /// Puts other settings in the place of those that are there, which lie beside them then. Without
@@ -160,6 +180,8 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Configuration&
     if (way.takes_files) {
         substitutes.files =
             SourceFiles{way.takes_received ? last.files : with_received(last.files, folder)};
+    } else if (way.takes_received) {
+        substitutes.files = SourceFiles{received_alone(last.files, folder)};
     }
     std::optional<OtherSettings> settings;
     if (way.takes_settings && last.settings) {
@@ -195,7 +217,11 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
         if (!last) {
             throw;
         }
+        const bool is_damaged = has_damaged_received(folder);
         for (const Way& way : ways) {
+            if (&way == ways.data() && !is_damaged) {
+                continue;
+            }
             try {
                 return without_damaged(folder, [&](const std::string& damage) {
                     return start_by(way, configuration, *last, folder, error.what(), damage, make);

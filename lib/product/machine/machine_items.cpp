@@ -90,6 +90,17 @@ SettingValues file_values(const Settings& settings)
     }
 }
 
+/// What the file says that lies there now, which may not have been read yet; nothing where it
+/// cannot be used.
+SettingValues unread_values(const Settings& settings)
+{
+    try {
+        return settings.values_on_disk();
+    } catch (const ConfigError&) {
+        return {};
+    }
+}
+
 /// All settings with these changes, but what only the file says of the machine.
 SettingValues all_values(const Settings& settings, SettingValues changes)
 {
@@ -139,9 +150,14 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
         }
         std::erase_if(*all, [&](const auto& each) { return !is_other(each); });
         const SettingValues of_file = file_values(settings);
+        const SettingValues unread = unread_values(settings);
+        const auto is_said_by = [](const SettingValues& file, const auto& each) {
+            const auto said = file.find(each.first);
+            return said != file.end() && said->second == each.second;
+        };
+        // The restart reads the file again: a value that it would change has to be kept.
         std::erase_if(*values, [&](const auto& each) {
-            const auto said = of_file.find(each.first);
-            return is_other(each) || (said != of_file.end() && said->second == each.second);
+            return is_other(each) || (is_said_by(of_file, each) && is_said_by(unread, each));
         });
         all->merge(*values);
         return settings_bytes(*all);

@@ -35,10 +35,13 @@ void MachineRetained::keep(const controller::ProgramAddition& added)
     if (!values_) {
         return;
     }
+    values_->drop_others(added.types->program());
     values_->add(*added.types, added.image);
     for (const controller::ProgramImageAddition& each : added.retained) {
         values_->add(*added.types, each);
     }
+    // Or a variable that was deleted and comes back would have the value from before after a kill.
+    static_cast<void>(told(values_->save()));
 }
 
 Stored<void> MachineRetained::save()

@@ -94,6 +94,23 @@ power_cycle
 value Speed 99
 value Total 78
 
+# What the backup says counts, though the file says otherwise by now and nobody has read that.
+cp second/controller.toml before.toml
+printf '[plc]\nscan_ms = 40\n' >> second/controller.toml
+power_cycle
+chief 0 admin mode "$url" program --yes
+chief 0 admin backup "$url" forty.backup
+one_step
+sed -i 's/scan_ms = 40/scan_ms = 50/' second/controller.toml
+chief 0 admin restore "$url" forty.backup --yes
+says 'restored'
+step_ends
+power_cycle
+chief 0 admin setting list "$url" plc.scan_ms
+says 'plc.scan_ms *40 '
+cp before.toml second/controller.toml
+power_cycle
+
 # Clear All Memory: program and settings of the unit's own file, and values as declared.
 chief 0 admin mode "$url" program --yes
 chief 0 admin clear "$url" --yes

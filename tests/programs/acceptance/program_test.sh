@@ -186,6 +186,18 @@ echo damaged >> pki/program.received
 power_cycle
 logged 'program.received.*; it begins with what it ran with last' || fail "damage: no line"
 value Speed 18
+# Nor does it keep a file that was changed meanwhile out of force.
+echo damaged >> pki/program.received
+power_cut
+cp controller.toml before.toml
+sed -i 's/^\[limits\]$/&\nsessions = 31/' controller.toml
+serve --config controller.toml
+value Speed 18
+as chief 0 admin setting list "$url" limits.sessions
+says 'limits.sessions *31\( \|$\)'
+power_cut
+cp before.toml controller.toml
+serve --config controller.toml
 
 # Whoever has the machine, and nobody to ask, drops what was sent: readable or not.
 forget() {

@@ -165,5 +165,19 @@ run 0 --insecure write "$url" "$(node Added)" 6
 power_cycle
 is Added 6 "added online"
 is Count 2000 "beside it"
+
+# One that is deleted online and comes back begins as declared, also after a power cycle.
+sed -i '/Added : INT/d' line.st
+hang_up 'edited online: line.st'
+sed -i "s/    Recipe : /    Added : INT := 5;\n    {attribute 'publish' := 'publish only'}\n    Recipe : /" line.st
+rm -f log.before
+cp log log.before
+kill -HUP "$pid"
+edited_twice() { [ "$(grep -c 'edited online: line.st' log)" -ge 2 ]; }
+await edited_twice
+is Added 5 "deleted and added again"
+power_cycle
+is Added 5 "deleted, added again, and a power cycle"
+is Count 2000 "beside it"
 shut_down
 finish
