@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include <busbar/crypto/certificate_store.hpp>
+
 #include "openssl.hpp"
 
 namespace busbar::crypto::detail {
@@ -66,3 +68,12 @@ std::string issuer_common_name(const RevocationList& list)
 }
 
 } // namespace busbar::crypto::detail
+
+namespace busbar::crypto {
+
+std::string file_name_of(const RevocationList& list)
+{
+    return detail::store_file_name(list) + ".crl";
+}
+
+} // namespace busbar::crypto

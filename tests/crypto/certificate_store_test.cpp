@@ -1,5 +1,7 @@
 #include <busbar/crypto/certificate_store.hpp>
 
+#include <sstream>
+
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 
@@ -183,15 +185,29 @@ TEST_CASE("a certificate is shown line by line", "[crypto][store]")
     for (const char* text :
          {"Subject:      CN=press", "Valid to:     2026-04-11", "Application:  urn:test:leaf\n",
           "Hosts:        plc.example, 192.0.2.7\n", "Key:          RSA, 2048 bits\n",
-          "sha256WithRSAEncryption", "Digital Signature", "TLS Web Server Authentication"}) {
+          "sha256WithRSAEncryption", "Digital Signature", "TLS Web Server Authentication",
+          "Version:      3\n", "Public key:   308201",
+          "Extension:    X509v3 Subject Alternative Name: URI:urn:test:leaf, DNS:plc.example"}) {
         INFO(*shown << " has no " << text);
         CHECK(shown->find(text) != std::string::npos);
     }
-    CHECK(std::count(shown->begin(), shown->end(), '\n') == 13);
+    std::istringstream lines{*shown};
+    std::size_t named_lines = 0;
+    for (std::string line; std::getline(lines, line);) {
+        CHECK(line.find(':') != std::string::npos);
+        named_lines += line.starts_with("Extension:") ? 0U : 1U;
+    }
+    CHECK(named_lines == 15);
     const auto revocations = fixture.store.show(list.thumbprint_text());
     REQUIRE(revocations);
     CHECK(revocations->find("Revoked:      1\n") != std::string::npos);
     CHECK(revocations->find("Next update:  2026-01-31") != std::string::npos);
+    CHECK(revocations->find("Signature:    sha256WithRSAEncryption\n") != std::string::npos);
+    const std::string serial = shown->substr(shown->find("Serial: "));
+    CHECK(revocations->find(serial.substr(0, serial.find('\n')) + " since 20") !=
+          std::string::npos);
+    CHECK(fixture.path("trusted/crl/" + file_name_of(list)) ==
+          fixture.path(fixture.store.list(StoreList::Trusted).back().file));
 }
 
 TEST_CASE("an older version's folders and another spelling are read", "[crypto][store]")

@@ -144,9 +144,13 @@ private:
     std::unique_ptr<detail::RejectedList> rejected_;
 };
 
-/// What a certificate says, for people: one line each for subject, issuer, serial number, validity,
-/// names, key, signature, usage and thumbprint. Printable whatever it contains.
+/// What a certificate says, for people: one line each for subject, issuer, version, serial number,
+/// validity, names, key, signature, usage, further extensions and thumbprint. Printable whatever it
+/// contains.
 [[nodiscard]] BUSBAR_API std::string certificate_text(const Certificate& certificate);
+/// The same of a revocation list, with the serial numbers that it revokes, up to 1,000.
 [[nodiscard]] BUSBAR_API std::string revocation_list_text(const RevocationList& list);
+/// What a store calls the file of a revocation list that it takes: "Name [THUMBPRINT].crl".
+[[nodiscard]] BUSBAR_API std::string file_name_of(const RevocationList& list);
 
 } // namespace busbar::crypto
