@@ -48,6 +48,7 @@ constexpr std::array placed{
     Placed{Thing::TrustLists, "Close", Thing::TrustLists},
     Placed{Thing::TrustLists, "GetPosition", Thing::TrustLists},
     Placed{Thing::TrustLists, "SetPosition", Thing::TrustLists},
+    Placed{Thing::ServerFacts, "RemoveRejectedCertificate", Thing::TrustListChanges},
     Placed{Thing::ServerFacts, "ApplyChanges", Thing::TransactionEnds},
     Placed{Thing::ServerFacts, "CancelChanges", Thing::TransactionEnds},
     Placed{Thing::ServerFacts, "ResetToServerDefaults", Thing::Reset},

@@ -80,6 +80,7 @@ Configured<void> ServerConfiguration::add_nodes()
                              id::ServerConfigurationType_CreateSelfSignedCertificate,
                              &OwnCertificateMethods::create_self_signed)
                 : done;
+    done = done ? add_remove_rejected() : done;
     done = done ? add_setup() : done;
     done = done ? add_own_certificate(server_, table_, files_.configured) : done;
     return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
@@ -107,6 +108,32 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
                              made.error());
     }
     bind_own(*made, method);
+    return {};
+}
+
+Configured<void> ServerConfiguration::add_remove_rejected()
+{
+    const auto own = space_.namespace_index(server_.config().application_uri);
+    model::NewNode node;
+    node.id = NodeId{own.value_or(1), "ServerConfiguration/RemoveRejectedCertificate"};
+    node.browse_name = QualifiedName{own.value_or(1), "RemoveRejectedCertificate"};
+    node.parent = space_.find(id::ServerConfiguration);
+    node.reference_type = NodeId{0, id::HasComponent};
+    model::NewMethod facts;
+    Argument thumbprint;
+    thumbprint.name = "Thumbprint";
+    thumbprint.data_type = NodeId{0, id::String};
+    thumbprint.value_rank = -1;
+    facts.input_arguments.push_back(std::move(thumbprint));
+    const auto made = space_.add_method(node, facts);
+    if (!made) {
+        return misconfigured("certificates", "RemoveRejectedCertificate cannot be added",
+                             made.error());
+    }
+    table_.bind_method(space_, *made, [this](MethodCall call) {
+        expire();
+        remove_rejected(std::move(call));
+    });
     return {};
 }
 
@@ -240,6 +267,25 @@ void ServerConfiguration::get_rejected_list(MethodCall call)
         }
     }
     call.succeed(one_output(Variant{std::move(ders)}));
+}
+
+/// From all groups that have it: GetRejectedList does not tell them apart either.
+void ServerConfiguration::remove_rejected(MethodCall call)
+{
+    const std::string thumbprint = crypto::spelled_thumbprint(text_view(call, 0));
+    StatusCode result = status::Bad_NotFound;
+    for (const CertificateGroup& group : transaction_.groups()) {
+        const auto removed = group.store->remove(crypto::StoreList::Rejected, thumbprint);
+        if (removed) {
+            result = status::Good;
+        } else if (removed.error().status != status::Bad_NotFound) {
+            return call.fail(removed.error().status);
+        }
+    }
+    if (result.is_bad()) {
+        return call.fail(result);
+    }
+    call.succeed();
 }
 
 /// Part 12, 7.10.9.

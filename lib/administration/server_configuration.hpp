@@ -37,12 +37,15 @@ private:
     void bind_own(model::NodeIndex node, OwnMethod method);
     void bind_values();
     void bind_diagnostics();
+    /// RemoveRejectedCertificate, which the standard does not have.
+    [[nodiscard]] Configured<void> add_remove_rejected();
     /// InApplicationSetup, which the type has as an optional one.
     [[nodiscard]] Configured<void> add_setup();
     void add_group(std::uint32_t group, crypto::CertificateStore& store, std::string folder,
                    crypto::CertificatePurpose purpose);
 
     void get_rejected_list(server::MethodCall call);
+    void remove_rejected(server::MethodCall call);
     void apply_changes(server::MethodCall call);
     void cancel_changes(server::MethodCall call);
 

@@ -42,6 +42,7 @@ constexpr std::array places{
     Place{"ServerConfiguration/CancelChanges", Thing::TransactionEnds},
     Place{"ServerConfiguration/ResetToServerDefaults", Thing::Reset},
     Place{"ServerConfiguration/GetRejectedList", Thing::TrustLists},
+    Place{"ServerConfiguration/RemoveRejectedCertificate", Thing::TrustListChanges},
     Place{"ServerConfiguration/TransactionDiagnostics", Thing::TrustLists},
     Place{"ServerConfiguration/CertificateGroups/", Thing::TrustLists},
     Place{"ServerConfiguration/CertificateGroups/*/TrustList/Write", Thing::TrustListChanges},

@@ -137,6 +137,18 @@ TEST_CASE_METHOD(Configuration, "server configuration: lists what it has and wha
     const auto rejected = on_server(admin, id::ServerConfiguration_GetRejectedList, {});
     REQUIRE(rejected.status_code == status::Good);
     CHECK(rejected.output_arguments[0].array_size() == 1);
+
+    const NodeId remove{1, "ServerConfiguration/RemoveRejectedCertificate"};
+    const auto status_of_removing = [&](const std::string& thumbprint) {
+        return on_server(admin, remove, {Variant{String{thumbprint}}}).status_code;
+    };
+    const auto entries = applications.list(crypto::StoreList::Rejected);
+    REQUIRE(entries.size() == 1);
+    CHECK(status_of_removing("00") == status::Bad_NotFound);
+    CHECK(status_of_removing("../trusted") == status::Bad_NotFound);
+    CHECK(status_of_removing(entries.front().thumbprint) == status::Good);
+    CHECK(status_of_removing(entries.front().thumbprint) == status::Bad_NotFound);
+    CHECK(applications.list(crypto::StoreList::Rejected).empty());
 }
 
 TEST_CASE_METHOD(Configuration, "server configuration: a trust list and a certificate, or neither")
