@@ -47,6 +47,11 @@ says "Running"
 as_admin 0 admin cert show "$url"
 says "own"
 before=$(sed -n 's/^own .* \([0-9A-F]*\)$/\1/p' out)
+says "^Thumbprint:  *$before\$"
+as_admin 0 admin cert export "$url"
+run 0 cert show ServerCertificate.der
+says "^Thumbprint:  *$before\$"
+as_admin 2 admin cert export "$url" one two
 
 # A user, with a role and without.
 as_admin 0 admin user add "$url" pat --new-password-file pat --description "of the night shift"
@@ -161,7 +166,20 @@ run 2 cert show chief
 as_admin 0 admin trust remove "$url" "$stranger" --yes
 as_admin 1 admin trust remove "$url" "$stranger" --yes
 run 4 --pki other --user chief --password-file chief --trust admin status "$url"
+as_admin 1 admin trust add "$url" stranger.der # it is among the rejected ones, and is moved
+says "has rejected it: $stranger"
+says "trust move $stranger"
+as_admin 0 admin trust remove "$url" "$stranger" --yes
+as_admin 0 --json admin trust list "$url"
+says_not "$stranger"
 as_admin 0 admin trust add "$url" stranger.der
+as_admin 1 admin trust add "$url" stranger.der
+says "among the trusted ones already"
+as_admin 0 admin trust show "$url" "$stranger"
+for line in 'List:  *trusted' 'Version:  *3' 'Serial: ' 'Signature:  *sha256' 'Key:  *RSA, 2048' \
+    'Public key:  *30' 'Extension:  *X509v3 Subject Key Identifier: '; do
+    says "^$line"
+done
 
 # A CA and its revocation list, of which there is one at a time.
 if command -v openssl > /dev/null; then
@@ -175,20 +193,29 @@ if command -v openssl > /dev/null; then
     done
     as_admin 1 admin trust add "$url" ca20.crl
     says "add its issuer first"
-    as_admin 0 admin trust add "$url" ca.pem --issuer
-    as_admin 0 admin trust add "$url" ca20.crl
+    as_admin 0 admin trust add "$url" ca.pem ca20.crl --issuer
     as_admin 0 admin trust add "$url" ca25.crl
     as_admin 0 admin trust list "$url"
     says "^issuers .*Works CA"
     says "^issuers crl .*Works CA .*0 revoked"
     [ "$(grep -c '^issuers crl' out)" -eq 1 ] || fail "there are two revocation lists of one CA"
     crl=$(sed -n 's/^issuers crl .* \([0-9A-F]*\)$/\1/p' out)
+    as_admin 0 admin trust show "$url" "$crl"
+    says '^Issuer:  *CN=Works CA'
+    as_admin 0 admin trust export "$url" back.crl "$crl"
+    openssl crl -in ca25.crl -outform DER -out ca25.der
+    cmp -s ca25.der back.crl || fail "the exported revocation list is another one"
     as_admin 1 admin trust remove "$url" "$crl" # nobody says yes
     as_admin 0 admin trust remove "$url" "$crl" --yes
     as_admin 0 admin trust list "$url"
     grep -q "^issuers crl" out && fail "the revocation list is there still"
     ca=$(sed -n 's/^issuers .* \([0-9A-F]*\)$/\1/p' out)
     as_admin 0 admin trust remove "$url" "$ca" --yes
+    # Of several files one is wrong: none is taken.
+    as_admin 1 admin trust add "$url" ca.pem stranger.der
+    as_admin 2 admin trust add "$url" ca.pem chief
+    as_admin 0 admin trust list "$url"
+    says_not "Works CA"
 fi
 
 # Another certificate, while it runs. It names what we connect to, or we would refuse it.

@@ -9,6 +9,7 @@
 
 #include "tool/connection/connection.hpp"
 #include "tool/stream/stream.hpp"
+#include "trust_table.hpp"
 
 /// The subcommands of `busbar admin`, one file for each subject.
 namespace busbar::tool::admin {
@@ -45,6 +46,7 @@ struct AdminArguments {
     std::vector<std::string> words;
     bool is_of_users{false};
     bool is_issuer{false};
+    TrustOrder order;
     /// Asks nothing.
     bool is_sure{false};
     std::string new_password_file;
@@ -111,21 +113,5 @@ void make_sure(Context& context, const AdminArguments& arguments, const std::str
 Exit shut_down(Context& context, Connection& connection, const AdminArguments& arguments);
 /// "done", or {"done": what}.
 Exit report(Context& context, const std::string& what);
-/// A row of common name, organization, domain, thumbprint and end of validity.
-struct CertificateRow {
-    std::string list;
-    crypto::Certificate certificate;
-};
-/// A revocation list; `list` is "trusted" or "issuers", by whose issuer it lies with.
-struct RevocationRow {
-    std::string list;
-    crypto::RevocationList revocations;
-};
-void print_trust(Context& context, const std::vector<CertificateRow>& rows,
-                 const std::vector<RevocationRow>& revocations);
-void print_certificates(Context& context, const std::vector<CertificateRow>& rows);
-/// The one of `rows` whose thumbprint begins like this; throws Failure if that is none or several.
-[[nodiscard]] const CertificateRow& find(const std::vector<CertificateRow>& rows,
-                                         const std::string& thumbprint);
 
 } // namespace busbar::tool::admin

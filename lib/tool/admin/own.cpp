@@ -63,8 +63,23 @@ crypto::Certificate present(Connection& connection)
 Exit show(Context& context, Connection& connection, const AdminArguments&)
 {
     const auto shown = displayed(connection);
-    print_certificates(context, {{"own", shown ? *shown : present(connection)}});
+    print_own(context, {"own", shown ? *shown : present(connection)});
     return Exit::Good;
+}
+
+Exit export_own(Context& context, Connection& connection, const AdminArguments& arguments)
+{
+    if (arguments.words.size() > 1) {
+        throw Failure{Exit::Usage,
+                      std::to_string(arguments.words.size()) + " arguments instead of 1",
+                      "expected FILE"};
+    }
+    const std::string file =
+        arguments.words.empty() ? "ServerCertificate.der" : arguments.words.front();
+    const crypto::Certificate certificate = present(connection);
+    const auto der = certificate.der();
+    write_file(file, {reinterpret_cast<const char*>(der.data()), der.size()});
+    return report(context, "exported " + certificate.thumbprint_text() + " to " + safe(file));
 }
 
 void apply(Connection& connection)
@@ -248,7 +263,10 @@ void add_own(CLI::App& admin, Run& run)
     Group group{admin, run, "cert", "The server's own certificate."};
     auto& arguments = group.arguments();
     constexpr unsigned max_days = 7'305; // twenty years
-    group.add("show", "Shows it.", 0, "URL", show);
+    group.add("show", "Shows all that it says.", 0, "URL", show);
+    group.add_any("export",
+                  "Writes it to a DER file for clients to trust, ServerCertificate.der by default.",
+                  "FILE", export_own);
     auto* asked = group.add("request", "Writes a request for a CA to a file.", 1, "FILE", request);
     group.add("install", "Puts what a CA issued for the request in force.", 1, "FILE", install);
     auto* made =

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <busbar/crypto/revocation_list.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -14,70 +16,132 @@ namespace busbar::tool::admin {
 namespace trust_lists {
 namespace {
 
-std::vector<CertificateRow> rows_of(Connection& connection, bool of_users, bool with_rejected)
-{
-    std::vector<CertificateRow> rows;
-    const TrustListDataType lists = read_trust_list(connection, trust_list(connection, of_users));
-    const auto take = [&](const char* name, std::vector<crypto::Certificate> certificates) {
-        for (crypto::Certificate& certificate : certificates) {
-            rows.push_back({name, std::move(certificate)});
-        }
-    };
-    take("trusted", certificates_of(lists.trusted_certificates));
-    take("issuers", certificates_of(lists.issuer_certificates));
-    if (with_rejected) {
-        take("rejected", rejected(connection));
-    }
-    return rows;
-}
-
+constexpr auto trusted_certificates =
+    static_cast<std::uint32_t>(TrustListMasks::TrustedCertificates);
 constexpr auto issuer_certificates = static_cast<std::uint32_t>(TrustListMasks::IssuerCertificates);
 constexpr auto trusted_crls = static_cast<std::uint32_t>(TrustListMasks::TrustedCrls);
 constexpr auto issuer_crls = static_cast<std::uint32_t>(TrustListMasks::IssuerCrls);
 
-std::vector<RevocationRow> revocations_of(const TrustListDataType& lists)
+std::string name_of(const crypto::Certificate& certificate)
 {
-    std::vector<RevocationRow> rows;
-    const auto take = [&](const char* name, const Array<ByteString>& ders) {
-        for (const ByteString& der : ders) {
-            if (auto parsed = crypto::RevocationList::parse(der.span())) {
-                rows.push_back({name, *std::move(parsed)});
-            }
+    return certificate.thumbprint_text() + " (" + safe(certificate.subject()) + ")";
+}
+
+std::string name_of(const crypto::RevocationList& list)
+{
+    return "the revocation list " + list.thumbprint_text() + " of " + safe(list.issuer());
+}
+
+void take_revocations(const char* name, const Array<ByteString>& ders,
+                      std::vector<RevocationRow>& rows)
+{
+    for (const ByteString& der : ders) {
+        if (auto parsed = crypto::RevocationList::parse(der.span())) {
+            rows.push_back({name, *std::move(parsed)});
+        }
+    }
+}
+
+TrustRows rows_of(Connection& connection, const TrustListDataType& lists)
+{
+    TrustRows rows;
+    const auto take = [&](const char* name, std::vector<crypto::Certificate> certificates) {
+        for (crypto::Certificate& certificate : certificates) {
+            rows.certificates.push_back({name, std::move(certificate)});
         }
     };
-    take("trusted", lists.trusted_crls);
-    take("issuers", lists.issuer_crls);
+    take("trusted", certificates_of(lists.trusted_certificates));
+    take("issuers", certificates_of(lists.issuer_certificates));
+    take("rejected", rejected(connection));
+    take_revocations("trusted", lists.trusted_crls, rows.revocations);
+    take_revocations("issuers", lists.issuer_crls, rows.revocations);
     return rows;
+}
+
+TrustListDataType lists_of(Connection& connection, const AdminArguments& arguments)
+{
+    return read_trust_list(connection, trust_list(connection, arguments.is_of_users));
+}
+
+TrustRows rows_of(Connection& connection, const AdminArguments& arguments)
+{
+    return rows_of(connection, lists_of(connection, arguments));
 }
 
 Exit list(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    const TrustListDataType lists =
-        read_trust_list(connection, trust_list(connection, arguments.is_of_users));
-    print_trust(context, rows_of(connection, arguments.is_of_users, true), revocations_of(lists));
+    print_trust(context, rows_of(connection, arguments), arguments.order);
     return Exit::Good;
 }
 
-/// An issuer is no client by itself: those whose certificates it issued are, if they are trusted or
-/// if it is trusted, too.
-Exit add_issuer(Context& context, Connection& connection, const AdminArguments& arguments,
-                const crypto::Certificate& certificate)
+Exit show(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
-    TrustListDataType lists = read_trust_list(connection, nodes);
-    lists.specified_lists = issuer_certificates;
-    lists.issuer_certificates.push_back(ByteString{certificate.der()});
-    write_trust_list(connection, nodes, lists, "adding the issuer");
-    return report(context, "added the issuer " + certificate.thumbprint_text() + " (" +
-                               safe(certificate.subject()) + ")");
+    const TrustRows rows = rows_of(connection, arguments);
+    if (const RevocationRow* const row = find(rows.revocations, arguments.words.front())) {
+        print_details(context, *row);
+    } else {
+        print_details(context, find(rows.certificates, arguments.words.front()));
+    }
+    return Exit::Good;
+}
+
+/// What is to be added, and the file it is from.
+struct Additions {
+    std::vector<std::pair<std::string, crypto::Certificate>> certificates;
+    std::vector<std::pair<std::string, crypto::RevocationList>> revocations;
+};
+
+/// All of them before anything is changed.
+Additions read_additions(const std::vector<std::string>& files)
+{
+    Additions additions;
+    for (const std::string& file : files) {
+        const std::string contents = read_file(file);
+        const auto bytes = std::as_bytes(std::span{contents});
+        if (auto revocations = crypto::RevocationList::parse_file(bytes)) {
+            additions.revocations.emplace_back(file, *std::move(revocations));
+        } else if (auto certificate = crypto::Certificate::parse_file(bytes)) {
+            additions.certificates.emplace_back(file, *std::move(certificate));
+        } else {
+            throw Failure{Exit::Usage, file + ": no certificate and no revocation list",
+                          "expected one, as DER or PEM"};
+        }
+    }
+    if (files.empty()) {
+        throw Failure{Exit::Usage, "no file is given", "expected FILE..."};
+    }
+    return additions;
+}
+
+/// What the server has is not added, and what it has rejected is moved from there (seed 000,
+/// 3-2-5).
+void check_certificates(const Additions& additions, const TrustRows& rows, const char* to)
+{
+    for (const auto& [file, certificate] : additions.certificates) {
+        for (const CertificateRow& row : rows.certificates) {
+            if (!(row.certificate == certificate)) {
+                continue;
+            }
+            if (row.list == to) {
+                throw Failure{status::Bad_EntryExists,
+                              file + ": the server has it among the " + row.list +
+                                  " ones already: " + name_of(certificate),
+                              "nothing was added"};
+            }
+            if (row.list == "rejected") {
+                throw Failure{status::Bad_EntryExists,
+                              file + ": the server has rejected it: " + name_of(certificate),
+                              "`busbar admin trust move " + certificate.thumbprint_text() +
+                                  "` trusts it; nothing was added"};
+            }
+        }
+    }
 }
 
 /// It lies where its issuer does, in the place of an older one of that issuer.
-Exit add_revocations(Context& context, Connection& connection, const AdminArguments& arguments,
-                     const crypto::RevocationList& added)
+void add_revocations(const std::string& file, const crypto::RevocationList& added,
+                     TrustListDataType& lists)
 {
-    const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
-    TrustListDataType lists = read_trust_list(connection, nodes);
     const auto has_issuer = [&](const Array<ByteString>& ders) {
         const auto certificates = certificates_of(ders);
         return std::any_of(certificates.begin(), certificates.end(),
@@ -85,8 +149,10 @@ Exit add_revocations(Context& context, Connection& connection, const AdminArgume
     };
     const bool is_trusted = has_issuer(lists.trusted_certificates);
     if (!is_trusted && !has_issuer(lists.issuer_certificates)) {
-        throw Failure{Exit::Failed, "the revocation list of " + safe(added.issuer()),
-                      "add its issuer first: busbar admin trust add FILE --issuer"};
+        throw Failure{Exit::Failed,
+                      file + ": the server does not have the issuer of the revocation list, " +
+                          safe(added.issuer()),
+                      "add its issuer first, or with it: busbar admin trust add --issuer FILE..."};
     }
     Array<ByteString>& ders = is_trusted ? lists.trusted_crls : lists.issuer_crls;
     Array<ByteString> kept;
@@ -99,59 +165,91 @@ Exit add_revocations(Context& context, Connection& connection, const AdminArgume
     }
     kept.push_back(ByteString{added.der()});
     ders = std::move(kept);
-    lists.specified_lists = is_trusted ? trusted_crls : issuer_crls;
-    write_trust_list(connection, nodes, lists, "adding the revocation list");
-    return report(context, "added the revocation list " + added.thumbprint_text() + " of " +
-                               safe(added.issuer()) + ", " + std::to_string(added.size()) +
-                               " revoked");
+    lists.specified_lists |= is_trusted ? trusted_crls : issuer_crls;
 }
 
-Exit add_certificate(Context& context, Connection& connection, const AdminArguments& arguments,
-                     const crypto::Certificate& certificate)
+/// An issuer is no client by itself: those whose certificates it issued are, if they are trusted or
+/// if it is trusted, too.
+void add_certificates(const Additions& additions, bool are_issuers, TrustListDataType& lists)
 {
-    const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
+    for (const auto& each : additions.certificates) {
+        (are_issuers ? lists.issuer_certificates : lists.trusted_certificates)
+            .push_back(ByteString{each.second.der()});
+        lists.specified_lists |= are_issuers ? issuer_certificates : trusted_certificates;
+    }
+}
+
+void trust(Connection& connection, const TrustListNodes& nodes,
+           const crypto::Certificate& certificate)
+{
     call(connection, nodes.object, nodes.add,
          {Variant{ByteString{certificate.der()}}, Variant{true}}, "trusting the certificate");
-    return report(context, "trusted " + certificate.thumbprint_text() + " (" +
-                               safe(certificate.subject()) + ")");
+}
+
+/// All of it or nothing.
+void add_together(Connection& connection, const TrustListNodes& nodes, const Additions& additions,
+                  bool are_issuers, TrustListDataType lists)
+{
+    lists.specified_lists = 0;
+    add_certificates(additions, are_issuers, lists);
+    for (const auto& [file, revocations] : additions.revocations) {
+        add_revocations(file, revocations, lists);
+    }
+    write_trust_list(connection, nodes, lists, "adding to the trust list");
 }
 
 Exit add(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    const std::string& file = arguments.words.front();
-    const std::string contents = read_file(file);
-    const auto bytes = std::as_bytes(std::span{contents});
-    if (const auto revocations = crypto::RevocationList::parse_file(bytes)) {
-        return add_revocations(context, connection, arguments, *revocations);
+    const Additions additions = read_additions(arguments.words);
+    const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
+    TrustListDataType lists = read_trust_list(connection, nodes);
+    const bool are_issuers = arguments.is_issuer;
+    check_certificates(additions, rows_of(connection, lists), are_issuers ? "issuers" : "trusted");
+    if (!are_issuers && additions.certificates.size() == 1 && additions.revocations.empty()) {
+        trust(connection, nodes, additions.certificates.front().second);
+    } else {
+        add_together(connection, nodes, additions, are_issuers, std::move(lists));
     }
-    const auto certificate = crypto::Certificate::parse_file(bytes);
-    if (!certificate) {
-        throw Failure{Exit::Usage, file + ": no certificate and no revocation list",
-                      "expected one, as DER or PEM"};
+    for (const auto& each : additions.certificates) {
+        report(context, (are_issuers ? "added the issuer " : "trusted ") + name_of(each.second));
     }
-    return arguments.is_issuer ? add_issuer(context, connection, arguments, *certificate)
-                               : add_certificate(context, connection, arguments, *certificate);
+    for (const auto& each : additions.revocations) {
+        report(context, "added " + name_of(each.second) + ", " +
+                            std::to_string(each.second.size()) + " revoked");
+    }
+    return Exit::Good;
+}
+
+/// By a Method of busbar-controller: the standard has none.
+void remove_rejected(Connection& connection, const crypto::Certificate& certificate)
+{
+    const NodeId configuration = standard(id::ServerConfiguration);
+    const NodeId method = find_method(connection, configuration, "RemoveRejectedCertificate");
+    if (method.is_null()) {
+        throw Failure{status::Bad_NotSupported, "removing the rejected certificate",
+                      "the server has no Method for that, or this user may not see it: log in as "
+                      "one with the role SecurityAdmin"};
+    }
+    call(connection, configuration, method, {Variant{String{certificate.thumbprint_text()}}},
+         "removing the rejected certificate");
 }
 
 Exit move(Context& context, Connection& connection, const AdminArguments& arguments)
 {
+    const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
     std::vector<CertificateRow> rows;
     for (crypto::Certificate& certificate : rejected(connection)) {
         rows.push_back({"rejected", std::move(certificate)});
     }
-    const auto& row = find(rows, arguments.words.front());
-    return add_certificate(context, connection, arguments, row.certificate);
-}
-
-/// The revocation list whose thumbprint begins so; null if there is none.
-const RevocationRow* find_revocations(const std::vector<RevocationRow>& rows,
-                                      const std::string& thumbprint)
-{
-    const std::string wanted = crypto::spelled_thumbprint(thumbprint);
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const RevocationRow& row) {
-        return !wanted.empty() && row.revocations.thumbprint_text().starts_with(wanted);
-    });
-    return found != rows.end() ? &*found : nullptr;
+    const crypto::Certificate& certificate = find(rows, arguments.words.front()).certificate;
+    if (arguments.is_issuer) {
+        add_together(connection, nodes, {{{"", certificate}}, {}}, true,
+                     read_trust_list(connection, nodes));
+        remove_rejected(connection, certificate);
+        return report(context, "added the issuer " + name_of(certificate));
+    }
+    trust(connection, nodes, certificate);
+    return report(context, "trusted " + name_of(certificate));
 }
 
 Exit remove_revocations(Context& context, Connection& connection, const AdminArguments& arguments,
@@ -173,21 +271,23 @@ Exit remove_revocations(Context& context, Connection& connection, const AdminArg
     lists.specified_lists = is_trusted ? trusted_crls : issuer_crls;
     write_trust_list(connection, trust_list(connection, arguments.is_of_users), lists,
                      "removing the revocation list");
-    return report(context, "removed the revocation list " + row.revocations.thumbprint_text());
+    return report(context, "removed " + name_of(row.revocations));
 }
 
 Exit remove(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    TrustListDataType lists =
-        read_trust_list(connection, trust_list(connection, arguments.is_of_users));
-    const auto revocations = revocations_of(lists);
-    if (const auto* const found = find_revocations(revocations, arguments.words.front())) {
-        return remove_revocations(context, connection, arguments, std::move(lists), *found);
+    TrustListDataType lists = lists_of(connection, arguments);
+    const TrustRows rows = rows_of(connection, lists);
+    if (const RevocationRow* const row = find(rows.revocations, arguments.words.front())) {
+        return remove_revocations(context, connection, arguments, std::move(lists), *row);
     }
-    const auto rows = rows_of(connection, arguments.is_of_users, false);
-    const CertificateRow& row = find(rows, arguments.words.front());
-    const std::string what =
-        row.certificate.thumbprint_text() + " (" + safe(row.certificate.subject()) + ")";
+    const CertificateRow& row = find(rows.certificates, arguments.words.front());
+    const std::string what = name_of(row.certificate);
+    if (row.list == "rejected") {
+        make_sure(context, arguments, "Remove " + what + " from rejected?");
+        remove_rejected(connection, row.certificate);
+        return report(context, "removed " + what);
+    }
     make_sure(context, arguments,
               "Its owner cannot connect any more. Remove " + what + " from " + row.list + "?");
     const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
@@ -197,23 +297,36 @@ Exit remove(Context& context, Connection& connection, const AdminArguments& argu
     return report(context, "removed " + what);
 }
 
-bool names_one(const std::vector<CertificateRow>& rows, const std::string& word)
+/// Whether it begins the thumbprint of something in the lists.
+bool names_one(const TrustRows& rows, const std::string& word)
 {
     const std::string wanted = crypto::spelled_thumbprint(word);
-    return !wanted.empty() && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
-        return row.certificate.thumbprint_text().starts_with(wanted);
-    });
+    return !wanted.empty() &&
+           (std::ranges::any_of(rows.certificates,
+                                [&](const CertificateRow& row) {
+                                    return row.certificate.thumbprint_text().starts_with(wanted);
+                                }) ||
+            std::ranges::any_of(rows.revocations, [&](const RevocationRow& row) {
+                return row.revocations.thumbprint_text().starts_with(wanted);
+            }));
 }
 
-Exit export_certificate(Context& context, Connection& connection, const AdminArguments& arguments)
+Exit export_one(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    const auto rows = rows_of(connection, arguments.is_of_users, true);
+    const TrustRows rows = rows_of(connection, arguments);
     // As `busbar cert export` has it, or the other way round.
     const bool is_file_first = names_one(rows, arguments.words[1]);
-    const CertificateRow& row = find(rows, arguments.words[is_file_first ? 1 : 0]);
-    const auto der = row.certificate.der();
-    write_file(arguments.words[is_file_first ? 0 : 1],
-               {reinterpret_cast<const char*>(der.data()), der.size()});
+    const std::string& file = arguments.words[is_file_first ? 0 : 1];
+    const std::string& thumbprint = arguments.words[is_file_first ? 1 : 0];
+    const auto write = [&](std::span<const std::byte> der) {
+        write_file(file, {reinterpret_cast<const char*>(der.data()), der.size()});
+    };
+    if (const RevocationRow* const row = find(rows.revocations, thumbprint)) {
+        write(row->revocations.der());
+        return report(context, "exported " + name_of(row->revocations));
+    }
+    const CertificateRow& row = find(rows.certificates, thumbprint);
+    write(row.certificate.der());
     return report(context, "exported " + row.certificate.thumbprint_text());
 }
 
@@ -225,20 +338,33 @@ void add_trust(CLI::App& admin, Run& run)
     using namespace trust_lists;
     Group group{admin, run, "trust", "Whom the server trusts."};
     auto& arguments = group.arguments();
-    group.add("list",
-              "Lists certificates, trusted, issuers and rejected, and revocation lists (crl).", 0,
-              "URL", list);
-    auto* added = group.add("add", "Trusts the certificate of a file, or takes a revocation list.",
-                            1, "FILE", add);
+    auto* listed = group.add(
+        "list", "Lists certificates, trusted, issuers and rejected, and revocation lists (crl).", 0,
+        "URL", list);
+    listed->add_option("--sort", arguments.order.column, "the column that each list is sorted by")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(std::begin(trust_columns), std::end(trust_columns))))
+        ->capture_default_str();
+    listed->add_flag("--descending", arguments.order.is_descending, "the last one first");
+    group.add("show", "Shows all that a certificate or a revocation list says.", 1, "THUMBPRINT",
+              show);
+    auto* added = group.add_any("add",
+                                "Trusts the certificates of files, and takes revocation lists: all "
+                                "or, if one is refused, none of them.",
+                                "FILE", add);
     added->add_flag("--issuer", arguments.is_issuer,
-                    "the file is the certificate of a CA that issues others, and is not trusted "
-                    "itself");
-    group.add("move", "Trusts a certificate that the server rejected.", 1, "THUMBPRINT", move);
-    auto* removed = group.add("remove", "Takes a certificate or a revocation list out.", 1,
-                              "THUMBPRINT", remove);
+                    "the files are certificates of CAs that issue others, and are not trusted "
+                    "themselves");
+    auto* moved =
+        group.add("move", "Trusts a certificate that the server rejected.", 1, "THUMBPRINT", move);
+    moved->add_flag("--issuer", arguments.is_issuer,
+                    "it is that of a CA that issues others, and is not trusted itself");
+    auto* removed =
+        group.add("remove", "Takes a certificate, also a rejected one, or a revocation list out.",
+                  1, "THUMBPRINT", remove);
     removed->add_flag("--yes", arguments.is_sure, "do not ask");
-    group.add("export", "Writes a certificate to a DER file.", 2, "FILE THUMBPRINT",
-              export_certificate);
+    group.add("export", "Writes a certificate or a revocation list to a DER file.", 2,
+              "FILE THUMBPRINT", export_one);
     for (auto* command : admin.get_subcommand("trust")->get_subcommands({})) {
         command->add_flag("--users", arguments.is_of_users,
                           "the list of users' certificates, not that of applications");
