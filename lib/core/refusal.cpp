@@ -4,17 +4,23 @@
 
 namespace busbar {
 
+namespace {
+
+std::string finding_of(const Refusal& refusal)
+{
+    std::string text = refusal.found.empty() ? std::string{} : ": " + refusal.found;
+    if (!refusal.thumbprint.empty()) {
+        text += " (" + refusal.subject + ", " + refusal.thumbprint + ")";
+    }
+    return text;
+}
+
+} // namespace
+
 std::string text(const Refusal& refusal)
 {
     std::string line{refusal.check};
-    line += " failed";
-    if (!refusal.found.empty()) {
-        line += ": " + refusal.found;
-    }
-    if (!refusal.thumbprint.empty()) {
-        line += " (" + refusal.subject + ", " + refusal.thumbprint + ")";
-    }
-    line += ": ";
+    line += " failed" + finding_of(refusal) + ": ";
     line += name(refusal.status);
     if (!refusal.rule.empty()) {
         line += ", ";
@@ -25,6 +31,12 @@ std::string text(const Refusal& refusal)
         line += " " + refusal.remedy + ".";
     }
     return line;
+}
+
+std::string reason_of(const Refusal& refusal)
+{
+    std::string text = std::string{refusal.check} + finding_of(refusal);
+    return refusal.remedy.empty() ? text : text + ". " + refusal.remedy;
 }
 
 void explain(LogSink& log, std::string_view source, const Refusal& refusal)

@@ -47,6 +47,15 @@ TEST_CASE("a refusal is one line with check, finding, certificate, status, rule 
                       "rejected to trusted.");
 }
 
+TEST_CASE("the reason of a refusal is for the one who asked")
+{
+    const Refusal refusal{status::Bad_OutOfRange, "password rules", "it has not 8 to 32 characters",
+                          "the configuration", "Choose another one"};
+    CHECK(reason_of(refusal) ==
+          "password rules: it has not 8 to 32 characters. Choose another one");
+    CHECK(reason_of({status::Bad_Timeout, "handshake", {}, {}, {}}) == "handshake");
+}
+
 TEST_CASE("what a refusal does not know is left out")
 {
     CHECK(text({status::Bad_Timeout, "handshake", {}, {}, {}}) == "handshake failed: Bad_Timeout.");

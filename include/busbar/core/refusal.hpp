@@ -44,6 +44,11 @@ using Checked = Expected<T, Refusal>;
 /// Part 4, 6.1.3, Table 100. Move it from rejected to trusted."
 [[nodiscard]] BUSBAR_API std::string text(const Refusal& refusal);
 
+/// The refusal for the user who asked, without its status and rule:
+/// "user name rules: it has 3 characters, expected 4 to 32. Choose another one that fits the
+/// rules".
+[[nodiscard]] BUSBAR_API std::string reason_of(const Refusal& refusal);
+
 /// Writes that line as a warning. Whoever answers the peer calls it, once for each refusal.
 BUSBAR_API void explain(LogSink& log, std::string_view source, const Refusal& refusal);
 

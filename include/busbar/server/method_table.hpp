@@ -42,9 +42,10 @@ public:
 
     // Each of these ends the call; a second one does nothing.
     void succeed(Array<Variant> outputs = {});
-    void fail(StatusCode status);
+    /// `reason` is CallResult::reason.
+    void fail(StatusCode status, std::string reason = {});
     /// Bad_InvalidArgument with one status for each input.
-    void refuse(Array<StatusCode> input_results);
+    void refuse(Array<StatusCode> input_results, std::string reason = {});
 
 private:
     [[nodiscard]] const CallItem& item() const { return batch_->items()[index_]; }

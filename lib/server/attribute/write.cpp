@@ -78,9 +78,12 @@ void WriteOperation::call_completed()
         return fault(refusal);
     }
     ReturnDiagnostics diagnostics = this->diagnostics();
+    const bool is_encrypted =
+        session() != nullptr && session()->security.mode == MessageSecurityMode::SignAndEncrypt;
     const auto infos = diagnostics.of_operations(
         request().nodes_to_write.size(), [&](std::size_t index) { return job_->result(index); },
-        [&](std::size_t index) { return operand_text(request(), index); });
+        [&](std::size_t index) { return operand_text(request(), index); },
+        [&](std::size_t index) { return is_encrypted ? job_->reason(index) : std::string_view{}; });
     respond<WriteResponse>(diagnostics,
                            [&](binary::Writer& writer) { job_->encode_results(writer, infos); });
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/binary/writer.hpp>
@@ -64,6 +65,12 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// What became of an item, once the results are there.
     [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
+    /// Why its source refused it; empty if that is not known.
+    [[nodiscard]] std::string_view reason(std::size_t index) const
+    {
+        const WritePart* const part = call_.part_of(index);
+        return part != nullptr ? std::string_view{part->reason} : std::string_view{};
+    }
     /// The nodes of the items that were looked at, no_node where there was none.
     [[nodiscard]] std::span<const model::NodeHandle> nodes() const { return nodes_; }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.

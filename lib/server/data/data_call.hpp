@@ -162,6 +162,20 @@ public:
         const std::uint32_t place = place_[index];
         return place < size() ? block_->answers[place] : failures_[place - size()];
     }
+    /// The batch that operation `index` was part of, once its source has completed it; null for
+    /// one that was answered here, or whose source is late.
+    [[nodiscard]] const Part* part_of(std::size_t index) const
+    {
+        const std::uint32_t place = place_[index];
+        const auto is_of = [&](const Group& group) {
+            return place == group.failure_place ||
+                   (place >= group.first && place - group.first < group.size);
+        };
+        const auto found = std::find_if(groups_.begin(), groups_.end(), is_of);
+        const bool is_there = found != groups_.end() && block_->parts != nullptr;
+        const Part* const part = is_there ? &block_->parts[found->part] : nullptr;
+        return part != nullptr && part->is_complete() ? part : nullptr;
+    }
     /// As above, to be changed; null if the whole batch failed.
     [[nodiscard]] Answer* find_answer(std::size_t index)
     {
@@ -204,6 +218,8 @@ private:
         bool waiting{false};
         StatusCode refusal;
         StatusCode failure;
+        /// Where its operations are led if it failed.
+        std::uint32_t failure_place{UINT32_MAX};
         TimePoint deadline{no_deadline};
     };
 
@@ -337,6 +353,7 @@ private:
     {
         group.failure = status;
         const auto place = static_cast<std::uint32_t>(size() + failures_.size());
+        group.failure_place = place;
         failures_.emplace_back(status);
         for (std::uint32_t& p : place_) {
             if (p >= group.first && p - group.first < group.size) {

@@ -118,6 +118,13 @@ WriteBatch& WriteBatch::operator=(WriteBatch&& other) noexcept
     return *this;
 }
 
+void WriteBatch::explain(std::string reason)
+{
+    if (part_ != nullptr) {
+        part_->reason = std::move(reason);
+    }
+}
+
 void WriteBatch::complete()
 {
     items_ = {};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <busbar/server/data_source.hpp>
@@ -53,6 +54,8 @@ public:
     [[nodiscard]] const SourceEntry& source() const { return *source_; }
     /// What the source said of the whole batch, Good if it filled the results.
     [[nodiscard]] StatusCode verdict() const { return verdict_; }
+    /// False while the source may change what the part holds.
+    [[nodiscard]] bool is_complete() const { return state_.load() == State::Complete; }
 
     // For the source, from any thread.
 
@@ -95,6 +98,7 @@ class WritePart : public Part {
 public:
     std::span<const WriteItem> items;
     StatusCode* results{nullptr};
+    std::string reason;
 };
 
 } // namespace busbar::server::detail

@@ -1,5 +1,7 @@
 #include "dispatch.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include <busbar/core/text.hpp>
@@ -59,10 +61,15 @@ std::uint32_t allowed_diagnostics(const Core& core, const Session* session, std:
     if ((wanted & diagnostic_bit::for_administrators) == 0) {
         return wanted;
     }
+    // Supervisors and engineers, too: programs and logs are theirs.
+    static constexpr std::array roles{id::WellKnownRole_SecurityAdmin, id::WellKnownRole_Engineer,
+                                      id::WellKnownRole_Supervisor};
     const bool is_known = session != nullptr && session->is_activated;
-    const bool is_admin = is_known && (is_configure_admin(session->user) ||
-                                       has_role(core.address_space, session->user,
-                                                NodeId{0, id::WellKnownRole_SecurityAdmin}));
+    const bool is_admin =
+        is_known && (is_configure_admin(session->user) ||
+                     std::any_of(roles.begin(), roles.end(), [&](std::uint32_t role) {
+                         return has_role(core.address_space, session->user, NodeId{0, role});
+                     }));
     return is_admin ? wanted : wanted & ~diagnostic_bit::for_administrators;
 }
 

@@ -239,9 +239,13 @@ CallDiagnostics CallJob::diagnose(ReturnDiagnostics& diagnostics, const CallRequ
             inputs.size(), [&](std::size_t input) { return inputs[input]; },
             [](std::size_t input) { return "input argument " + std::to_string(input); });
     }
+    const bool is_encrypted = memory_->caller.security_mode == MessageSecurityMode::SignAndEncrypt;
     all.calls = diagnostics.of_operations(
         call_.size(), [&](std::size_t i) { return call_.result(i).status; },
-        [&](std::size_t i) { return operand_text(request, i); });
+        [&](std::size_t i) { return operand_text(request, i); },
+        [&](std::size_t i) {
+            return is_encrypted ? std::string_view{call_.result(i).reason} : std::string_view{};
+        });
     return all;
 }
 

@@ -11,15 +11,18 @@ void MethodCall::succeed(Array<Variant> outputs)
     finish(std::move(result));
 }
 
-void MethodCall::fail(StatusCode status)
+void MethodCall::fail(StatusCode status, std::string reason)
 {
-    finish(CallResult{status});
+    CallResult result{status};
+    result.reason = std::move(reason);
+    finish(std::move(result));
 }
 
-void MethodCall::refuse(Array<StatusCode> input_results)
+void MethodCall::refuse(Array<StatusCode> input_results, std::string reason)
 {
     CallResult result{status::Bad_InvalidArgument};
     result.input_results = std::move(input_results);
+    result.reason = std::move(reason);
     finish(std::move(result));
 }
 

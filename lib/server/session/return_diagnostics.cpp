@@ -26,6 +26,16 @@ std::string words_of(std::string_view name)
     return words;
 }
 
+std::string explained(const std::string& operand, std::string_view reason)
+{
+    constexpr std::size_t cut = 3; // "..." of printable()
+    std::string text = printable(operand, ReturnDiagnostics::max_operand - cut);
+    if (!text.empty() && !reason.empty()) {
+        text += ": ";
+    }
+    return text + printable(reason, ReturnDiagnostics::max_reason - cut);
+}
+
 } // namespace
 
 std::int32_t ReturnDiagnostics::index_of(std::string_view text)
@@ -60,18 +70,18 @@ DiagnosticInfo ReturnDiagnostics::of_service(StatusCode status)
 }
 
 DiagnosticInfo ReturnDiagnostics::of_operation(StatusCode status,
-                                               FunctionRef<std::string()> operand)
+                                               FunctionRef<std::string()> operand,
+                                               FunctionRef<std::string_view()> reason)
 {
-    constexpr std::size_t longest = 256;
     if (status.is_good()) {
         return {};
     }
     const std::uint32_t bits = wanted_ >> diagnostic_bit::to_operations;
     DiagnosticInfo info = describe(status, bits);
-    if ((bits & diagnostic_bit::additional_info) != 0 && info_left_ >= longest) {
-        const std::string text = printable(operand(), longest - 3); // and "..."
+    if ((bits & diagnostic_bit::additional_info) != 0 && info_left_ >= max_operand + max_reason) {
+        const std::string text = explained(operand(), reason());
         if (!text.empty()) {
-            info_left_ -= text.size();
+            info_left_ -= std::min(text.size(), info_left_);
             info.additional_info = String{text};
         }
     }
@@ -80,7 +90,8 @@ DiagnosticInfo ReturnDiagnostics::of_operation(StatusCode status,
 
 Array<DiagnosticInfo>
 ReturnDiagnostics::of_operations(std::size_t count, FunctionRef<StatusCode(std::size_t)> status,
-                                 FunctionRef<std::string(std::size_t)> operand)
+                                 FunctionRef<std::string(std::size_t)> operand,
+                                 FunctionRef<std::string_view(std::size_t)> reason)
 {
     Array<DiagnosticInfo> all;
     if (!wants_operations()) {
@@ -95,7 +106,8 @@ ReturnDiagnostics::of_operations(std::size_t count, FunctionRef<StatusCode(std::
     }
     all.resize(count);
     for (; i < count; ++i) {
-        all[i] = of_operation(status(i), [&] { return operand(i); });
+        all[i] = of_operation(
+            status(i), [&] { return operand(i); }, [&] { return reason(i); });
     }
     return all;
 }

@@ -35,6 +35,9 @@ class ReturnDiagnostics {
 public:
     /// Bytes of additionalInfo in one response; there are none beyond.
     static constexpr std::size_t max_additional_info = std::size_t{64} * 1'024;
+    /// About the bytes of what one operation was about, and of why it was refused.
+    static constexpr std::size_t max_operand = 256;
+    static constexpr std::size_t max_reason = 1'024;
 
     /// `wanted`: bits of returnDiagnostics.
     explicit ReturnDiagnostics(std::uint32_t wanted) : wanted_{wanted} {}
@@ -45,13 +48,23 @@ public:
     }
     /// Of the whole request.
     [[nodiscard]] DiagnosticInfo of_service(StatusCode status);
-    /// Of one operation; nothing if that is Good. `operand` says what it was about.
-    [[nodiscard]] DiagnosticInfo of_operation(StatusCode status,
-                                              FunctionRef<std::string()> operand);
+    /// Of one operation; nothing if that is Good. `operand` says what it was about, `reason` why it
+    /// was refused, empty where that is not known or not for this client.
+    [[nodiscard]] DiagnosticInfo of_operation(StatusCode status, FunctionRef<std::string()> operand,
+                                              FunctionRef<std::string_view()> reason);
     /// One for each of `count` operations; none at all if nothing was wrong with any.
     [[nodiscard]] Array<DiagnosticInfo>
     of_operations(std::size_t count, FunctionRef<StatusCode(std::size_t)> status,
-                  FunctionRef<std::string(std::size_t)> operand);
+                  FunctionRef<std::string(std::size_t)> operand,
+                  FunctionRef<std::string_view(std::size_t)> reason);
+    /// The same where no reason is known.
+    [[nodiscard]] Array<DiagnosticInfo> of_operations(std::size_t count,
+                                                      FunctionRef<StatusCode(std::size_t)> status,
+                                                      FunctionRef<std::string(std::size_t)> operand)
+    {
+        return of_operations(count, status, operand,
+                             [](std::size_t) { return std::string_view{}; });
+    }
     /// The string table of what was asked for until now.
     [[nodiscard]] Array<String> string_table() const;
 
