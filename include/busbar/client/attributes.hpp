@@ -29,6 +29,17 @@ BUSBAR_API Operation write(Requester& requester, std::vector<WriteValue> items,
                            std::function<void(std::vector<StatusCode>)> done,
                            const ServiceOptions& options = {});
 
+/// As ExplainedCall, of one value.
+struct ExplainedWrite {
+    StatusCode status_code;
+    std::string additional_info;
+};
+
+/// The same, and asks for the additionalInfo (Part 4, 7.12).
+BUSBAR_API Operation write_explained(Requester& requester, std::vector<WriteValue> items,
+                                     std::function<void(std::vector<ExplainedWrite>)> done,
+                                     const ServiceOptions& options = {});
+
 /// One attribute of one node as read() and write() take it.
 [[nodiscard]] BUSBAR_API ReadValueId attribute_of(NodeId node,
                                                   AttributeId attribute = AttributeId::Value,

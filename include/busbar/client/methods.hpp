@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <busbar/client/operation.hpp>
@@ -15,5 +16,16 @@ namespace busbar::client {
 BUSBAR_API Operation call(Requester& requester, std::vector<CallMethodRequest> methods,
                           std::function<void(std::vector<CallMethodResult>)> done,
                           const ServiceOptions& options = {});
+
+/// A result with the DiagnosticInfo's additionalInfo: what it is about and, from a Busbar server to
+/// an administrator over an encrypted channel, why it was refused. Empty if the server tells none.
+struct ExplainedCall : CallMethodResult {
+    std::string additional_info;
+};
+
+/// The same, and asks for the additionalInfo (Part 4, 7.12).
+BUSBAR_API Operation call_explained(Requester& requester, std::vector<CallMethodRequest> methods,
+                                    std::function<void(std::vector<ExplainedCall>)> done,
+                                    const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -54,6 +54,8 @@ struct RequestOptions {
     /// Without a session the request waits for one, at most for its timeout; false: it ends at once
     /// with Bad_ServerNotConnected.
     bool waits_for_session{true};
+    /// RequestHeader.returnDiagnostics (Part 4, 7.32).
+    std::uint32_t return_diagnostics{0};
 };
 
 /// The body of a response: NodeId of its encoding and the structure.
@@ -93,9 +95,10 @@ public:
     RequestId call(Request request, Handler<Response> handler, RequestOptions options = {})
     {
         return start(
-            [request = std::move(request)](binary::Writer& writer,
-                                           const RequestHeader& header) mutable {
+            [request = std::move(request), bits = options.return_diagnostics](
+                binary::Writer& writer, const RequestHeader& header) mutable {
                 request.request_header = header;
+                request.request_header.return_diagnostics = bits;
                 encode(writer, NodeId{0, Request::binary_encoding_id});
                 encode(writer, request);
             },

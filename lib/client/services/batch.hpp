@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <busbar/client/operation.hpp>
@@ -207,6 +208,22 @@ Operation run_batch(Requester& requester, Service service,
 {
     return Operation{Batch<Service>::start(requester, std::move(service), std::move(items),
                                            std::move(done), options)};
+}
+
+/// `options` with RequestHeader.returnDiagnostics asking for the additionalInfo of operations.
+[[nodiscard]] inline ServiceOptions asking_for_additional_info(ServiceOptions options)
+{
+    constexpr std::uint32_t additional_info = 0x80; // Part 4, 7.32
+    options.request.return_diagnostics |= additional_info;
+    return options;
+}
+
+/// Of operation `index`; empty if the response has none.
+[[nodiscard]] inline std::string additional_info_of(const Array<DiagnosticInfo>& infos,
+                                                    std::size_t index)
+{
+    const bool is_there = index < infos.size() && infos[index].additional_info;
+    return is_there ? infos[index].additional_info->str() : std::string{};
 }
 
 } // namespace busbar::client::detail

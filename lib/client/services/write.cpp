@@ -29,6 +29,20 @@ struct WriteService {
     }
 };
 
+struct ExplainedWriteService : WriteService {
+    using Outcome = ExplainedWrite;
+
+    static std::vector<ExplainedWrite> results(const WriteResponse& response, std::size_t /*count*/)
+    {
+        std::vector<ExplainedWrite> all;
+        for (std::size_t i = 0; i < response.results.size(); ++i) {
+            all.push_back(
+                {response.results[i], detail::additional_info_of(response.diagnostic_infos, i)});
+        }
+        return all;
+    }
+};
+
 } // namespace
 
 WriteValue value_for(NodeId node, DataValue value, AttributeId attribute,
@@ -46,6 +60,14 @@ Operation write(Requester& requester, std::vector<WriteValue> items,
                 std::function<void(std::vector<StatusCode>)> done, const ServiceOptions& options)
 {
     return detail::run_batch(requester, WriteService{}, std::move(items), std::move(done), options);
+}
+
+Operation write_explained(Requester& requester, std::vector<WriteValue> items,
+                          std::function<void(std::vector<ExplainedWrite>)> done,
+                          const ServiceOptions& options)
+{
+    return detail::run_batch(requester, ExplainedWriteService{}, std::move(items), std::move(done),
+                             detail::asking_for_additional_info(options));
 }
 
 } // namespace busbar::client
