@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 
@@ -17,11 +18,47 @@ namespace {
 
 using server::MethodCall;
 
+/// Why OpenFiles and the Storage refuse, for an administrator.
+std::string reason_of_file(StatusCode status)
+{
+    struct Row {
+        StatusCode status;
+        const char* reason;
+    };
+    static constexpr std::array rows{
+        Row{status::Bad_InvalidArgument,
+            "this session has the file not open by this handle, or the mode or length is none"},
+        Row{status::Bad_InvalidState,
+            "the file is in use, is not open for this, or has become another one meanwhile"},
+        Row{status::Bad_NotReadable, "another session has the file open for writing"},
+        Row{status::Bad_NotWritable, "another session has the file open"},
+        Row{status::Bad_TooManyOperations, "too many files are open; close others"},
+        Row{status::Bad_EncodingLimitsExceeded, "the file is, or would be, too large"},
+        Row{status::Bad_OutOfMemory, "the files that are open have no more room together"},
+        Row{status::Bad_ResourceUnavailable,
+            "the folder cannot be written, or has as many files or levels as it may have"},
+        Row{status::Bad_BrowseNameDuplicated, "there is a file or folder of this name already"},
+        Row{status::Bad_BrowseNameInvalid,
+            "a name is UTF-8 without / and \\, control characters, a point in front, and spaces at "
+            "its ends, of at most 255 bytes"},
+        Row{status::Bad_NotFound, "there is no such file or folder here"},
+        Row{status::Bad_UserAccessDenied, "the user may not write here"},
+    };
+    const auto* const found = std::find_if(
+        rows.begin(), rows.end(), [&](const Row& row) { return row.status == status.code(); });
+    return found != rows.end() ? found->reason : std::string{};
+}
+
+void refuse_file(MethodCall& call, StatusCode status)
+{
+    call.fail(status, reason_of_file(status));
+}
+
 /// Either the outputs or why not.
 void answer(MethodCall& call, StatusCode status)
 {
     if (status.is_bad()) {
-        call.fail(status);
+        refuse_file(call, status);
     } else {
         call.succeed();
     }
@@ -99,12 +136,12 @@ void FileNodes::open(MethodCall& call, const std::string& path)
     const auto mode = call.input<std::uint8_t>(0);
     // Who only reads would keep writers and readers out, and hold what is never written.
     if ((mode & open_write) != 0 && !may_call(space_, writing_, call.user())) {
-        return call.fail(status::Bad_UserAccessDenied);
+        return refuse_file(call, status::Bad_UserAccessDenied);
     }
     auto outputs = one_output(Variant{std::uint32_t{0}}); // a handle nobody knows is never closed
     const auto handle = open_.open(path, mode, holder_of(server_, call));
     if (!handle) {
-        return call.fail(handle.error());
+        return refuse_file(call, handle.error());
     }
     outputs[0] = Variant{*handle};
     call.succeed(std::move(outputs));
@@ -117,7 +154,7 @@ void FileNodes::close(MethodCall& call, const std::string& path)
     // The right to write counts now: it may have gone since Write.
     if (open_.is_changed(key) && !may_call(space_, writing_, call.user())) {
         open_.discard(key);
-        return call.fail(status::Bad_UserAccessDenied);
+        return refuse_file(call, status::Bad_UserAccessDenied);
     }
     answer(call, open_.close(key));
 }
@@ -132,7 +169,7 @@ void FileNodes::read_file(MethodCall& call, const std::string& path)
     }};
     const auto bytes = open_.read(key, call.input<std::int32_t>(1));
     if (!bytes) {
-        return call.fail(bytes.error());
+        return refuse_file(call, bytes.error());
     }
     auto outputs = one_output(Variant{ByteString{*bytes}});
     undo.keep();
@@ -150,7 +187,7 @@ void FileNodes::get_position(MethodCall& call, const std::string& path)
     const auto position =
         open_.position({path, call.input<std::uint32_t>(0), holder_of(server_, call)});
     if (!position) {
-        return call.fail(position.error());
+        return refuse_file(call, position.error());
     }
     call.succeed(one_output(Variant{*position}));
 }
@@ -183,7 +220,7 @@ void FileNodes::create_directory(MethodCall& call, const std::string& path)
 {
     const auto made = new_path(path, text_view(call, 0));
     if (!made) {
-        return call.fail(made.error());
+        return refuse_file(call, made.error());
     }
     auto outputs = one_output(Variant{node_id(*made)});
     busbar::detail::Undo undo{[&] { undo_creation(*made); }};
@@ -191,7 +228,7 @@ void FileNodes::create_directory(MethodCall& call, const std::string& path)
     refresh();
     undo.keep();
     if (!stored) {
-        return call.fail(status_of(stored.error()));
+        return refuse_file(call, status_of(stored.error()));
     }
     call.succeed(std::move(outputs));
 }
@@ -200,14 +237,14 @@ void FileNodes::create_file(MethodCall& call, const std::string& path)
 {
     const auto made = new_path(path, text_view(call, 0));
     if (!made) {
-        return call.fail(made.error());
+        return refuse_file(call, made.error());
     }
     busbar::detail::Undo undo{[&] { undo_creation(*made); }};
     const auto stored = files_.storage->replace(*made, {}, FileAccess::Owner);
     refresh();
     if (!stored) {
         undo.keep();
-        return call.fail(status_of(stored.error()));
+        return refuse_file(call, status_of(stored.error()));
     }
     std::uint32_t handle = 0;
     Array<Variant> outputs;
@@ -216,7 +253,7 @@ void FileNodes::create_file(MethodCall& call, const std::string& path)
     if (call.input<bool>(1)) {
         const auto opened = open_.open(*made, open_read | open_write, holder_of(server_, call));
         if (!opened) {
-            return call.fail(opened.error());
+            return refuse_file(call, opened.error());
         }
         handle = *opened;
         outputs[1] = Variant{handle};
@@ -261,10 +298,10 @@ void FileNodes::delete_entry(MethodCall& call, const std::string& path)
 {
     const std::string* const child = child_path(call, path);
     if (child == nullptr) {
-        return call.fail(status::Bad_NotFound);
+        return refuse_file(call, status::Bad_NotFound);
     }
     if (open_.is_in_use(*child, holder_of(server_, call))) {
-        return call.fail(status::Bad_InvalidState);
+        return refuse_file(call, status::Bad_InvalidState);
     }
     const StatusCode removed = remove_all(std::string{*child}, entries_.find(*child)->second.kind);
     refresh_soon();
@@ -333,29 +370,29 @@ void FileNodes::move_or_copy(MethodCall& call, const std::string& path)
     const std::string* const target = target_id != nullptr ? path_of(*target_id) : nullptr;
     if (child == nullptr || target == nullptr ||
         entries_.find(*target)->second.kind != StorageEntry::Kind::Folder) {
-        return call.fail(status::Bad_NotFound);
+        return refuse_file(call, status::Bad_NotFound);
     }
     const std::string from = *child;
     const bool copies = call.input<bool>(2);
     const std::string_view name = text_view(call, 3);
     const auto to = new_path(*target, name.empty() ? name_in(from) : name);
     if (!to) {
-        return call.fail(to.error());
+        return refuse_file(call, to.error());
     }
     if (open_.is_in_use(from, holder_of(server_, call))) {
-        return call.fail(status::Bad_InvalidState);
+        return refuse_file(call, status::Bad_InvalidState);
     }
     if (to->starts_with(from + "/")) {
-        return call.fail(status::Bad_InvalidArgument); // into itself
+        return call.fail(status::Bad_InvalidArgument, "a folder cannot be moved into itself");
     }
     if (copies && entries_.size() + entries_below(from) > files_.limits.max_entries + 1) {
-        return call.fail(status::Bad_ResourceUnavailable);
+        return refuse_file(call, status::Bad_ResourceUnavailable);
     }
     auto outputs = one_output(Variant{node_id(*to)});
     const StatusCode done = transfer(from, *to, entries_.find(from)->second.kind, copies);
     refresh_soon();
     if (done.is_bad()) {
-        return call.fail(done);
+        return refuse_file(call, done);
     }
     call.succeed(std::move(outputs));
 }

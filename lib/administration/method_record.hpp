@@ -45,6 +45,12 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
     });
 }
 
+/// Answers the call with the refusal's status and reason.
+inline void answer_with(server::MethodCall& call, const Refusal& refusal)
+{
+    call.fail(refusal.status, reason_of(refusal));
+}
+
 /// What AdministrationParts::may_change_users says against a change; nothing if it has no
 /// objection.
 inline std::optional<Refusal> refusal_of(const std::function<Configured<void>()>& may_change)

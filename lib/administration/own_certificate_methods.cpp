@@ -22,6 +22,16 @@ using server::MethodCall;
 
 constexpr std::size_t min_nonce = 32;
 
+// Reasons, see CallResult::reason.
+
+constexpr const char* no_such_slot =
+    "expected the group DefaultApplicationGroup and the type RsaSha256ApplicationCertificateType";
+constexpr const char* makes_key = "a private key is being made; try again when it is done";
+constexpr const char* no_own = "this server has no certificate";
+constexpr const char* no_certificate =
+    "no certificate can be made of these values; expected names of at most 64 bytes, a country of "
+    "two letters, and host names and IP addresses that are some";
+
 /// Argument number `index`, an array of ByteStrings.
 std::vector<std::byte> concatenated(const MethodCall& call, std::size_t index)
 {
@@ -115,14 +125,14 @@ Checked<void> OwnCertificateMethods::check_own(const crypto::OwnCertificate& own
 void OwnCertificateMethods::update(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
-        return call.fail(slot);
+        return call.fail(slot, no_such_slot);
     }
     if (needs_.transaction.is_active() &&
         *needs_.transaction.owner() != holder_of(needs_.server, call)) {
-        return call.fail(status::Bad_TransactionPending);
+        return call.fail(status::Bad_TransactionPending, other_transaction);
     }
     if (is_making_key()) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState, makes_key);
     }
     auto own = own_of(call);
     if (!own) {
@@ -160,16 +170,18 @@ void OwnCertificateMethods::run_slowly(const std::shared_ptr<MethodCall>& call,
 void OwnCertificateMethods::create_signing_request(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
-        return call.fail(slot);
+        return call.fail(slot, no_such_slot);
     }
     if (is_making_key()) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState, makes_key);
     }
     const bool needs_key = call.input<bool>(3);
     const std::span<const std::byte> nonce = bytes_input(call, 4);
     const auto& identity = needs_.server.config().identity;
     if (!identity || (needs_key && nonce.size() < min_nonce)) {
-        return call.fail(identity ? status::Bad_InvalidArgument : status::Bad_InvalidState);
+        return identity ? call.fail(status::Bad_InvalidArgument,
+                                    "a new private key wants a nonce of 32 bytes or more")
+                        : call.fail(status::Bad_InvalidState, no_own);
     }
     auto subject =
         with_names(crypto::subject_of(identity->certificates.front()), text_view(call, 2));
@@ -202,15 +214,19 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
 void OwnCertificateMethods::create_self_signed(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
-        return call.fail(slot);
+        return call.fail(slot, no_such_slot);
     }
     if (needs_.transaction.is_active() &&
         *needs_.transaction.owner() != holder_of(needs_.server, call)) {
-        return call.fail(status::Bad_TransactionPending);
+        return call.fail(status::Bad_TransactionPending, other_transaction);
     }
     const auto& identity = needs_.server.config().identity;
     if (is_making_key() || !identity || !needs_.transaction.is_own_deleted()) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState,
+                         is_making_key() ? makes_key
+                         : !identity     ? no_own
+                                     : "the certificate that there is has to be deleted before, "
+                                       "in the same transaction");
     }
     crypto::CertificateSubject base;
     base.application_uri = needs_.server.config().application_uri;
@@ -225,7 +241,8 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
     constexpr std::uint32_t min_bits = 2048;
     constexpr std::uint32_t max_bits = 4096;
     if (bits != 0 && (bits < min_bits || bits > max_bits)) {
-        return call.fail(status::Bad_OutOfRange);
+        return call.fail(status::Bad_OutOfRange,
+                         "a key of " + std::to_string(bits) + " bits, expected 2048 to 4096");
     }
     constexpr std::int64_t day = 86'400 * DateTime::ticks_per_second;
     subject->valid_days = (days == 0 ? crypto::default_valid_days : days) + 1;
@@ -246,11 +263,12 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
         },
         [this, made, shared, holder] {
             if (!*made) {
-                return shared->fail(made->error());
+                return shared->fail(made->error(), no_certificate);
             }
             if (!needs_.transaction.is_own_deleted() ||
                 *needs_.transaction.owner() != holder) { // it is over meanwhile
-                return shared->fail(status::Bad_InvalidState);
+                return shared->fail(status::Bad_InvalidState,
+                                    "the transaction ended while the key was made");
             }
             auto outputs = one_output(Variant{ByteString{(*made)->certificates.front().der()}});
             needs_.transaction.set_own_certificate(**made);
@@ -263,11 +281,11 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
 void OwnCertificateMethods::remove(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
-        return call.fail(slot);
+        return call.fail(slot, no_such_slot);
     }
     TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
     if (entry.status().is_bad()) {
-        return call.fail(entry.status());
+        return call.fail(entry.status(), other_transaction);
     }
     needs_.transaction.delete_own_certificate();
     entry.keep();
@@ -282,7 +300,7 @@ void OwnCertificateMethods::get(MethodCall call)
         std::any_of(needs_.transaction.groups().begin(), needs_.transaction.groups().end(),
                     [&](const CertificateGroup& each) { return each.id == group; });
     if (!is_known && !group.is_null()) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, "there is no such certificate group");
     }
     const auto& identity = needs_.server.config().identity;
     Array<ByteString> certificates;
@@ -305,7 +323,7 @@ void OwnCertificateMethods::get(MethodCall call)
 void OwnCertificateMethods::refuse_call(MethodCall& call, const Refusal& refusal)
 {
     tell_method(needs_.log, RecordKind::CertificateUpdated, call, refusal.status, &refusal);
-    call.fail(refusal.status);
+    answer_with(call, refusal);
 }
 
 } // namespace busbar::administration::detail

@@ -188,7 +188,7 @@ void RoleSet::changed(const MethodCall& call)
 void RoleSet::refuse_call(MethodCall& call, const Refusal& refusal)
 {
     tell_method(log_, RecordKind::RolesChanged, call, refusal.status, &refusal);
-    call.fail(refusal.status);
+    answer_with(call, refusal);
 }
 
 bool RoleSet::is_refused(MethodCall& call)
@@ -252,7 +252,7 @@ void RoleSet::add_role(MethodCall call)
         }
     }};
     if (const auto node = add_node(role); !node) {
-        return call.fail(node.error());
+        return call.fail(node.error(), "the role's nodes cannot be added");
     }
     auto outputs = one_output(Variant{node_id(role)});
     undo.keep();

@@ -20,6 +20,14 @@ namespace busbar::administration::detail {
 
 namespace {
 
+/// Of Transaction::check_end.
+const char* reason_of_end(StatusCode state)
+{
+    return state == status::Bad_NothingToDo
+               ? "no certificates or trust lists were changed that wait to be applied"
+               : "the changes are of another session, which applies or cancels them";
+}
+
 using server::MethodCall;
 
 /// Of certificates that GetRejectedList answers (Part 12, 7.10.12 lets a server leave older ones
@@ -292,13 +300,15 @@ void ServerConfiguration::remove_rejected(MethodCall call)
 void ServerConfiguration::apply_changes(MethodCall call)
 {
     if (const StatusCode state = transaction_.check_end(holder_of(server_, call)); state.is_bad()) {
-        return call.fail(state);
+        return call.fail(state, reason_of_end(state));
     }
     const bool is_open =
         std::any_of(trust_lists_.begin(), trust_lists_.end(),
                     [](const TrustListFile& list) { return list.is_open_for_writing(); });
     if (is_open || own_.is_making_key()) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState,
+                         is_open ? "a trust list is open for writing; close it first"
+                                 : "a private key is being made; try again when it is done");
     }
     const auto own = std::make_shared<std::optional<crypto::OwnCertificate>>();
     auto put_in_force = std::make_unique<NodeTable::Task>();
@@ -322,7 +332,7 @@ void ServerConfiguration::apply_changes(MethodCall call)
 void ServerConfiguration::cancel_changes(MethodCall call)
 {
     if (const StatusCode state = transaction_.check_end(holder_of(server_, call)); state.is_bad()) {
-        return call.fail(state);
+        return call.fail(state, reason_of_end(state));
     }
     transaction_.cancel(status::Bad_RequestCancelledByClient);
     call.succeed();
@@ -347,7 +357,7 @@ void ServerConfiguration::tell_applied(const MethodCall& call, const Transaction
 void ServerConfiguration::refuse_call(MethodCall& call, RecordKind kind, const Refusal& refusal)
 {
     tell_method(log_, kind, call, refusal.status, &refusal);
-    call.fail(refusal.status);
+    answer_with(call, refusal);
 }
 
 void ServerConfiguration::trust_changed(std::size_t group)

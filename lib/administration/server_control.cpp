@@ -36,6 +36,11 @@ std::string_view usual_reason(ServerState state, bool restarts)
     }
 }
 
+Unexpected<Refusal> refuse_state(StatusCode status, std::string found)
+{
+    return refuse({status, "state of the server", std::move(found), "Part 5, 9.4", {}});
+}
+
 } // namespace
 
 Configured<void> ServerControl::attach()
@@ -49,39 +54,49 @@ Configured<void> ServerControl::attach()
     return {};
 }
 
-StatusCode ServerControl::check(const Wish& wish) const
+Checked<void> ServerControl::check(const Wish& wish) const
 {
     const bool is_counting = server::RunningServer{needs_.server}.state() == ServerState::Shutdown;
     switch (wish.state) {
     case ServerState::Running:
     case ServerState::Shutdown:
         if (wish.restarts && !needs_.restart && !needs_.replace) {
-            return status::Bad_InvalidState;
+            return refuse_state(status::Bad_InvalidState, "this server cannot restart itself");
         }
         break;
     case ServerState::Suspended:
     case ServerState::Failed:
         if (wish.restarts || is_counting) {
-            return status::Bad_InvalidState;
+            return refuse_state(status::Bad_InvalidState,
+                                wish.restarts ? "a restart is for the states Running and Shutdown"
+                                              : "the server is about to stop");
         }
         break;
     default:
-        return status::Bad_InvalidState;
+        return refuse_state(status::Bad_InvalidState,
+                            "expected Running, Shutdown, Suspended or Failed");
     }
     // How many seconds is of no interest to a server that stays.
-    const bool is_too_far = wish.ends_server() && wish.seconds_till_shutdown > max_seconds;
-    if (is_too_far || wish.reason.size() > max_reason) {
-        return status::Bad_OutOfRange;
+    if (wish.ends_server() && wish.seconds_till_shutdown > max_seconds) {
+        return refuse_state(status::Bad_OutOfRange,
+                            "a stop in " + std::to_string(wish.seconds_till_shutdown) +
+                                " seconds, expected at most " + std::to_string(max_seconds));
+    }
+    if (wish.reason.size() > max_reason) {
+        return refuse_state(status::Bad_OutOfRange,
+                            "a reason of " + std::to_string(wish.reason.size()) +
+                                " bytes, expected at most " + std::to_string(max_reason));
     }
     if (!wish.restarts || !needs_.replace || !needs_.may_replace) {
-        return status::Good;
+        return {};
     }
     const auto may = needs_.may_replace();
     if (!may) {
         needs_.log.write(LogLevel::Error, "stop",
                          "a restart is refused: " + text(may.error()) + "; nothing was changed");
+        return refuse_state(may.error().status, text(may.error()));
     }
-    return may ? StatusCode{status::Good} : may.error().status;
+    return {};
 }
 
 void ServerControl::request(MethodCall call)
@@ -92,7 +107,7 @@ void ServerControl::request(MethodCall call)
         Array<StatusCode> results;
         results.resize(call.inputs().size());
         results[0] = status::Bad_OutOfRange;
-        return call.refuse(std::move(results));
+        return call.refuse(std::move(results), "the state is none of ServerState");
     }
     wish.return_time = call.input<DateTime>(1);
     wish.seconds_till_shutdown = call.input<std::uint32_t>(2);
@@ -100,8 +115,8 @@ void ServerControl::request(MethodCall call)
     if (const auto* const text = call.inputs()[3].get_if<LocalizedText>()) {
         wish.reason = text->text.str();
     }
-    if (const StatusCode refusal = check(wish); refusal.is_bad()) {
-        return call.fail(refusal);
+    if (const auto may = check(wish); !may) {
+        return answer_with(call, may.error());
     }
     if (wish.reason.empty()) {
         wish.reason = usual_reason(wish.state, wish.restarts);

@@ -56,7 +56,7 @@ private:
 
     void request(server::MethodCall call);
     /// Good, or what the Method answers.
-    [[nodiscard]] StatusCode check(const Wish& wish) const;
+    [[nodiscard]] Checked<void> check(const Wish& wish) const;
     void carry_out(const Wish& wish);
     void countdown_ended() override;
 

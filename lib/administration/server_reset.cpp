@@ -47,7 +47,7 @@ void ServerReset::reset(server::MethodCall& call)
     if (const auto done = needs_.reset(); !done) {
         const Refusal refusal{done.error().status, "reset", text(done.error()), {}, {}};
         tell_method(needs_.log, RecordKind::SettingsChanged, call, refusal.status, &refusal);
-        return call.fail(status::Bad_ResourceUnavailable);
+        return call.fail(status::Bad_ResourceUnavailable, reason_of(refusal));
     }
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();

@@ -308,6 +308,7 @@ void SettingNodes::write_set(server::WriteBatch& batch)
     if (!done) {
         needs_.log.write(LogLevel::Warning, "administration",
                          "settings are as they were: " + text(done.error()));
+        batch.explain(text(done.error()));
     }
     batch.finish(done ? StatusCode{status::Good} : done.error().status);
 }
@@ -326,7 +327,7 @@ void SettingNodes::set(MethodCall& call)
     const auto* const names = call.inputs()[0].array_if<String>();
     const auto* const values = call.inputs()[1].array_if<Variant>();
     if (names == nullptr || values == nullptr || names->size() != values->size()) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, "expected as many values as names");
     }
     std::vector<SettingChange> set;
     for (std::size_t i = 0; i < names->size(); ++i) {
@@ -338,7 +339,7 @@ void SettingNodes::set(MethodCall& call)
                                   {},
                                   {}};
             tell_method(needs_.log, RecordKind::SettingsChanged, call, refusal.status, &refusal);
-            return call.fail(refusal.status);
+            return answer_with(call, refusal);
         }
     }
     const auto done = needs_.list.change(set, needs_.owner, {call.user().name, needs_.clock.now()});

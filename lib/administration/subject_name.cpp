@@ -19,17 +19,19 @@ using crypto::CertificateSubject;
 struct Field {
     std::string_view name;
     std::string CertificateSubject::*member;
+    /// In characters (RFC 5280, Appendix A.1).
+    std::size_t longest;
 };
 
 constexpr std::array fields{
-    Field{"CN", &CertificateSubject::common_name},
-    Field{"O", &CertificateSubject::organization},
-    Field{"OU", &CertificateSubject::organizational_unit},
-    Field{"L", &CertificateSubject::locality},
-    Field{"S", &CertificateSubject::state},
-    Field{"ST", &CertificateSubject::state},
-    Field{"C", &CertificateSubject::country},
-    Field{"DC", &CertificateSubject::domain_component},
+    Field{"CN", &CertificateSubject::common_name, 64},
+    Field{"O", &CertificateSubject::organization, 64},
+    Field{"OU", &CertificateSubject::organizational_unit, 64},
+    Field{"L", &CertificateSubject::locality, 128},
+    Field{"S", &CertificateSubject::state, 128},
+    Field{"ST", &CertificateSubject::state, 128},
+    Field{"C", &CertificateSubject::country, 2},
+    Field{"DC", &CertificateSubject::domain_component, 128},
 };
 
 constexpr std::string_view separators = "/,";
@@ -66,6 +68,27 @@ std::optional<std::string_view> take_value(std::string_view& rest)
     return value;
 }
 
+/// What is expected instead of the value; empty if nothing is wrong with it.
+std::string fault_of(const Field& field, std::string_view value)
+{
+    const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+    const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+    const bool is_country = field.member == &CertificateSubject::country;
+    if (is_country && (value.size() != 2 || !std::all_of(value.begin(), value.end(), is_letter))) {
+        return "two letters, such as JP";
+    }
+    if (field.member == &CertificateSubject::domain_component &&
+        !std::all_of(value.begin(), value.end(), is_ascii)) {
+        return "ASCII characters only";
+    }
+    const auto characters = std::count_if(value.begin(), value.end(), [](char c) {
+        return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; // not a continuation
+    });
+    return static_cast<std::size_t>(characters) <= field.longest
+               ? std::string{}
+               : "at most " + std::to_string(field.longest) + " characters";
+}
+
 } // namespace
 
 Checked<CertificateSubject> with_names(CertificateSubject subject, std::string_view text)
@@ -77,6 +100,11 @@ Checked<CertificateSubject> with_names(CertificateSubject subject, std::string_v
         (subject.*field.member).clear();
     }
     std::string_view rest = trim(text);
+    const auto wrong = [&](std::string found) {
+        return refuse({status::Bad_InvalidArgument, "subject name",
+                       std::move(found) + " in " + printable(text), "Part 12, 7.9.4",
+                       "Write it as CN=Press 4/O=Works, a value that has / or , in double quotes"});
+    };
     while (!rest.empty()) {
         if (separators.find(rest.front()) != std::string_view::npos) {
             rest = trim(rest.substr(1));
@@ -88,11 +116,23 @@ Checked<CertificateSubject> with_names(CertificateSubject subject, std::string_v
             fields.begin(), fields.end(), [&](const Field& each) { return each.name == name; });
         rest.remove_prefix(std::min(equals + 1, rest.size()));
         const auto value = take_value(rest);
-        if (field == fields.end() || !value || !busbar::detail::is_name(*value)) {
-            return refuse({status::Bad_InvalidArgument, "subject name", "found " + printable(text),
-                           "Part 12, 7.9.4", "Write it as CN=Press 4/O=Works"});
+        if (field == fields.end()) {
+            return wrong("found \"" + printable(name) +
+                         "\", expected one of CN, O, OU, L, S, C and DC");
+        }
+        if (!value || !busbar::detail::is_name(*value)) {
+            return wrong(std::string{name} +
+                         " has no value, or one without its closing quote or with control "
+                         "characters");
+        }
+        if (const std::string fault = fault_of(*field, *value); !fault.empty()) {
+            return wrong(std::string{name} + " is \"" + printable(*value) + "\", expected " +
+                         fault);
         }
         subject.*field->member = *value;
+    }
+    if (subject.common_name.empty()) {
+        return wrong("found no CN");
     }
     return subject;
 }

@@ -137,6 +137,11 @@ private:
     StatusCode status_;
 };
 
+/// The reason of Bad_TransactionPending, for an administrator.
+inline constexpr const char* other_transaction =
+    "another session is changing certificates; its changes have to be applied or cancelled, or its "
+    "session to end";
+
 /// Finishes what an earlier change of the folder has decided; before anything is staged.
 [[nodiscard]] Checked<void> prepare_files(FileTransaction& change);
 /// Writes all of it. Refused: nothing has changed, unless it was decided and the medium failed on

@@ -16,6 +16,17 @@ namespace busbar::administration::detail {
 
 using server::MethodCall;
 
+namespace {
+
+// Reasons, see CallResult::reason.
+
+constexpr const char* no_such_file =
+    "this session has no such file: it was closed, its time passed, or another user needed its "
+    "place";
+constexpr const char* no_room = "too many such files are under way; try again when they are done";
+
+} // namespace
+
 const std::array<TransferNodes::Declared, 9> TransferNodes::declared{{
     {id::TemporaryFileTransferType_GenerateFileForRead, &TransferNodes::generate_for_read, false},
     {id::TemporaryFileTransferType_GenerateFileForWrite, &TransferNodes::generate_for_write, true},
@@ -61,15 +72,16 @@ void TransferNodes::generate_for_read(MethodCall& call)
 {
     const auto room = files_.room(holder_of(server_, call));
     if (!room) {
-        return call.fail(room.error());
+        return call.fail(room.error(), no_room);
     }
     auto bytes =
         transfer_.owner->generate({call.inputs()[0], call.user(), call.session_id()}, *room);
     if (!bytes) {
-        return call.fail(bytes.error());
+        return call.fail(bytes.error(), transfer_.owner->why_refused());
     }
     if (bytes->size() > *room) {
-        return call.fail(status::Bad_EncodingLimitsExceeded);
+        return call.fail(status::Bad_EncodingLimitsExceeded,
+                         "the file would be larger than " + std::to_string(*room) + " bytes");
     }
     auto kept = keep({.holder = holder_of(server_, call),
                       .bytes = std::make_shared<std::vector<std::byte>>(*std::move(bytes))});
@@ -82,12 +94,12 @@ void TransferNodes::generate_for_read(MethodCall& call)
 void TransferNodes::generate_for_write(MethodCall& call)
 {
     if (const auto room = files_.room_to_write(holder_of(server_, call)); !room) {
-        return call.fail(room.error());
+        return call.fail(room.error(), no_room);
     }
     const Variant& options = call.inputs()[0];
     const administration::TransferRequest request{options, call.user(), call.session_id()};
     if (const StatusCode may = transfer_.owner->may_take(request); may.is_bad()) {
-        return call.fail(may);
+        return call.fail(may, transfer_.owner->why_refused());
     }
     auto kept = keep({.holder = holder_of(server_, call), .is_written = true, .options = options});
     if (!kept) {
@@ -101,22 +113,25 @@ void TransferNodes::close_and_commit(MethodCall& call)
     TransferFile* const file =
         files_.find(call.input<std::uint32_t>(0), holder_of(server_, call), now());
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     if (!file->is_written || file->is_being_taken) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState, file->is_written
+                                                       ? "the file is being taken already"
+                                                       : "the file is one to read");
     }
     const administration::TransferRequest request{file->options, call.user(), call.session_id()};
     auto outputs = one_output(Variant{NodeId{}});
     const StatusCode may = transfer_.owner->may_take(request);
     if (may.is_good() && is_taking_) {
-        return call.fail(status::Bad_TooManyOperations);
+        return call.fail(status::Bad_TooManyOperations,
+                         "another file is being taken; try again when it is done");
     }
     auto preparation = may.is_bad() ? std::function<void()>{}
                                     : transfer_.owner->preparation(request, *file->bytes);
     if (!preparation) {
         const StatusCode taken = may.is_bad() ? may : transfer_.owner->take(request, *file->bytes);
-        return end_taking(call, file, taken, std::move(outputs));
+        return end_taking(call, file, taken, std::move(outputs), transfer_.owner->why_refused());
     }
     // The file may be gone at the end, with its session, and so may the right to send it.
     const auto kept = std::make_shared<MethodCall>(std::move(call));
@@ -125,6 +140,7 @@ void TransferNodes::close_and_commit(MethodCall& call)
                       handle = file->handle, options = file->options,
                       bytes = file->bytes](StatusCode done) mutable {
         is_taking_ = false;
+        std::string reason;
         TransferFile* const prepared = files_.find(handle);
         if (prepared != nullptr) {
             prepared->is_being_taken = false;
@@ -134,8 +150,9 @@ void TransferNodes::close_and_commit(MethodCall& call)
         }
         if (done.is_good()) {
             done = transfer_.owner->take({options, kept->user(), kept->session_id()}, *bytes);
+            reason = transfer_.owner->why_refused();
         }
-        end_taking(*kept, prepared, done, std::move(outputs));
+        end_taking(*kept, prepared, done, std::move(outputs), std::move(reason));
     };
     is_taking_ = true;
     file->is_being_taken = true;
@@ -143,10 +160,10 @@ void TransferNodes::close_and_commit(MethodCall& call)
 }
 
 void TransferNodes::end_taking(MethodCall& call, TransferFile* file, StatusCode taken,
-                               Array<Variant> outputs)
+                               Array<Variant> outputs, std::string reason)
 {
     if (taken.is_bad()) {
-        return call.fail(taken); // the client has it still
+        return call.fail(taken, std::move(reason)); // the client has it still
     }
     if (file != nullptr) {
         file->deadline = TimePoint::min(); // what stays of it now goes with the next call
@@ -158,7 +175,7 @@ void TransferNodes::end_taking(MethodCall& call, TransferFile* file, StatusCode 
 /// It is open already, for who asked for it (Part 20, 4.4.3).
 void TransferNodes::open(MethodCall& call)
 {
-    call.fail(status::Bad_InvalidState);
+    call.fail(status::Bad_InvalidState, "it is open already");
 }
 
 /// Without CloseAndCommit nothing of it is kept.
@@ -166,7 +183,7 @@ void TransferNodes::close(MethodCall& call)
 {
     const TransferFile* const file = file_of(call);
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     drop(*file);
     call.succeed();
@@ -176,7 +193,7 @@ void TransferNodes::read_file(MethodCall& call)
 {
     TransferFile* const file = file_of(call);
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     // Read again if the client does not get it.
     busbar::detail::Undo undo{[file, before = file->position] { file->position = before; }};
@@ -193,10 +210,10 @@ void TransferNodes::write_file(MethodCall& call)
 {
     TransferFile* const file = file_of(call);
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     if (const StatusCode written = files_.write(*file, bytes_input(call, 1)); written.is_bad()) {
-        return call.fail(written);
+        return call.fail(written, "it is open for reading, is being taken, or would be too large");
     }
     file->modified = clock_.now();
     call.succeed();
@@ -206,7 +223,7 @@ void TransferNodes::get_position(MethodCall& call)
 {
     const TransferFile* const file = file_of(call);
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     call.succeed(one_output(Variant{std::uint64_t{file->position}}));
 }
@@ -215,7 +232,7 @@ void TransferNodes::set_position(MethodCall& call)
 {
     TransferFile* const file = file_of(call);
     if (file == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     TransferFiles::set_position(*file, call.input<std::uint64_t>(1));
     call.succeed();

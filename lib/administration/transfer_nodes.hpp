@@ -89,7 +89,7 @@ private:
     void close_and_commit(server::MethodCall& call);
     /// Answers; `file` may be gone.
     void end_taking(server::MethodCall& call, TransferFile* file, StatusCode taken,
-                    Array<Variant> outputs);
+                    Array<Variant> outputs, std::string reason);
     void open(server::MethodCall& call);
     void close(server::MethodCall& call);
     void read_file(server::MethodCall& call);

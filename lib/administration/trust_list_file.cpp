@@ -33,6 +33,11 @@ constexpr std::size_t max_read = 65'536;
 constexpr std::uint8_t mode_read = 1;
 constexpr std::uint8_t mode_write_and_erase = 6;
 
+// Reasons, see CallResult::reason.
+
+constexpr const char* no_handle = "this session has no trust list open by this handle";
+constexpr const char* for_reading = "the trust list is open for reading";
+
 } // namespace
 
 TrustListFile::TrustListFile(const TrustListNeeds& needs, std::size_t group)
@@ -148,7 +153,8 @@ bool TrustListFile::keep(MethodCall& call, Open open)
 {
     open.holder = holder_of(needs_.server, call);
     if (!make_room(open.holder, open.bytes.size())) {
-        call.fail(status::Bad_TooManyOperations);
+        call.fail(status::Bad_TooManyOperations,
+                  "too many sessions have the trust list open; try again later");
         return false;
     }
     open.handle = last_handle_ + 1;
@@ -168,18 +174,21 @@ void TrustListFile::open(MethodCall call)
         return open_reading(std::move(call), all_lists);
     }
     if (mode != mode_write_and_erase) {
-        return call.fail(status::Bad_NotSupported);
+        return call.fail(status::Bad_NotSupported,
+                         "found mode " + std::to_string(mode) +
+                             ", expected 1 (read) or 6 (write and erase)");
     }
     // Those who only look would keep administrators out.
     if (!may_call(needs_.server.address_space(), close_and_update_, call.user())) {
-        return call.fail(status::Bad_UserAccessDenied);
+        return call.fail(status::Bad_UserAccessDenied, "only SecurityAdmin changes trust lists");
     }
     if (is_open_for_writing()) {
-        return call.fail(status::Bad_NotWritable);
+        return call.fail(status::Bad_NotWritable,
+                         "another session has the trust list open for writing; try again later");
     }
     TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
     if (entry.status().is_bad()) {
-        return call.fail(entry.status());
+        return call.fail(entry.status(), other_transaction);
     }
     if (keep(call, {0, {}, true, {}, 0, 0})) {
         entry.keep();
@@ -203,7 +212,7 @@ void TrustListFile::close(MethodCall call)
 {
     const Open* const open = find(call);
     if (open == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_handle);
     }
     forget(*open);
     call.succeed();
@@ -215,10 +224,13 @@ void TrustListFile::read(MethodCall call)
     Open* const open = find(call);
     const auto length = call.input<std::int32_t>(1);
     if (open == nullptr || length < 0) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument,
+                         open == nullptr ? no_handle : "found a negative length");
     }
     if (open->is_writing || open->version != group().version) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState,
+                         open->is_writing ? "the trust list is open for writing"
+                                          : "the trust list has changed; open it again");
     }
     const std::size_t count =
         std::min({open->bytes.size() - open->position, static_cast<std::size_t>(length), max_read});
@@ -232,14 +244,14 @@ void TrustListFile::write(MethodCall call)
 {
     Open* const open = find(call);
     if (open == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_handle);
     }
     if (!open->is_writing) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState, for_reading);
     }
     const std::span<const std::byte> bytes = bytes_input(call, 1);
     if (bytes.size() > needs_.files.max_trust_list_size - open->position) {
-        return call.fail(status::Bad_RequestTooLarge);
+        return call.fail(status::Bad_RequestTooLarge, too_large());
     }
     open->bytes.resize(std::max(open->bytes.size(), open->position + bytes.size()));
     std::copy(bytes.begin(), bytes.end(),
@@ -252,7 +264,7 @@ void TrustListFile::get_position(MethodCall call)
 {
     const Open* const open = find(call);
     if (open == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_handle);
     }
     call.succeed(one_output(Variant{static_cast<std::uint64_t>(open->position)}));
 }
@@ -261,7 +273,7 @@ void TrustListFile::set_position(MethodCall call)
 {
     Open* const open = find(call);
     if (open == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_handle);
     }
     const auto position = call.input<std::uint64_t>(1);
     open->position = static_cast<std::size_t>(
@@ -274,10 +286,10 @@ void TrustListFile::close_and_update(MethodCall call)
 {
     const Open* const open = find(call);
     if (open == nullptr) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument, no_handle);
     }
     if (!open->is_writing) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState, for_reading);
     }
     crypto::TrustListParts parts;
     auto list = merge(open->bytes, needs_.transaction.trust_list(group_), parts);
@@ -293,6 +305,12 @@ void TrustListFile::close_and_update(MethodCall call)
     needs_.transaction.set_trust_list(group_, *std::move(list), parts);
     forget(*open);
     call.succeed(std::move(outputs));
+}
+
+std::string TrustListFile::too_large() const
+{
+    return "a trust list has at most " + std::to_string(needs_.files.max_trust_list_size) +
+           " bytes";
 }
 
 StatusCode TrustListFile::check_single_change() const
@@ -316,26 +334,31 @@ void TrustListFile::tell(const MethodCall& call, const Refusal* refusal)
 void TrustListFile::refuse_call(MethodCall& call, const Refusal& refusal)
 {
     tell(call, &refusal);
-    call.fail(refusal.status);
+    answer_with(call, refusal);
 }
 
 /// Part 12, 7.8.2.6. In force at once; it leaves the rejected list.
 void TrustListFile::add_certificate(MethodCall call)
 {
     if (const StatusCode state = check_single_change(); state.is_bad()) {
-        return call.fail(state);
+        return call.fail(state, state == status::Bad_InvalidState
+                                    ? "the trust list is open for writing; close it first"
+                                    : other_transaction);
     }
     const std::span<const std::byte> der = bytes_input(call, 0);
     auto certificate = crypto::Certificate::parse(der);
     // CA certificates come with their revocation lists, which this Method has no place for.
     if (!certificate || !call.input<bool>(1)) {
-        return call.fail(status::Bad_CertificateInvalid);
+        return call.fail(status::Bad_CertificateInvalid,
+                         certificate ? "this Method is for trusted certificates; issuers come with "
+                                       "their revocation lists, by writing the trust list"
+                                     : "the certificate cannot be read, expected DER");
     }
     crypto::CertificateStore& store = *group().store;
     crypto::TrustList list = store.trust_list(needs_.clock.now());
     list.trusted.insert(list.trusted.begin(), *certificate);
     if (bytes_of(list, all_lists).size() > needs_.files.max_trust_list_size) {
-        return call.fail(status::Bad_RequestTooLarge);
+        return call.fail(status::Bad_RequestTooLarge, too_large());
     }
     crypto::TrustList alone = list;
     alone.trusted = {*certificate};
@@ -403,7 +426,9 @@ Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bo
 void TrustListFile::remove_certificate(MethodCall call)
 {
     if (const StatusCode state = check_single_change(); state.is_bad()) {
-        return call.fail(state);
+        return call.fail(state, state == status::Bad_InvalidState
+                                    ? "the trust list is open for writing; close it first"
+                                    : other_transaction);
     }
     const std::string thumbprint = crypto::spelled_thumbprint(text_view(call, 0));
     const bool is_trusted = call.input<bool>(1);
@@ -414,7 +439,9 @@ void TrustListFile::remove_certificate(MethodCall call)
             return c.thumbprint_text() == thumbprint;
         });
     if (found == certificates.end()) {
-        return call.fail(status::Bad_InvalidArgument);
+        return call.fail(status::Bad_InvalidArgument,
+                         std::string{is_trusted ? "trusted" : "issuers"} +
+                             " has no certificate with the thumbprint " + printable(thumbprint));
     }
     // A copy: the store reads its list again on the way.
     // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)

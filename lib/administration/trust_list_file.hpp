@@ -72,6 +72,7 @@ private:
     /// One more, with these bytes; of other users' those that are only read may give way.
     [[nodiscard]] bool make_room(const Holder& holder, std::size_t bytes);
     /// Good if the list may be changed at once, without a transaction.
+    [[nodiscard]] std::string too_large() const;
     [[nodiscard]] StatusCode check_single_change() const;
     /// Adds it to the trusted ones, or moves it there from the rejected ones.
     [[nodiscard]] Checked<void> trust(const crypto::Certificate& certificate);

@@ -25,6 +25,8 @@ using server::MethodCall;
 /// Changes that wait for the one that is under way.
 constexpr std::size_t max_waiting = 256;
 constexpr std::ptrdiff_t max_waiting_of_user = 64;
+constexpr const char* too_many_changes =
+    "too many changes of users wait for the one that is under way; try again";
 
 constexpr std::uint32_t bit(PasswordOptionsMask option)
 {
@@ -147,7 +149,8 @@ void UserManagement::modify(MethodCall call)
     const bool is_disabled = has_configuration && (configuration & user_bit::disabled) != 0;
     if (is_disabled && call.user().token_type == UserTokenType::UserName &&
         call.user().name == name) {
-        return call.fail(status::Bad_InvalidSelfReference);
+        return call.fail(status::Bad_InvalidSelfReference,
+                         "users do not disable themselves; another administrator may");
     }
     run(
         std::move(call),
@@ -172,7 +175,8 @@ void UserManagement::remove(MethodCall call)
 {
     const std::string name = text_input(call, 0);
     if (call.user().token_type == UserTokenType::UserName && call.user().name == name) {
-        return call.fail(status::Bad_InvalidSelfReference);
+        return call.fail(status::Bad_InvalidSelfReference,
+                         "users do not remove themselves; another administrator may");
     }
     run(
         std::move(call), [this](const MethodCall& c) { return users_.remove(text_view(c, 0)); },
@@ -183,7 +187,8 @@ void UserManagement::remove(MethodCall call)
 void UserManagement::change_password(MethodCall call)
 {
     if (call.user().token_type != UserTokenType::UserName) {
-        return call.fail(status::Bad_InvalidState);
+        return call.fail(status::Bad_InvalidState,
+                         "this session's user logged in without a password");
     }
     run(
         std::move(call),
@@ -211,7 +216,7 @@ bool UserManagement::make_room(const Holder& holder)
     }
     const std::shared_ptr<Job> job = std::move(*loser);
     jobs_.erase(loser);
-    job->call.fail(status::Bad_TooManyOperations);
+    job->call.fail(status::Bad_TooManyOperations, too_many_changes);
     return true;
 }
 
@@ -220,7 +225,7 @@ void UserManagement::run(MethodCall call, Change change, const std::string& sess
 {
     const Holder holder = holder_of(server_, call);
     if (!make_room(holder)) {
-        return call.fail(status::Bad_TooManyOperations);
+        return call.fail(status::Bad_TooManyOperations, too_many_changes);
     }
     const std::string& user = call.user().name;
     const auto job = std::make_shared<Job>(
@@ -299,7 +304,7 @@ bool UserManagement::may_start(Job& job)
     }
     if (const auto refusal = refusal_of(may_change_)) {
         tell_method(log_, RecordKind::UsersChanged, job.call, refusal->status, &*refusal);
-        job.call.fail(refusal->status);
+        answer_with(job.call, *refusal);
         return false;
     }
     if (job.tries_password &&
@@ -308,7 +313,7 @@ bool UserManagement::may_start(Job& job)
                               "user \"" + printable(last_user_) + "\" after too many failures",
                               "Part 4, 5.7.3.1", "Wait, or restart the server"};
         tell_method(log_, RecordKind::UsersChanged, job.call, refusal.status, &refusal);
-        job.call.fail(refusal.status);
+        answer_with(job.call, refusal);
         return false;
     }
     return true;
@@ -323,7 +328,7 @@ void UserManagement::finish(Job& job, const Checked<void>& done)
             running.password_tried(job.holder.session, false);
         }
         tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
-        return call.fail(done.error().status);
+        return answer_with(call, done.error());
     }
     if (job.tries_password) {
         busbar::detail::attempt([&] { running.password_tried(job.holder.session, true); });

@@ -118,6 +118,9 @@ struct PlainTransfers final : administration::TransferOwner {
         return [this, bytes] { prepared.emplace_back(bytes.begin(), bytes.end()); };
     }
 
+    [[nodiscard]] std::string why_refused() const override { return why; }
+
+    std::string why;
     bool is_slow{false}; // takes files on a worker
     std::vector<std::vector<std::byte>> prepared;
     std::vector<std::byte> made;

@@ -35,4 +35,27 @@ TEST_CASE("subject name: anything else is refused")
     }
 }
 
+TEST_CASE("subject name: a refusal names the field and what is expected of it")
+{
+    const auto found = [](std::string_view text) { return with_names({}, text).error().found; };
+    CHECK(found("CN=X/O=Bad#Org/C=DEU") ==
+          "C is \"DEU\", expected two letters, such as JP in CN=X/O=Bad#Org/C=DEU");
+    CHECK(found("CN=X/C=1A") == "C is \"1A\", expected two letters, such as JP in CN=X/C=1A");
+    CHECK(found("O=Works") == "found no CN in O=Works");
+    CHECK(found("CN=X/XX=a").starts_with("found \"XX\", expected one of CN, O, OU"));
+    CHECK(found("CN=").starts_with("CN has no value"));
+    CHECK(found("CN=" + std::string(65, 'x')).find("expected at most 64 characters") !=
+          std::string::npos);
+    CHECK(with_names({}, "CN=" + std::string(64, 'x')));
+    const auto umlauts = [](int count) {
+        std::string text = "CN=";
+        for (int i = 0; i < count; ++i) {
+            text += "\u00fc";
+        }
+        return text;
+    };
+    CHECK(with_names({}, umlauts(64)));
+    CHECK_FALSE(with_names({}, umlauts(65)));
+}
+
 } // namespace subject_name_test

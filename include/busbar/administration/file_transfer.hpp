@@ -66,6 +66,9 @@ public:
     {
         return status::Bad_NotSupported;
     }
+    /// Why one of these refused, asked right after it did, for administrators (see
+    /// server::CallResult::reason); empty where the status says it all.
+    [[nodiscard]] virtual std::string why_refused() const { return {}; }
     /// What has to be done before take() and would keep the server waiting; empty: nothing. Asked
     /// after may_take, on the server's thread, so that it may take along a copy of what it needs;
     /// the bytes stay until take() or, if that does not come, until it is destroyed.

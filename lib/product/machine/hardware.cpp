@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -51,8 +52,11 @@ void simulate(server::MethodCall call, const std::function<void(HardwareEvent)>&
         std::find_if(event_names.begin(), event_names.end(),
                      [&](const EventName& each) { return each.name == wanted; });
     if (found == event_names.end()) {
-        call.refuse({StatusCode{status::Bad_OutOfRange}});
-        return;
+        std::string names;
+        for (const EventName& each : event_names) {
+            names += (names.empty() ? "expected " : ", ") + std::string{each.name};
+        }
+        return call.refuse({StatusCode{status::Bad_OutOfRange}}, std::move(names));
     }
     happened(found->event);
     call.succeed();

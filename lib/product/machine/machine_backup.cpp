@@ -141,17 +141,23 @@ administration::TemporaryFileTransfer MachineBackup::transfer()
 Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,
                                                        std::size_t max_size)
 {
+    refusal_.clear();
     const auto* const what = request.options.get_if<String>();
     const bool is_without = what != nullptr && what->view() == "backup without security profile";
     if (request.options.is_null() || is_without) {
         auto made = make_backup({.security_profile = !is_without});
         const bool is_too_large = made && made->size() > max_size;
+        refusal_ = is_too_large
+                       ? "the backup would be larger than " + std::to_string(max_size) + " bytes"
+                       : refusal_;
         return is_too_large ? fail(status::Bad_EncodingLimitsExceeded) : std::move(made);
     }
     if (what == nullptr || what->view() != "report") {
+        refusal_ = "found none of a backup's options";
         return fail(status::Bad_InvalidArgument);
     }
     if (report_.text.empty() || report_.session != request.session) {
+        refusal_ = "this session has sent no backup that there is a report of";
         return fail(status::Bad_NotFound);
     }
     return bytes_of_text(report_.text);
@@ -166,7 +172,8 @@ Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::Back
         });
     });
     if (!made) {
-        needs_.log.write(LogLevel::Error, source, "no backup was made: " + text(made.error()));
+        refusal_ = text(made.error());
+        needs_.log.write(LogLevel::Error, source, "no backup was made: " + refusal_);
         return fail(made.error().status);
     }
     needs_.log.write(LogLevel::Info, source,
@@ -179,12 +186,17 @@ StatusCode MachineBackup::may_take(const TransferRequest& request)
     const auto wish = wish_of(request.options);
     if (!wish) {
         report_ = {request.session, problem_report(wish.error())};
+        refusal_ = text(wish.error());
         return status::Bad_InvalidArgument;
     }
-    const bool is_run = needs_.mode() == controller::MachineMode::Run;
-    const bool is_refused = (wish->task == Wish::Task::Clear && is_run) ||
-                            (wish->task != Wish::Task::Verify && needs_.gate.is_closed());
-    return is_refused ? status::Bad_InvalidState : status::Good;
+    refusal_.clear();
+    if (wish->task != Wish::Task::Verify && needs_.gate.is_closed()) {
+        refusal_ = "a restart of the controller is due, before which nothing of its memory changes";
+    } else if (wish->task == Wish::Task::Clear && needs_.mode() == controller::MachineMode::Run) {
+        refusal_ = "the machine is in RUN, in which its memory is not cleared; set machine.mode to "
+                   "PROGRAM before";
+    }
+    return refusal_.empty() ? status::Good : status::Bad_InvalidState;
 }
 
 StatusCode MachineBackup::take(const TransferRequest& request, std::span<const std::byte> bytes)
@@ -197,10 +209,11 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     const auto done = carry_out(*wish, bytes);
     report_ = {request.session, done ? *done : problem_report(done.error())};
     if (!done) {
+        refusal_ = text(done.error());
         const std::string_view options = request.options.get_if<String>()->view();
         needs_.log.write(LogLevel::Error, source,
                          std::string{options.substr(0, options.find('\n'))} +
-                             ": nothing was changed: " + text(done.error()));
+                             ": nothing was changed: " + refusal_);
     } else if (wish->task != Wish::Task::Verify) {
         tell_replaced(needs_.log, request, wish->with_security, wish->task == Wish::Task::Clear);
     }

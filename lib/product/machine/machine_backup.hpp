@@ -79,6 +79,7 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::string why_refused() const override { return refusal_; }
 
 private:
     struct Wish;
@@ -100,6 +101,7 @@ private:
     Needs needs_;
     controller::MachineMemory memory_;
     Report report_;
+    std::string refusal_;
 };
 
 } // namespace busbar::product

@@ -24,6 +24,8 @@ using administration::TransferRequest;
 namespace {
 
 constexpr const char* program_source = "program";
+constexpr const char* unknown_options =
+    "found none of a program's options; a file's name ends with .st or .xml";
 
 std::string_view mode_name(controller::MachineMode mode)
 {
@@ -167,15 +169,18 @@ Result<std::vector<std::byte>> ProgramService::generate(const TransferRequest& r
     const bool is_report = wanted != nullptr && wanted->view() == "report";
     if (!request.options.is_null() && !is_report &&
         (wanted == nullptr || wanted->view() != "status")) {
+        refusal_ = unknown_options;
         return fail(status::Bad_InvalidArgument);
     }
     if (is_report && (report_.text.empty() || report_.session != request.session)) {
+        refusal_ = "this session has sent no program that there is a report of";
         return fail(status::Bad_NotFound);
     }
     const std::string text = request.options.is_null() ? *needs_.program().text
                              : is_report               ? report_.text
                                                        : status_text();
     if (text.size() > max_size) {
+        refusal_ = "it is larger than " + std::to_string(max_size) + " bytes";
         return fail(status::Bad_EncodingLimitsExceeded);
     }
     const auto bytes = std::as_bytes(std::span{text});
@@ -184,7 +189,8 @@ Result<std::vector<std::byte>> ProgramService::generate(const TransferRequest& r
 
 StatusCode ProgramService::may_take(const TransferRequest& request)
 {
-    return wish_of(request.options) ? status::Good : status::Bad_InvalidArgument;
+    refusal_ = wish_of(request.options) ? "" : unknown_options;
+    return refusal_.empty() ? status::Good : status::Bad_InvalidArgument;
 }
 
 std::function<void()> ProgramService::preparation(const TransferRequest& request,
@@ -219,11 +225,13 @@ StatusCode ProgramService::take(const TransferRequest& request, std::span<const 
 {
     const auto wish = wish_of(request.options);
     if (!wish) {
+        refusal_ = unknown_options;
         return status::Bad_InvalidArgument;
     }
     const auto done = carry_out(*wish, request.user.name,
                                 {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     report_ = {request.session, done ? *done : problem_report(done.error())};
+    refusal_ = done ? std::string{} : busbar::text(done.error());
     const bool has_changed = wish->task != Wish::Task::Check && wish->task != Wish::Task::Compare;
     if (!done && has_changed) {
         needs_.log.write(LogLevel::Error, program_source,

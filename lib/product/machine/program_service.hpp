@@ -109,6 +109,7 @@ public:
                                                     std::span<const std::byte> bytes) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::string why_refused() const override { return refusal_; }
 
 private:
     struct Wish;
@@ -129,6 +130,7 @@ private:
 
     Needs needs_;
     Report report_;
+    std::string refusal_;
     // What preparation() leaves for take(), of which there is one at a time.
     Configured<PreparedProgram> prepared_;
     std::string differences_;

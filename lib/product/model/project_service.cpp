@@ -136,9 +136,13 @@ Result<std::vector<std::byte>> ProjectService::generate(const TransferRequest& r
 {
     const auto text = text_of(request);
     if (!text) {
+        refusal_ = text.error() == status::Bad_NotFound
+                       ? "there is no project, or no report of one that this session has sent"
+                       : "found none of a project's options";
         return fail(text.error());
     }
     if (text->size() > max_size) {
+        refusal_ = "the project is larger than " + std::to_string(max_size) + " bytes";
         return fail(status::Bad_EncodingLimitsExceeded);
     }
     const auto bytes = std::as_bytes(std::span{*text});
@@ -149,11 +153,14 @@ StatusCode ProjectService::may_take(const TransferRequest& request)
 {
     const std::string wish = wish_of(request.options);
     const bool is_known = wish == "write" || wish == "verify" || wish == "update";
+    refusal_ = is_known ? "" : "found none of a project's options";
     if (!is_known) {
         return status::Bad_InvalidArgument;
     }
-    const bool needs_project = wish != "write";
-    return needs_project && needs_.store.current() == nullptr ? status::Bad_NotFound : status::Good;
+    if (wish != "write" && needs_.store.current() == nullptr) {
+        refusal_ = "the controller has no project; write one before";
+    }
+    return refusal_.empty() ? status::Good : status::Bad_NotFound;
 }
 
 std::function<void()> ProjectService::preparation(const TransferRequest& request,
@@ -184,10 +191,10 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
         return status::Good;
     }
     detail::JsonWriter json;
-    write_object(json, {{"problem", text(done.error())}});
+    refusal_ = text(done.error());
+    write_object(json, {{"problem", refusal_}});
     report_ = {request.session, json.take()};
-    needs_.log.write(LogLevel::Error, project_source,
-                     wish + ": nothing was changed: " + text(done.error()));
+    needs_.log.write(LogLevel::Error, project_source, wish + ": nothing was changed: " + refusal_);
     return done.error().status;
 }
 

@@ -63,6 +63,7 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::string why_refused() const override { return refusal_; }
     [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest& request,
                                                     std::span<const std::byte> bytes) override;
 
@@ -81,6 +82,7 @@ private:
     [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
     Needs needs_;
     Report report_;
+    std::string refusal_;
     // What preparation() leaves for take().
     std::optional<Configured<controller::ProjectStore::Staged>> staged_;
     Configured<std::string> differences_;

@@ -35,19 +35,25 @@ bool has_control_character(std::string_view text)
                        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
 }
 
-/// What is wrong with `text`, empty if nothing is.
+std::string words_for(std::string_view characters)
+{
+    return characters == letters_and_digits              ? "A to Z, a to z and 0 to 9"
+           : characters == letters_digits_and_underscore ? "A to Z, a to z, 0 to 9 and _"
+                                                         : std::string{characters};
+}
+
+/// What is wrong with `text`, after its subject; empty if nothing is.
 std::string find_fault(std::string_view text, std::size_t least, std::size_t most,
                        std::string_view characters)
 {
     if (has_control_character(text)) {
-        return "it has control characters";
+        return "has control characters";
     }
     if (!characters.empty() && text.find_first_not_of(characters) != std::string_view::npos) {
-        return "it has characters other than " + std::string{characters};
+        return "has characters other than " + words_for(characters);
     }
     if (count_characters(text) < least || text.size() > most) {
-        return "it has not " + std::to_string(least) + " to " + std::to_string(most) +
-               " characters";
+        return "has not " + std::to_string(least) + " to " + std::to_string(most) + " characters";
     }
     return {};
 }
@@ -61,6 +67,11 @@ Checked<void> judge(std::string_view check, std::string fault)
                    "Choose another one that fits the rules"});
 }
 
+std::string quoted(std::string_view name)
+{
+    return "\"" + printable(name) + "\"";
+}
+
 std::string find_name_fault(const PasswordRules& rules, std::string_view name)
 {
     const bool is_reserved = std::any_of(
@@ -68,12 +79,14 @@ std::string find_name_fault(const PasswordRules& rules, std::string_view name)
             return busbar::detail::is_same_ignoring_case(reserved, name);
         });
     if (is_reserved) {
-        return "\"" + std::string{name} + "\" is a reserved name";
+        return quoted(name) + " is a reserved name";
     }
     if (!name.empty() && !busbar::detail::is_name(name)) {
-        return "it is no UTF-8, or has control characters or spaces at its ends";
+        return quoted(name) + " is no UTF-8, or has control characters or spaces at its ends";
     }
-    return find_fault(name, rules.min_name_length, rules.max_name_length, rules.name_characters);
+    const std::string fault =
+        find_fault(name, rules.min_name_length, rules.max_name_length, rules.name_characters);
+    return fault.empty() ? fault : quoted(name) + " " + fault;
 }
 
 std::string find_password_fault(const PasswordRules& rules, std::string_view name,
@@ -87,8 +100,9 @@ std::string find_password_fault(const PasswordRules& rules, std::string_view nam
           has_one_of(password, '0', '9'))) {
         return "it has not an upper-case letter, a lower-case letter and a digit";
     }
-    return find_fault(password, rules.min_password_length, rules.max_password_length,
-                      rules.password_characters);
+    const std::string fault = find_fault(password, rules.min_password_length,
+                                         rules.max_password_length, rules.password_characters);
+    return fault.empty() ? fault : "it " + fault;
 }
 
 } // namespace
