@@ -94,7 +94,8 @@ says_not '^Users'
 contents > before
 head -c 500 press.backup > damaged
 as chief 1 admin restore "$url" damaged --yes
-says 'nothing was changed: backup: '
+says 'nothing was changed'
+says '^  backup: '
 as chief 1 admin restore "$url" controller.toml --yes
 as chief 1 admin restore "$url" press.backup
 says 'nothing was done'

@@ -69,6 +69,12 @@ std::string restored_text(RemoteTransfer& transfer)
 [[noreturn]] void fail_with_report(RemoteTransfer& transfer, const Failure& failure,
                                    const std::string& what)
 {
+    if (!failure.reason.empty()) {
+        Failure told{failure.status, what + ": nothing was changed"};
+        told.reason = failure.reason;
+        told.hint.clear();
+        throw Failure{told};
+    }
     std::string reason;
     try {
         const Json report = report_of(transfer);

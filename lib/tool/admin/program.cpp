@@ -65,11 +65,13 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
         transfer.send(Variant{String{wish}}, file,
                       [&](std::size_t done) { show_progress(context, done, file.size()); });
     } catch (const Failure& failure) {
-        std::string reason;
-        try {
-            reason = text_in(answer_of(transfer, "report"), "problem");
-        } catch (const Failure&) {
-            // It was refused before it was looked at: the status says why.
+        std::string reason = failure.reason;
+        if (reason.empty()) {
+            try {
+                reason = text_in(answer_of(transfer, "report"), "problem");
+            } catch (const Failure&) {
+                // It was refused before it was looked at: the status says why.
+            }
         }
         if (reason.empty()) {
             throw;

@@ -49,18 +49,15 @@ std::vector<Variant> call(Connection& connection, const NodeId& object, const No
     request.object_id = object;
     request.method_id = method;
     request.input_arguments = Array<Variant>{inputs};
-    using Results = std::vector<CallMethodResult>;
-    const auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
-        client::call(connection.client(), {std::move(request)}, std::move(done));
-    });
-    const CallMethodResult& result = results.front();
+    const client::ExplainedCall result = call_explained(connection, std::move(request));
     if (result.status_code == status::Bad_NodeIdUnknown) {
         throw Failure{result.status_code, what,
                       "the server has no such service, or this user may not see it: log in as one "
                       "with the role SecurityAdmin"};
     }
     if (result.status_code.is_bad()) {
-        throw Failure{result.status_code, what};
+        throw refused_by_server(result.status_code, what, result.additional_info,
+                                operand_of(object, method));
     }
     return {result.output_arguments.begin(), result.output_arguments.end()};
 }

@@ -40,6 +40,9 @@ void by_rules(Connection& connection, Function&& function)
     try {
         function();
     } catch (Failure& failure) {
+        if (!failure.reason.empty()) {
+            throw;
+        }
         if (failure.status == status::Bad_InvalidArgument ||
             failure.status == status::Bad_OutOfRange) {
             failure.hint = rules_of(connection);

@@ -129,11 +129,8 @@ Exit call_method(Context& context, Connection& connection, const CallArguments& 
 {
     CallMethodRequest request = request_for(connection, arguments);
     const auto outputs = arguments_of(connection, request.method_id, "OutputArguments");
-    using Results = std::vector<CallMethodResult>;
-    const auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
-        client::call(connection.client(), {std::move(request)}, std::move(done));
-    });
-    const CallMethodResult& result = results.front();
+    const std::string operand = operand_of(request.object_id, request.method_id);
+    const client::ExplainedCall result = call_explained(connection, std::move(request));
     if (result.status_code.is_bad()) {
         std::string what = arguments.words[1];
         for (std::size_t i = 0; i < result.input_argument_results.size(); ++i) {
@@ -142,7 +139,7 @@ Exit call_method(Context& context, Connection& connection, const CallArguments& 
                         text_of(result.input_argument_results[i]);
             }
         }
-        throw Failure{result.status_code, what};
+        throw refused_by_server(result.status_code, what, result.additional_info, operand);
     }
     std::vector<DataValue> values;
     for (const Variant& output : result.output_arguments) {

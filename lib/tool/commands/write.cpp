@@ -45,40 +45,59 @@ std::vector<WriteValue> values_of(Connection& connection, const std::vector<Name
     return values;
 }
 
-std::vector<StatusCode> write(Connection& connection, const std::vector<NamedNode>& nodes,
-                              std::vector<WriteValue> values)
+std::vector<client::ExplainedWrite>
+write(Connection& connection, const std::vector<NamedNode>& nodes, std::vector<WriteValue> values)
 {
-    using Statuses = std::vector<StatusCode>;
-    Statuses written;
+    using Results = std::vector<client::ExplainedWrite>;
+    Results written;
     if (!values.empty()) {
-        written = connection.wait_for<Statuses>([&](std::function<void(Statuses)> done) {
-            client::write(connection.client(), std::move(values), std::move(done));
+        written = connection.wait_for<Results>([&](std::function<void(Results)> done) {
+            client::write_explained(connection.client(), std::move(values), std::move(done));
         });
     }
     auto next = written.begin();
-    Statuses statuses;
+    Results results;
     for (const NamedNode& node : nodes) {
-        statuses.push_back(node.id ? *next++ : node.id.error());
+        results.push_back(node.id ? std::move(*next++)
+                                  : client::ExplainedWrite{node.id.error(), {}});
     }
-    return statuses;
+    return results;
+}
+
+/// What the server calls a value in its additionalInfo.
+std::string operand_of(const NodeId& node)
+{
+    return to_string(node) + ", attribute 13";
 }
 
 void print(Context& context, const std::vector<NamedNode>& nodes,
-           const std::vector<StatusCode>& statuses)
+           const std::vector<client::ExplainedWrite>& results)
 {
+    std::vector<std::string> reasons;
     JsonLine json;
     json.open_array();
     Table table{{{"NODE", 16, false, true}, {"STATUS", 20}}};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        json.open_object().member("node", nodes[i].text).member("status", statuses[i]);
+        const StatusCode status = results[i].status_code;
+        const std::string_view reason =
+            nodes[i].id ? reason_in(results[i].additional_info, operand_of(*nodes[i].id))
+                        : std::string_view{};
+        json.open_object().member("node", nodes[i].text).member("status", status);
+        if (!reason.empty()) {
+            json.member("reason", reason);
+            reasons.push_back(safe(nodes[i].text) + ": " + safe(reason));
+        }
         append_candidates(json, nodes[i]);
         json.close_object();
-        table.add({{safe(nodes[i].text)}, {text_of(statuses[i]), style_of(statuses[i])}});
+        table.add({{safe(nodes[i].text)}, {text_of(status), style_of(status)}});
     }
     if (context.options.is_json) {
         context.out.line(json.close_array().document());
     } else {
         table.print(context.out);
+        for (const std::string& reason : reasons) {
+            context.err.line("busbar: " + reason);
+        }
         print_candidates(context.err, nodes);
     }
 }
@@ -90,13 +109,20 @@ Exit write_values(Context& context, Connection& connection, const WriteArguments
         texts.push_back(arguments.nodes_and_values[i]);
     }
     const auto nodes = find_nodes(connection, texts);
-    const auto statuses = write(connection, nodes, values_of(connection, nodes, arguments));
-    const auto bad = std::count_if(statuses.begin(), statuses.end(),
-                                   [](StatusCode status) { return status.is_bad(); });
+    const auto results = write(connection, nodes, values_of(connection, nodes, arguments));
+    const auto bad =
+        std::count_if(results.begin(), results.end(), [](const client::ExplainedWrite& result) {
+            return result.status_code.is_bad();
+        });
     if (nodes.size() == 1 && bad == 1) {
-        throw failure_of(nodes.front(), statuses.front());
+        const client::ExplainedWrite& result = results.front();
+        if (!nodes.front().id) {
+            throw failure_of(nodes.front(), result.status_code);
+        }
+        throw refused_by_server(result.status_code, nodes.front().text, result.additional_info,
+                                operand_of(*nodes.front().id));
     }
-    print(context, nodes, statuses);
+    print(context, nodes, results);
     return bad == 0                                        ? Exit::Good
            : static_cast<std::size_t>(bad) == nodes.size() ? Exit::Failed
                                                            : Exit::Partly;

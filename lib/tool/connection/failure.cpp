@@ -100,6 +100,27 @@ Failure::Failure(StatusCode code, const std::string& what, std::string advice)
     }
 }
 
+std::string_view reason_in(std::string_view additional_info, std::string_view operand)
+{
+    if (!additional_info.starts_with(operand)) {
+        return additional_info;
+    }
+    constexpr std::string_view separator = ": ";
+    const std::string_view rest = additional_info.substr(operand.size());
+    return rest.starts_with(separator) ? rest.substr(separator.size()) : std::string_view{};
+}
+
+Failure refused_by_server(StatusCode status, const std::string& what,
+                          std::string_view additional_info, std::string_view operand)
+{
+    Failure failure{status, what};
+    failure.reason = reason_in(additional_info, operand);
+    if (!failure.reason.empty()) {
+        failure.hint.clear();
+    }
+    return failure;
+}
+
 Failure connect_failure(StatusCode status, const std::string& url, const std::string& why)
 {
     if (status != status::Bad_CommunicationError || why.empty()) {
@@ -125,7 +146,9 @@ std::string text_of(const Failure& failure, const Output& out)
     }
     constexpr std::string_view program = "busbar: ";
     std::string text = out.styled(Style::Bad, program) + wrap(what, columns - program.size(), 2);
-    if (failure.status != StatusCode{}) {
+    if (!failure.reason.empty()) {
+        text += "\n  " + wrap(safe(failure.reason), columns - 2, 2);
+    } else if (failure.status != StatusCode{}) {
         if (const std::string_view meaning = help_for(failure.status).meaning; !meaning.empty()) {
             text += "\n  " + wrap(meaning, columns - 2, 2);
         }
@@ -156,6 +179,9 @@ std::string json_of(const Failure& failure)
     if (failure.status != StatusCode{}) {
         json.member("status", failure.status);
         json.member("meaning", help_for(failure.status).meaning);
+    }
+    if (!failure.reason.empty()) {
+        json.member("reason", failure.reason);
     }
     json.member("hint", failure.hint);
     if (!failure.candidates.empty()) {

@@ -39,12 +39,22 @@ public:
     Exit exit;
     /// Good if no service or connection is to blame.
     StatusCode status;
+    /// Why, as the server says it; empty if it does not. Shown instead of the status's meaning.
+    std::string reason{};
     /// What the user can do; may be empty.
     std::string hint;
     /// What a text that fits several things may have meant, each to be given instead of it; mostly
     /// there are none.
     std::vector<std::string> candidates;
 };
+
+/// What the server refused, with the additionalInfo that it gave of it, of an operation that it
+/// calls `operand` there. A known reason takes the place of the status's meaning and hint.
+[[nodiscard]] Failure refused_by_server(StatusCode status, const std::string& what,
+                                        std::string_view additional_info, std::string_view operand);
+/// The reason in it; empty if there is none.
+[[nodiscard]] std::string_view reason_in(std::string_view additional_info,
+                                         std::string_view operand);
 
 /// The first ten of them, each on a line of its own that can be pasted into a shell.
 [[nodiscard]] std::string lines_of(const std::vector<std::string>& candidates);

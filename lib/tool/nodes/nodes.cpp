@@ -84,6 +84,20 @@ void refuse_ambiguous(Connection& connection, const std::vector<std::string>& te
     }
 }
 
+client::ExplainedCall call_explained(Connection& connection, CallMethodRequest request)
+{
+    using Results = std::vector<client::ExplainedCall>;
+    auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
+        client::call_explained(connection.client(), {std::move(request)}, std::move(done));
+    });
+    return std::move(results.front());
+}
+
+std::string operand_of(const NodeId& object, const NodeId& method)
+{
+    return to_string(method) + " of " + to_string(object);
+}
+
 Failure failure_of(const NamedNode& node, StatusCode status)
 {
     Failure failure{status, node.text};

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/client/methods.hpp>
 #include <busbar/client/node_address.hpp>
 
 #include "tool/connection/connection.hpp"
@@ -33,6 +34,12 @@ void check_addresses(const std::vector<std::string>& texts);
 /// Throws Failure for the first text that fits several nodes; what else may be wrong with it is
 /// seen later.
 void refuse_ambiguous(Connection& connection, const std::vector<std::string>& texts);
+
+/// Calls one Method; throws Failure without an answer.
+[[nodiscard]] client::ExplainedCall call_explained(Connection& connection,
+                                                   CallMethodRequest request);
+/// What the server calls it in its additionalInfo, see refused_by_server.
+[[nodiscard]] std::string operand_of(const NodeId& object, const NodeId& method);
 
 /// What the status of something that was done to the node is to the user.
 [[nodiscard]] Failure failure_of(const NamedNode& node, StatusCode status);

@@ -52,11 +52,13 @@ void send(Context& context, RemoteTransfer& transfer, const char* what, const st
                           "`busbar project status` tells what the server has, and `busbar project "
                           "verify` whether it is this project"};
         }
-        std::string reason;
-        try {
-            reason = text_in(answer_of(transfer, "report"), "problem");
-        } catch (const Failure&) {
-            // The server refused it before it looked at the file: the status says why.
+        std::string reason = failure.reason;
+        if (reason.empty()) {
+            try {
+                reason = text_in(answer_of(transfer, "report"), "problem");
+            } catch (const Failure&) {
+                // The server refused it before it looked at the file: the status says why.
+            }
         }
         throw Failure{failure.status,
                       std::string{what} + ": nothing was changed" +

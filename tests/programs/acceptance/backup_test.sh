@@ -69,7 +69,8 @@ says '^Server settings *settings.json'
 says '^Program *program.received'
 head -c 900 press.backup > damaged
 chief 1 admin restore "$url" damaged --yes
-says 'nothing was changed: backup: '
+says 'nothing was changed'
+says '^  backup: '
 power_cycle
 value Speed 99
 chief 0 admin restore "$url" press.backup --yes
