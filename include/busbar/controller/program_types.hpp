@@ -67,25 +67,32 @@ public:
     [[nodiscard]] const DerivedType* find(std::string_view name) const;
     /// `use` must be of the program.
     [[nodiscard]] ResolvedType resolve(const TypeUse& use) const;
-    /// Bytes that it takes in a controller: 1 for BOOL, 4 for an enumeration, 8 for times and
-    /// dates, a text's length and one more; members one behind another without gaps, the largest of
-    /// a union. The manuals do not say what BOOL and STRING take; 2 is a word, as seed 000, 7-1-7
-    /// counts them.
+    /// Bytes that it takes in the memory of an NJ or NX CPU (W506, A-5-1): 2 for BOOL, an array of
+    /// which has 16 in a word; 4 for an enumeration, 8 for times and dates, a text's length and one
+    /// more. Members lie at multiples of their own alignment, a structure ends at one of its
+    /// largest member's, and a union is as large as its largest member.
     [[nodiscard]] std::uint64_t size_of(const TypeUse& use) const;
 
 private:
     friend class detail::ProgramChecker;
     explicit ProgramTypes(const Program& program) : program_{&program} {}
 
+    /// What a value takes, and what its place is a multiple of.
+    struct Layout {
+        std::uint64_t size{0};
+        std::uint64_t alignment{1};
+    };
+
     /// Of one value, from those of the types in it.
-    [[nodiscard]] std::uint64_t size_of_type(const DerivedType& type) const;
-    [[nodiscard]] std::uint64_t size_of_one(const ResolvedType& type) const;
+    [[nodiscard]] Layout layout_of_type(const DerivedType& type) const;
+    [[nodiscard]] Layout layout_of_one(const ResolvedType& type) const;
+    [[nodiscard]] Layout layout_of(const TypeUse& use) const;
 
     const Program* program_;
     /// By the name in lower case.
     std::unordered_map<std::string, std::size_t> by_name_;
-    /// Bytes of one value of each type, so that types that lie twice in one another cost nothing.
-    std::vector<std::uint64_t> sizes_;
+    /// Of one value of each type, so that types that lie twice in one another cost nothing.
+    std::vector<Layout> layouts_;
 };
 
 /// Bytes of one, but for String.

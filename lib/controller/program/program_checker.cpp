@@ -176,7 +176,7 @@ std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
 std::optional<Problem> ProgramChecker::check_nesting()
 {
     depths_.assign(program_->types.size(), not_measured);
-    types_->sizes_.assign(program_->types.size(), 0);
+    types_->layouts_.assign(program_->types.size(), {});
     for (std::size_t i = 0; i < depths_.size(); ++i) {
         if (auto found = measure(i, 1)) {
             return found;
@@ -204,7 +204,7 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
             return found;
         }
         depths_[index] = below + 1;
-        types_->sizes_[index] = types_->size_of_type(type);
+        types_->layouts_[index] = types_->layout_of_type(type);
     }
     if (level + depths_[index] > limits_->max_depth + 1) {
         return problem(more_than(limits_->max_depth, "types in and around it"));

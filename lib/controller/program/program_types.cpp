@@ -17,7 +17,7 @@ struct ElementaryRow {
 
 /// In the order of ElementaryType.
 constexpr std::array elementary_rows{
-    ElementaryRow{"BOOL", 1, BuiltInType::Boolean},
+    ElementaryRow{"BOOL", 2, BuiltInType::Boolean},
     ElementaryRow{"SINT", 1, BuiltInType::SByte},
     ElementaryRow{"INT", 2, BuiltInType::Int16},
     ElementaryRow{"DINT", 4, BuiltInType::Int32},
@@ -47,6 +47,13 @@ constexpr std::uint64_t max_size = std::uint64_t{1} << 56U;
 std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
 {
     return b != 0 && a > max_size / b ? max_size : a * b;
+}
+
+constexpr std::uint64_t bits_of_word = 16;
+
+std::uint64_t rounded_up(std::uint64_t size, std::uint64_t multiple)
+{
+    return (size + multiple - 1) / multiple * multiple;
 }
 
 ResolvedType::Kind kind_of(DerivedType::Kind kind)
@@ -122,33 +129,51 @@ ResolvedType ProgramTypes::resolve(const TypeUse& use) const
 
 std::uint64_t ProgramTypes::size_of(const TypeUse& use) const
 {
-    const ResolvedType type = resolve(use);
-    return saturating_product(size_of_one(type), type.elements());
+    return layout_of(use).size;
 }
 
-std::uint64_t ProgramTypes::size_of_one(const ResolvedType& type) const
+ProgramTypes::Layout ProgramTypes::layout_of(const TypeUse& use) const
+{
+    const ResolvedType type = resolve(use);
+    const Layout one = layout_of_one(type);
+    const bool is_bool = type.kind == ResolvedType::Kind::Elementary &&
+                         type.elementary == ElementaryType::Bool && type.is_array();
+    const std::uint64_t count =
+        is_bool ? rounded_up(type.elements(), bits_of_word) / bits_of_word : type.elements();
+    return {saturating_product(one.size, count), one.alignment};
+}
+
+ProgramTypes::Layout ProgramTypes::layout_of_one(const ResolvedType& type) const
 {
     switch (type.kind) {
-    case ResolvedType::Kind::Elementary:
-        return type.elementary == ElementaryType::String ? std::uint64_t{type.string_length} + 1
-                                                         : controller::size_of(type.elementary);
-    case ResolvedType::Kind::Enumeration:
-        return controller::size_of(ElementaryType::Dint);
+    case ResolvedType::Kind::Elementary: {
+        if (type.elementary == ElementaryType::String) {
+            return {std::uint64_t{type.string_length} + 1, 1};
+        }
+        const std::uint64_t size = controller::size_of(type.elementary);
+        return {size, size};
+    }
+    case ResolvedType::Kind::Enumeration: {
+        const std::uint64_t size = controller::size_of(ElementaryType::Dint);
+        return {size, size};
+    }
     default:
-        return sizes_[static_cast<std::size_t>(type.type - program_->types.data())];
+        return layouts_[static_cast<std::size_t>(type.type - program_->types.data())];
     }
 }
 
-std::uint64_t ProgramTypes::size_of_type(const DerivedType& type) const
+ProgramTypes::Layout ProgramTypes::layout_of_type(const DerivedType& type) const
 {
-    std::uint64_t sum = 0;
-    std::uint64_t largest = 0;
+    Layout all;
     for (const Member& member : type.members) {
-        const std::uint64_t size = size_of(member.type);
-        sum = std::min(max_size, sum + size);
-        largest = std::max(largest, size);
+        const Layout one = layout_of(member.type);
+        const bool is_union = type.kind == DerivedType::Kind::Union;
+        const std::uint64_t place = is_union ? 0 : rounded_up(all.size, one.alignment);
+        all.size = std::max(all.size, std::min(max_size, place + one.size));
+        all.alignment = std::max(all.alignment, one.alignment);
     }
-    return type.kind == DerivedType::Kind::Union ? largest : sum;
+    all.size = std::min(max_size, rounded_up(all.size, all.alignment));
+    return all;
 }
 
 std::uint32_t size_of(ElementaryType type)

@@ -126,6 +126,12 @@ TEST_CASE("A variable has 1,024 bytes (6-2-2)")
           "MaxSize");
     const Published published{{.variables = {variable("x", array_of(an_int, {{0, 512}}))}}};
     CHECK(published.publication.unpublished().at(0).size == 1026);
+    // As the CPU counts them: members at multiples of their size, BOOL arrays in bits.
+    const std::vector<DerivedType> types{
+        structure("S", {use(ElementaryType::Bool), use(ElementaryType::Lreal)})};
+    CHECK(reason_against(types, array_of(use("S"), {{0, 63}})) == "");
+    CHECK(reason_against(types, array_of(use("S"), {{0, 64}})) == "MaxSize");
+    CHECK(reason_against({}, array_of(use(ElementaryType::Bool), {{0, 1023}})) == "");
     CHECK(event_bit(UnpublishedReason::MaxSize) == 32);
 }
 
