@@ -244,4 +244,12 @@ TEST_CASE("whole backup: values come to their place whenever the power goes")
     }
 }
 
+TEST_CASE("whole backup: a first start has no folder yet, and no values to restore")
+{
+    const TemporaryFolder folder;
+    storage::FolderStorage files{(folder.path / "pki").string()};
+    storage::MemoryStorage state;
+    CHECK(take_up_values(files, state));
+}
+
 } // namespace whole_backup_test

@@ -92,9 +92,11 @@ Configured<void> take_up_values(Storage& files, Storage& state)
 {
     const auto bytes = read_file(files, restored_values_name, max_size);
     if (!bytes) {
-        return bytes.error() == StorageError::NotFound
-                   ? Configured<void>{}
-                   : problem_at(files, restored_values_name, bytes.error());
+        // At a first start not even the folder is there.
+        const bool has_none =
+            bytes.error() == StorageError::NotFound || bytes.error() == StorageError::Away;
+        return has_none ? Configured<void>{}
+                        : problem_at(files, restored_values_name, bytes.error());
     }
     if (auto removed = remove_values(state, is_none(*bytes)); !removed) {
         return removed;
