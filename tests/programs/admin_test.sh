@@ -232,7 +232,7 @@ as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4@192.0.2.50/O=Works
     --days 365 --host 192.0.2.50 --host "$host" --yes
 await ends_with 4 --user chief --password-file chief admin cert show "$url"
 as_admin 1 admin cert regenerate "$url" --subject "CN=X/C=DEU" --yes
-says "country of two letters"
+says 'expected two letters'
 as_admin 0 admin cert regenerate "$url" --host 192.0.2.51 --host "$host" --yes
 await ends_with 4 --user chief --password-file chief admin cert show "$url"
 as_admin 0 --json admin cert show "$url"
@@ -291,7 +291,7 @@ run 4 --user setup --password-file chief --trust admin status "$url"
 run 0 --user setup --password-file code --trust admin status "$url"
 # One that was cut short after the user was added can be run again.
 run 1 --user setup --password-file code --trust admin user add "$url" "$(printf %0300d 0)" --new-password-file chief
-says "A user's name has"
+says 'user name rules'
 run 0 --user setup --password-file code --trust admin user add "$url" chief --new-password-file pat
 run 0 --user setup --password-file code --trust admin setup "$url" chief --new-password-file chief
 await logged 'the setup is over'

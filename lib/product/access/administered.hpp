@@ -69,6 +69,10 @@ public:
     [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
     /// The one-time code of the setup, if this is the first start of a controller that has one.
     [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
+    /// Returns true while there is no administrator but the one of the setup.
+    [[nodiscard]] bool is_in_setup() const { return setup_ && setup_->is_active(); }
+    /// Where the hash of the code lies, for people.
+    [[nodiscard]] std::string code_place() const { return files_.place(Setup::code_file); }
     /// Those users again, after `admission` has read its file again. Throws ConfigError.
     void read_users();
     /// Once, before clients connect. Throws ConfigError.

@@ -10,7 +10,6 @@ namespace busbar::product {
 
 namespace {
 
-constexpr const char* code_file = "setup.code";
 constexpr std::size_t max_code_file = 1'024;
 constexpr std::uint8_t all_access = 0xFF;
 

@@ -19,6 +19,7 @@ namespace busbar::product {
 class Setup final : public crypto::CertificateValidator {
 public:
     static constexpr const char* user_name = "setup";
+    static constexpr const char* code_file = "setup.code";
 
     /// Not active. `inner` decides about clients.
     Setup(Storage& files, crypto::CertificateValidator& inner, server::PasswordUsers& users)

@@ -407,6 +407,13 @@ void Generation::print_welcome() const
     if (const auto& code = administered_.new_code()) {
         std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
                     static_cast<int>(code->size()), code->text().data());
+    } else if (administered_.is_in_setup()) {
+        std::printf("setup: log in as \"setup\" by the code that an earlier start has shown; if it "
+                    "is lost, stop, remove %s and start again\n",
+                    administered_.code_place().c_str());
+    }
+    if (administered_.is_in_setup()) {
+        std::fputs(setup_text(config_.server.endpoint_url).c_str(), stdout);
     }
     std::optional<int> priority = task_ ? task_->realtime_priority() : around_.label_priority;
     if (has_own_task_) {

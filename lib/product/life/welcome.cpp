@@ -64,6 +64,22 @@ std::string task_text(const ControllerConfig& config, std::optional<int> granted
 
 } // namespace
 
+std::string setup_text(const std::string& url)
+{
+    return "  1. busbar admin setup " + url +
+           " chief --user setup\n"
+           "     shows the controller's certificate, whose thumbprint is the one below, and asks "
+           "for "
+           "the code and for a password\n"
+           "  2. busbar watch " +
+           url +
+           " --user chief\n"
+           "     the administrator chief reads and writes; this busbar is trusted from now on\n"
+           "  3. other clients: let them connect once, which is refused, and trust them:\n"
+           "     busbar admin trust list " +
+           url + " --user chief, then trust move THUMBPRINT\n";
+}
+
 std::string welcome_text(const ControllerConfig& config, std::size_t variables, DateTime now,
                          std::optional<int> task_priority)
 {

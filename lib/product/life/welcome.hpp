@@ -16,4 +16,7 @@ namespace busbar::product {
 [[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
                                        DateTime now, std::optional<int> task_priority);
 
+/// The steps from a controller that nobody can log in to yet to the first values.
+[[nodiscard]] std::string setup_text(const std::string& url);
+
 } // namespace busbar::product

@@ -66,16 +66,19 @@ Exit set_up(Context& context, Connection& connection, const AdminArguments& argu
     const crypto::Secret password = new_password(context, name, arguments.new_password_file);
     trust_us(context, connection);
     add_or_change(connection, name, password, arguments.description);
-    // The last one makes an administrator, which ends the setup.
-    for (const std::uint32_t role :
-         {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
+    // The first one lets write variables; the last one makes an administrator, which ends the
+    // setup.
+    for (const std::uint32_t role : {id::WellKnownRole_Operator, id::WellKnownRole_ConfigureAdmin,
+                                     id::WellKnownRole_SecurityAdmin}) {
         const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{name}};
         unless_there([&] {
             call(connection, standard(role), child_of(connection, standard(role), "AddIdentity"),
                  {Variant{ExtensionObject::from(rule)}}, "giving " + safe(name) + " the roles");
         });
     }
-    return report(context, safe(name) + " administers the server from now on; the code is void");
+    return report(context, safe(name) +
+                               " administers the server from now on, and writes variables; "
+                               "the code is void");
 }
 
 } // namespace

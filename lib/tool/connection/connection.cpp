@@ -171,6 +171,12 @@ void Connection::warn_of_insecurity()
 void Connection::fail_to_connect(StatusCode status) const
 {
     const std::string& url = context_->options.url;
+    if (context_->options.user == "setup" && exit_of(status) == Exit::Refused) {
+        throw Failure{
+            status, url,
+            "the code is another one, or the setup is over, as is one that was cut at its "
+            "end: log in as the administrator whom it made, --user NAME"};
+    }
     if (status == status::Bad_SecurityChecksFailed) {
         throw Failure{status, url,
                       "most likely the server does not know our certificate: have its "

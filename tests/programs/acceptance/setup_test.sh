@@ -1,0 +1,115 @@
+#!/bin/sh
+# The first connection to a controller that nobody can log in to: the steps that its start tells, and
+# a setup that is cut, by its client's end or by a power cut, and done again.
+# usage: setup_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
+
+press 17 > press.st
+# fresh FOLDER: a controller that nobody has touched, with its code in the file "code".
+fresh() {
+    cat > "$1.toml" << END
+[server]
+address = "127.0.0.1"
+port = 0
+[certificates]
+folder = "$1"
+[limits]
+first_login_delay_ms = 0
+max_login_delay_ms = 0
+[users]
+setup = true
+[machine]
+program = "press.st"
+state = "$1-state"
+medium = "$1-medium"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+END
+    serve --config "$1.toml"
+    sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
+    [ -s code ] || fail "there is no code"
+}
+as_setup() {
+    wanted_by=$1
+    shift
+    run "$wanted_by" --user setup --password-file code --trust "$@"
+}
+setup() { as_setup "$1" admin setup "$url" chief --new-password-file password; }
+# Chief administers, and reads and writes; strangers are strangers.
+is_done() {
+    await logged 'the setup is over'
+    run 0 --user chief --password-file password admin status "$url"
+    run 0 --user chief --password-file password admin user list "$url"
+    run 0 --user chief --password-file password write "$url" "nsu=urn:busbar:machine;s=Speed" "$1"
+    run 0 --user chief --password-file password read --value "$url" "nsu=urn:busbar:machine;s=Speed"
+    says "^$1\$"
+    run 4 --pki stranger --user chief --password-file password --trust admin status "$url"
+}
+
+# The steps, as they are told: a newcomer who has no certificate and trusts nobody.
+fresh first
+sed -n 's/^  1\. busbar //p' log > told
+grep -q "^admin setup $url chief --user setup\$" told || fail "the first step is not told"
+thumbprint=$(sed -n 's/^  certificate: //p' log)
+setup 0
+says "$thumbprint"
+says 'chief administers the server from now on, and writes variables'
+is_done 5
+logged "  2\. busbar watch $url --user chief" || fail "the second step is not told"
+logged "  3\. other clients" || fail "the third step is not told"
+run 0 --pki stranger cert show
+stranger=$(sed -n 's/.*[Tt]humbprint: *//p' out | head -n 1)
+run 0 --user chief --password-file password admin trust list "$url"
+says '^rejected'
+rejected=$(sed -n 's/^rejected .* \([0-9A-F]*\)$/\1/p' out)
+[ -z "$stranger" ] || [ "$stranger" = "$rejected" ] || fail "another one was rejected: $rejected"
+run 0 --user chief --password-file password admin trust move "$url" "$rejected"
+run 0 --pki stranger --user chief --password-file password admin status "$url"
+# Again: it is over, and says what to do.
+setup 4
+says 'hint: the code is another one, or the setup is over'
+power_cycle
+is_done_still() { run 0 --user chief --password-file password admin status "$url"; }
+is_done_still
+logged 'setup:' && fail "the setup goes on"
+shut_down
+
+# Cut after each of its steps, by a power cut too: done again it works, with another password as well.
+for cut in user Operator ConfigureAdmin; do
+    rm -rf "$XDG_DATA_HOME"
+    fresh "cut$cut"
+    echo "Another_12345" > other
+    as_setup 0 admin user add "$url" chief --new-password-file other
+    for role in Operator ConfigureAdmin; do
+        [ $cut = user ] && break
+        as_setup 0 admin role grant "$url" chief $role
+        [ $cut = $role ] && break
+    done
+    power_cycle
+    logged 'by the code that an earlier start has shown; if it is lost' ||
+        fail "$cut: the start does not say that the code is still good"
+    run 4 --user chief --password-file password --trust admin user list "$url"
+    setup 0
+    is_done 6
+    shut_down
+done
+
+# Killed at any time: it can be done again, or is done.
+rm -rf "$XDG_DATA_HOME"
+fresh killed
+for wait in 0.05 0.1 0.2 0.3 0.4 0.5 0.6 0.8; do
+    timeout -s KILL $wait "$busbar" --user setup --password-file code --trust admin setup "$url" \
+        chief --new-password-file password > /dev/null 2>&1 < /dev/null
+    logged 'the setup is over' && break
+done
+if logged 'the setup is over'; then
+    setup 4
+else
+    setup 0
+fi
+is_done 7
+shut_down
+finish
