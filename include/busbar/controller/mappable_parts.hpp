@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/controller/label_conversion.hpp>
 #include <busbar/controller/mapping_check.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/model/data_types.hpp>
@@ -19,6 +20,8 @@ struct MappablePart {
     std::string type{};
     /// Empty if it has none.
     std::string label{};
+    /// What assignability() asks for; no built-in type where no label can be.
+    LeafType leaf{};
 };
 
 /// What there is to map in a project, node by node. Refers to the ModelSet, whose nodes must stay
@@ -31,6 +34,8 @@ public:
     /// InputArguments. Those that cannot have a label but have one come last. None for a node that
     /// cannot be mapped.
     [[nodiscard]] std::vector<MappablePart> of(model::NodeIndex node);
+    /// Why of() gives no part that can have a label; empty if it gives one. Printable.
+    [[nodiscard]] std::string why_none(model::NodeIndex node);
 
 private:
     const ModelSet& models_;

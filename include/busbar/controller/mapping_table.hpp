@@ -60,4 +60,9 @@ struct ReadMappingTable {
                                                              const model::SpaceReader& space,
                                                              const MappingTableLimits& limits = {});
 
+/// The node that a field of the column NodeId, or from a slash on of Path, names; no_node if there
+/// is none.
+[[nodiscard]] BUSBAR_API model::NodeIndex find_table_node(std::string_view text,
+                                                          const model::SpaceReader& space);
+
 } // namespace busbar::controller

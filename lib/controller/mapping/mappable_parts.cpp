@@ -9,6 +9,7 @@
 
 #include "method_arguments.hpp"
 #include "table_columns.hpp"
+#include "value_check.hpp"
 
 namespace busbar::controller {
 
@@ -64,8 +65,10 @@ public:
         if (const auto shape = ValueShape::of(space_, types_, declaration, paths.arrays, limits_)) {
             for (std::size_t i = 0; i < shape->leaf_count(); ++i) {
                 if (words_of(shape->leaf_type(i)) != 0) {
-                    MappablePart part{
-                        prefix + shape->leaf_path(i), type_text(shape->leaf_type(i)), {}};
+                    MappablePart part{prefix + shape->leaf_path(i),
+                                      type_text(shape->leaf_type(i)),
+                                      {},
+                                      shape->leaf_type(i)};
                     if (auto label = labels.extract(part.path)) {
                         part.label = std::move(label.mapped());
                     }
@@ -75,7 +78,7 @@ public:
         }
         for (const auto& [path, label] : paths.labels) {
             if (labels.contains(path)) {
-                parts_.push_back({path, {}, label});
+                parts_.push_back({.path = path, .label = label});
             }
         }
     }
@@ -107,8 +110,10 @@ void add_method(Lister& lister, const model::SpaceReader& space, model::NodeInde
     if (!detail::arguments_of(space, node, "OutputArguments").empty()) {
         return;
     }
-    lister.add({std::string{detail::handle_part}, std::string{name(BuiltInType::UInt16)},
-                mapped != nullptr ? mapped->handle : std::string{}});
+    lister.add({std::string{detail::handle_part},
+                std::string{name(BuiltInType::UInt16)},
+                mapped != nullptr ? mapped->handle : std::string{},
+                {BuiltInType::UInt16}});
     const std::vector<Argument> inputs = detail::arguments_of(space, node, "InputArguments");
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         const std::string prefix = std::string{detail::input_part} + '[' + std::to_string(i) + ']';
@@ -123,6 +128,37 @@ void add_method(Lister& lister, const model::SpaceReader& space, model::NodeInde
 MappableParts::MappableParts(const ModelSet& models)
     : models_{models}, places_{models.space(), required_uris(models)}
 {
+}
+
+std::string MappableParts::why_none(model::NodeIndex node)
+{
+    const model::SpaceReader& space = models_.space();
+    const auto content = [](ModelCode code) { return std::string{rule_of(code).content}; };
+    if (const NodePlace place = places_.of(node); place != NodePlace::Mappable) {
+        return place == NodePlace::WrongNodeClass ? "It is neither a Variable nor a Method"
+                                                  : content(detail::code_of(place));
+    }
+    if (space.node_class(node) == NodeClass::Method) {
+        return detail::arguments_of(space, node, "OutputArguments").empty()
+                   ? std::string{}
+                   : content(ModelCode::MethodHasOutputs);
+    }
+    const model::VariableAttributes attributes = space.variable(node);
+    const ModelLimits& limits = models_.limits();
+    const auto shape = ValueShape::of(
+        space, types_.of(space),
+        {space.data_type_id(node), attributes.value_rank, attributes.array_dimensions, false}, {},
+        {limits.max_elements, limits.max_structure_levels, limits.max_elements});
+    if (!shape) {
+        return content(ModelCode::NotAssignable) + ": " + shape.error().path + " " +
+               shape.error().text;
+    }
+    for (std::size_t i = 0; i < shape->leaf_count(); ++i) {
+        if (words_of(shape->leaf_type(i)) != 0) {
+            return {};
+        }
+    }
+    return content(ModelCode::NotAssignable);
 }
 
 std::vector<MappablePart> MappableParts::of(model::NodeIndex node)

@@ -15,11 +15,7 @@
 
 namespace busbar::controller {
 
-namespace {
-
-using model::NodeIndex;
-
-ModelCode code_of(NodePlace place)
+ModelCode detail::code_of(NodePlace place)
 {
     switch (place) {
     case NodePlace::StandardNode:
@@ -40,6 +36,10 @@ ModelCode code_of(NodePlace place)
     }
     return ModelCode::NotBelowObjects;
 }
+
+namespace {
+
+using model::NodeIndex;
 
 /// One check, whose parts add to one result.
 class Run {
@@ -119,7 +119,7 @@ NodeIndex Run::find(const NodeId& id, NodeClass node_class)
     }
     const NodePlace place = places_.of(node);
     if (place != NodePlace::Mappable) {
-        report(code_of(place), id, {}, {});
+        report(detail::code_of(place), id, {}, {});
         return model::no_node;
     }
     if (space_.node_class(node) != node_class) {

@@ -24,6 +24,49 @@ using detail::TableColumn;
 using detail::TableFields;
 using model::NodeIndex;
 
+NodeIndex find_id(std::string_view text, const model::SpaceReader& space)
+{
+    const auto id = parse_expanded_node_id(text);
+    if (!id || id->server_index != 0) {
+        return model::no_node;
+    }
+    NodeId plain = id->node_id;
+    if (!id->namespace_uri.empty()) {
+        const auto index = space.namespace_index(id->namespace_uri.view());
+        if (!index) {
+            return model::no_node;
+        }
+        plain.set_namespace_index(*index);
+    }
+    return space.find(plain);
+}
+
+NodeIndex find_path(std::string_view text, const model::SpaceReader& space)
+{
+    const auto path = model::parse_relative_path(text, space);
+    if (!path || path->elements.empty()) {
+        return model::no_node;
+    }
+    NodeIndex at = space.find(id::RootFolder);
+    for (const RelativePathElement& element : path->elements) {
+        NodeIndex next = model::no_node;
+        const NodeIndex type = space.find(element.reference_type_id);
+        if (type == model::no_node || element.is_inverse) {
+            return model::no_node;
+        }
+        space.for_each_child(at, type, element.include_subtypes, element.target_name,
+                             [&](NodeIndex child) {
+                                 next = child;
+                                 return false;
+                             });
+        if (next == model::no_node) {
+            return next;
+        }
+        at = next;
+    }
+    return at;
+}
+
 /// A Method while its lines come.
 struct MethodTree {
     std::string handle;
@@ -63,8 +106,6 @@ private:
     void read_lines();
     void read_line();
     [[nodiscard]] NodeIndex find_node() const;
-    [[nodiscard]] NodeIndex find_id(const std::string& text) const;
-    [[nodiscard]] NodeIndex find_path(const std::string& text) const;
     [[nodiscard]] bool read_specification(ArraySpecification& to);
     void read_variable(const NodeId& id, const MappedPart& line);
     void read_method(const NodeId& id, const MappedPart& line);
@@ -208,50 +249,7 @@ bool TableReader::read_specification(ArraySpecification& to)
 NodeIndex TableReader::find_node() const
 {
     const std::string& id = field(TableColumn::NodeId);
-    return id.empty() ? find_path(field(TableColumn::Path)) : find_id(id);
-}
-
-NodeIndex TableReader::find_id(const std::string& text) const
-{
-    const auto id = parse_expanded_node_id(text);
-    if (!id || id->server_index != 0) {
-        return model::no_node;
-    }
-    NodeId plain = id->node_id;
-    if (!id->namespace_uri.empty()) {
-        const auto index = space_.namespace_index(id->namespace_uri.view());
-        if (!index) {
-            return model::no_node;
-        }
-        plain.set_namespace_index(*index);
-    }
-    return space_.find(plain);
-}
-
-NodeIndex TableReader::find_path(const std::string& text) const
-{
-    const auto path = model::parse_relative_path(text, space_);
-    if (!path || path->elements.empty()) {
-        return model::no_node;
-    }
-    NodeIndex at = space_.find(id::RootFolder);
-    for (const RelativePathElement& element : path->elements) {
-        NodeIndex next = model::no_node;
-        const NodeIndex type = space_.find(element.reference_type_id);
-        if (type == model::no_node || element.is_inverse) {
-            return model::no_node;
-        }
-        space_.for_each_child(at, type, element.include_subtypes, element.target_name,
-                              [&](NodeIndex child) {
-                                  next = child;
-                                  return false;
-                              });
-        if (next == model::no_node) {
-            return next;
-        }
-        at = next;
-    }
-    return at;
+    return id.empty() ? find_path(field(TableColumn::Path), space_) : find_id(id, space_);
 }
 
 void TableReader::read_variable(const NodeId& id, const MappedPart& line)
@@ -319,6 +317,11 @@ ReadMappingTable read_mapping_table(std::string_view text, const model::SpaceRea
         return result;
     }
     return TableReader{text, space, limits}.take();
+}
+
+NodeIndex find_table_node(std::string_view text, const model::SpaceReader& space)
+{
+    return text.starts_with('/') ? find_path(text, space) : find_id(text, space);
 }
 
 } // namespace busbar::controller

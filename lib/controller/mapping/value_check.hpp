@@ -11,6 +11,9 @@
 
 namespace busbar::controller::detail {
 
+/// Of a place where nothing can be mapped.
+[[nodiscard]] ModelCode code_of(NodePlace place);
+
 /// Checks what is mapped of one Variable or Argument against what it is declared as.
 class ValueCheck {
 public:

@@ -200,6 +200,21 @@ TEST_CASE("9.4 Table: all that there is to map, mapped or not", "[9.4][9.5]")
     CHECK(found[0].label == "Line.Guid");
     CHECK(found[0].type.empty());
     CHECK(parts.of(project.models.space().find(project.id("Cell"))).empty());
+
+    // What assignability() is asked with, and why there is nothing to map.
+    const model::SpaceReader& space = project.models.space();
+    CHECK(parts.of(find_table_node("/Objects/1:One", space)).front().leaf.built_in ==
+          BuiltInType::Int32);
+    CHECK(parts.why_none(find_table_node("nsu=urn:t;s=Two", space)).empty());
+    CHECK(parts.why_none(find_table_node("ns=1;s=Start", space)).empty());
+    CHECK(parts.why_none(find_table_node("/Objects/1:Guid", space)) ==
+          "The DataType, ValueRank or ArrayDimensions cannot have a label");
+    CHECK(parts.why_none(find_table_node("/Objects", space)) ==
+          "A node of namespace 0 cannot be mapped");
+    CHECK(parts.why_none(space.find(project.id("Cell"))) ==
+          "It is neither a Variable nor a Method");
+    CHECK(find_table_node("/Objects/1:Three", space) == model::no_node);
+    CHECK(find_table_node("nonsense", space) == model::no_node);
 }
 
 } // namespace mapping_table_test
