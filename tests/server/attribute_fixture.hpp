@@ -105,7 +105,7 @@ public:
         job.finish();
         binary::VectorSink sink;
         binary::Writer writer{sink};
-        job.encode_results(writer);
+        job.encode_results(writer, DateTime{});
         const auto bytes = sink.take(writer.written());
         binary::Reader reader{bytes};
         Array<DataValue> values;

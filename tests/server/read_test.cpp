@@ -337,7 +337,7 @@ TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars 
         job.finish();
         binary::SpanSink out{buffer};
         binary::Writer answer{out};
-        job.encode_results(answer);
+        job.encode_results(answer, DateTime{});
         const std::size_t after = test::allocation_count();
         REQUIRE(is_done);
         REQUIRE(answer.ok());
@@ -349,6 +349,20 @@ TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars 
     CAPTURE(for_10);
     CHECK(for_1000 == for_10);
     CHECK(for_10 <= 10);
+}
+
+TEST_CASE("a value that a source gave meanwhile has its time as the server's, too")
+{
+    const auto at = [](std::int64_t seconds) {
+        return DateTime{seconds * DateTime::ticks_per_second};
+    };
+    const server::detail::Timestamps asked{TimestampsToReturn::Both, at(10)};
+    CHECK(asked.of_answer(at(12), at(15)).server == at(12));
+    CHECK(asked.of_answer(at(8), at(15)).server == at(10));  // it was there before
+    CHECK(asked.of_answer(at(99), at(15)).server == at(15)); // by a clock that is ahead
+    CHECK(asked.of_answer(DateTime{}, at(15)).server == at(10));
+    const server::detail::Timestamps unwanted{TimestampsToReturn::Source, at(10)};
+    CHECK(unwanted.of_answer(at(12), at(15)).server.is_null());
 }
 
 } // namespace read_test

@@ -288,7 +288,7 @@ TEST_CASE_METHOD(WriteFixture, "a source may be given all or nothing")
     request.nodes_to_write = {write_value(a, Variant{1}), write_value(b, Variant{"1"}),
                               write_value(near, Variant{1})};
     CHECK(write(request) ==
-          std::vector{status::Bad_InvalidState, status::Bad_TypeMismatch, status::Good});
+          std::vector{status::Bad_NoCommunication, status::Bad_TypeMismatch, status::Good});
     CHECK(far.writes.empty());
     CHECK(value_of(near) == Variant{1});
 }

@@ -157,7 +157,7 @@ struct DataSourceOptions {
     /// Bad_Shutdown, and Bad_TooManyOperations of Read and Write, for a batch is the ServiceResult.
     bool decides_services{false};
     /// A Write is done for all its items of this source or for none, whoever refuses one of them;
-    /// those that the server would not have refused answer Bad_InvalidState.
+    /// those that the server would not have refused answer Bad_NoCommunication.
     bool all_or_nothing{false};
     /// How long a batch may take until its items answer Bad_Timeout; never more than the client's
     /// own timeout. The batch stays valid; its late completion is dropped.

@@ -84,8 +84,10 @@ void ReadOperation::call_completed()
     }
     ReturnDiagnostics diagnostics = this->diagnostics();
     const auto infos = job_->diagnose(diagnostics);
-    respond<ReadResponse>(diagnostics,
-                          [&](binary::Writer& writer) { job_->encode_results(writer, infos); });
+    const DateTime answered = needs_.wall_clock.now();
+    respond<ReadResponse>(diagnostics, [&](binary::Writer& writer) {
+        job_->encode_results(writer, answered, infos);
+    });
 }
 
 } // namespace busbar::server::detail

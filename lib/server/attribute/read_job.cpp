@@ -152,7 +152,8 @@ Array<DiagnosticInfo> ReadJob::diagnose(ReturnDiagnostics& diagnostics) const
         [&](std::size_t i) { return operand_text(request_, i); });
 }
 
-void ReadJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos)
+void ReadJob::encode_results(binary::Writer& writer, DateTime answered,
+                             const Array<DiagnosticInfo>& infos)
 {
     const std::vector<std::byte> bytes = sink_.take(writer_.written());
     std::span<const std::byte> rest{bytes};
@@ -167,7 +168,8 @@ void ReadJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>
             rest = rest.subspan(next->size);
             ++next;
         } else {
-            encode_slot(writer, call_.result(i), timestamps_);
+            const ReadSlot& slot = call_.result(i);
+            encode_slot(writer, slot, timestamps_.of_answer(slot.source_timestamp, answered));
         }
     }
     encode(writer, infos);

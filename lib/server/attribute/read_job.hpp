@@ -65,7 +65,9 @@ public:
     /// What became of each, after finish().
     [[nodiscard]] Array<DiagnosticInfo> diagnose(ReturnDiagnostics& diagnostics) const;
     /// Writes `results` and `diagnostic_infos` of the ReadResponse; once, after finish().
-    void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {});
+    /// `answered` is when the sources had answered.
+    void encode_results(binary::Writer& writer, DateTime answered,
+                        const Array<DiagnosticInfo>& infos = {});
 
 private:
     /// An IndexRange of the request.

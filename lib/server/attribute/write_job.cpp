@@ -183,7 +183,7 @@ std::optional<StatusCode> WriteJob::plan_one(const WriteContext& context, std::s
     const auto answer = plan_value(context, index, value, target);
     const auto* source = context.sources.find(target.variable.source);
     if (answer && source != nullptr && (*source)->options().all_or_nothing) {
-        call_.refuse(target.variable.source, status::Bad_InvalidState);
+        call_.refuse(target.variable.source, status::Bad_NoCommunication);
     }
     return answer;
 }

@@ -1,5 +1,7 @@
 #include "read_results.hpp"
 
+#include <algorithm>
+
 #include "binary/data_value_wire.hpp"
 
 namespace busbar::server::detail {
@@ -19,6 +21,15 @@ Timestamps::Timestamps(TimestampsToReturn to_return, DateTime server_time)
                  ? server_time
                  : DateTime{}}
 {
+}
+
+Timestamps Timestamps::of_answer(DateTime source_timestamp, DateTime answered) const
+{
+    Timestamps timestamps = *this;
+    if (!server.is_null() && answered > server && source_timestamp > server) {
+        timestamps.server = std::min(source_timestamp, answered);
+    }
+    return timestamps;
 }
 
 void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps)

@@ -10,6 +10,11 @@ namespace busbar::server::detail {
 struct Timestamps {
     Timestamps(TimestampsToReturn to_return, DateTime server_time);
 
+    /// For a value that a source was asked for at `server` and gave by `answered`: the source's
+    /// time if that was meanwhile, so that both timestamps are the same (Part 4, 7.11.1: when the
+    /// server received the value). A source's clock may be another one.
+    [[nodiscard]] Timestamps of_answer(DateTime source_timestamp, DateTime answered) const;
+
     bool source;
     /// Zero if it is not wanted.
     DateTime server;

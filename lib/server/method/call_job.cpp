@@ -126,7 +126,9 @@ std::optional<CallResult> CallJob::plan(const ServiceContext& context, std::size
         return CallResult{status::Bad_NotExecutable};
     }
     if (!is_executable(space, *method)) {
-        return CallResult{status::Bad_NotImplemented};
+        // On an ObjectType there is nothing that could be carried out (seed 001, 8.1).
+        const bool is_type = space.node_class(space.find(call.object_id)) == NodeClass::ObjectType;
+        return CallResult{is_type ? status::Bad_NotSupported : status::Bad_NotImplemented};
     }
     if (!is_user_executable(space, rights, *method)) {
         return CallResult{status::Bad_UserAccessDenied};
