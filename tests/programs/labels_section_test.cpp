@@ -44,7 +44,8 @@ TEST_CASE_METHOD(Fixture, "the PLC behind a project is configured")
 {
     const auto config =
         parse("access_unit = 480\nwaiting = 8\nsampling = false\nsampled_points = 8192\n"
-              "utc_offset_minutes = -90\n[[plc.program]]\nkind = \"acknowledge\"\n"
+              "utc_offset_minutes = -90\nisolate_failures = true\n[[plc.program]]\nkind = "
+              "\"acknowledge\"\n"
               "target = \"Handle\"\nsets = \"State\"\nto = 6\n");
     REQUIRE(config.labels.program != nullptr);
     CHECK(config.labels.program->variables.size() == 2);
@@ -53,10 +54,12 @@ TEST_CASE_METHOD(Fixture, "the PLC behind a project is configured")
     CHECK_FALSE(config.labels.options.can_sample);
     CHECK(config.labels.options.max_sampled_points == 8'192);
     CHECK(config.labels.utc_offset == -90);
+    CHECK(config.labels.isolates_failures);
     REQUIRE(config.plc.programs.size() == 1);
     CHECK(config.plc.programs[0].sets == "State");
     CHECK(config.plc.programs[0].to == 6);
     CHECK_FALSE(parse("").labels.utc_offset);
+    CHECK_FALSE(parse("").labels.isolates_failures);
 }
 
 TEST_CASE_METHOD(Fixture, "a mistake of the PLC behind a project has its place")

@@ -30,4 +30,11 @@ struct MappedNodes {
                                                const Mapping& mapping, MappedSource& source,
                                                const ShapeLimits& limits = {});
 
+/// Binds the Variables of models that have no label and whose type or rank the product of seed 001
+/// does not support: they answer Bad_NotSupported (8.1). Without this the address space keeps their
+/// values. Returns their number.
+BUSBAR_API std::size_t refuse_unsupported(model::AddressSpace& space,
+                                          const binary::DynamicTypes& types, MappedSource& source,
+                                          const ShapeLimits& limits = {});
+
 } // namespace busbar::controller

@@ -93,6 +93,9 @@ struct MappedOptions {
     SamplingMode sampling{SamplingMode::Standard};
     MappedLimits limits{};
     ConversionOptions conversion{};
+    /// A label that cannot be used, or whose value its node cannot have, fails the Variables and
+    /// Methods that it belongs to; else all of them, or all of the request (8.3).
+    bool isolates_failures{false};
     /// How often an operation is begun again because the labels were other ones meanwhile.
     unsigned max_repetitions{3};
     /// As in DataSourceOptions.

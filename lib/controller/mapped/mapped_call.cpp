@@ -77,6 +77,9 @@ StatusCode Call::check_one(MappedContext& context, const server::CallItem& item)
     if (method->has_outputs) {
         return status::Bad_NotSupported;
     }
+    if (method->is_broken) {
+        return status::Bad_NoCommunication;
+    }
     return method->is_running ? status::Bad_TooManyOperations : status::Good;
 }
 

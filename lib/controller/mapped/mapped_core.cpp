@@ -115,7 +115,7 @@ void MappedCore::resolved(LabelRequest& request)
     }
     may_retry_ = false;
     is_unreachable_ = false;
-    end_update(table_.resolve(request.labels, options_.conversion, context_.observer),
+    end_update(table_.resolve(request.labels, options_, context_.observer),
                status::Bad_NoCommunication);
 }
 

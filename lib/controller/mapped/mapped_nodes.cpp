@@ -151,6 +151,57 @@ private:
 
 } // namespace
 
+namespace {
+
+/// "Not supported", and not only without an assignment (8.2).
+bool is_unsupported(const ShapeRefusal& refusal, std::int32_t value_rank)
+{
+    switch (refusal.error) {
+    case ShapeError::OptionSet:
+    case ShapeError::Union:
+    case ShapeError::OptionalFields:
+    case ShapeError::SubtypedStructure:
+    case ShapeError::EnumerationParent:
+    case ShapeError::EnumerationMinusOne:
+        return true;
+    case ShapeError::ArrayRank:
+        return value_rank > 3 || value_rank < -3;
+    default:
+        return false;
+    }
+}
+
+} // namespace
+
+std::size_t refuse_unsupported(model::AddressSpace& space, const binary::DynamicTypes& types,
+                               MappedSource& source, const ShapeLimits& limits)
+{
+    std::vector<model::NodeIndex> unsupported;
+    space.for_each([&](model::NodeIndex node) {
+        if (space.node_class(node) != NodeClass::Variable ||
+            space.node_id(node).namespace_index() <= 1) { // 0, and the server's own
+            return;
+        }
+        const model::VariableAttributes variable = space.variable(node);
+        if (variable.source != model::no_source) {
+            return;
+        }
+        const auto shape = ValueShape::of(
+            space, types,
+            {space.data_type_id(node), variable.value_rank, variable.array_dimensions, false}, {},
+            limits);
+        if (!shape && is_unsupported(shape.error(), variable.value_rank)) {
+            unsupported.push_back(node);
+        }
+    });
+    for (const model::NodeIndex node : unsupported) {
+        MappedVariable refused;
+        refused.node = space.node_id(node);
+        space.bind(node, source.index(), source.add(std::move(refused)));
+    }
+    return unsupported.size();
+}
+
 MappedNodes map_nodes(model::AddressSpace& space, const binary::DynamicTypes& types,
                       const Mapping& mapping, MappedSource& source, const ShapeLimits& limits)
 {

@@ -18,6 +18,10 @@ bool ValueReader::read(MappedTable::Variable& variable, std::size_t offset,
         slot = DataValue{status::Bad_NotSupported};
         return true;
     }
+    if (variable.is_broken) {
+        slot = DataValue{status::Bad_NoCommunication};
+        return true;
+    }
     const MappedLeaf* culprit = nullptr;
     auto value = context_.table.decode(*variable.shape, variable.range, bytes_ + offset,
                                        &variable.kept, &culprit);
@@ -31,7 +35,8 @@ bool ValueReader::read(MappedTable::Variable& variable, std::size_t offset,
         context_.observer->error({MappedErrorCode::OutOfRange, context_.table.name_of(*culprit),
                                   &context_.table.node_of(*culprit)});
     }
-    return false;
+    slot = DataValue{status::Bad_NoCommunication};
+    return context_.options.isolates_failures;
 }
 
 void ValueReader::keep(MappedTable& table, server::ReadBatch& batch)
@@ -78,7 +83,7 @@ std::unique_ptr<backend::LabelRequest> Read::next(MappedContext& context)
     LeafRange all;
     for (const server::ReadItem& item : batch_.items()) {
         const auto* const variable = context.table.variable(item.handle);
-        if (variable != nullptr) {
+        if (variable != nullptr && !variable->is_broken) {
             all.count += variable->range.count;
             all.words += variable->range.words;
         }
@@ -98,7 +103,8 @@ std::unique_ptr<backend::LabelRequest> Read::next(MappedContext& context)
     request->places.reserve(all.count);
     request->bytes.reserve(2 * all.words);
     for (const server::ReadItem& item : batch_.items()) {
-        if (const auto* const variable = context.table.variable(item.handle)) {
+        const auto* const variable = context.table.variable(item.handle);
+        if (variable != nullptr && !variable->is_broken) {
             context.table.add_places(variable->range, *request);
         }
     }

@@ -11,7 +11,7 @@ namespace {
 
 bool is_wanted(SamplingMode mode, const MappedTable::Variable& variable)
 {
-    return variable.shape != nullptr && variable.is_readable &&
+    return variable.shape != nullptr && !variable.is_broken && variable.is_readable &&
            (mode == SamplingMode::AllVariables || variable.interval.has_value());
 }
 
@@ -120,12 +120,12 @@ bool MappedSampling::look(backend::LabelBackend& backend)
 
 bool MappedSampling::has_all(MappedContext& context, const server::ReadBatch& batch)
 {
-    return std::all_of(batch.items().begin(), batch.items().end(),
-                       [&](const server::ReadItem& item) {
-                           const auto* const variable = context.table.variable(item.handle);
-                           return variable == nullptr || variable->shape == nullptr ||
-                                  variable->sampled_at != MappedTable::not_sampled;
-                       });
+    return std::all_of(
+        batch.items().begin(), batch.items().end(), [&](const server::ReadItem& item) {
+            const auto* const variable = context.table.variable(item.handle);
+            return variable == nullptr || variable->shape == nullptr || variable->is_broken ||
+                   variable->sampled_at != MappedTable::not_sampled;
+        });
 }
 
 bool MappedSampling::answer(MappedContext& context, backend::LabelBackend& backend,
@@ -141,7 +141,8 @@ bool MappedSampling::answer(MappedContext& context, backend::LabelBackend& backe
             continue;
         }
         server::ReadSlot& slot = batch.results()[i];
-        const std::size_t offset = variable->shape == nullptr ? 0 : variable->sampled_at;
+        const bool has_bytes = variable->shape != nullptr && !variable->is_broken;
+        const std::size_t offset = has_bytes ? variable->sampled_at : 0;
         if (!reader.read(*variable, offset, slot)) {
             batch.fail(status::Bad_NoCommunication);
             return true;

@@ -126,11 +126,12 @@ bool MappedTable::resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& la
 }
 
 bool MappedTable::resolve(std::span<const backend::ResolvedLabel> labels,
-                          const ConversionOptions& options, MappedObserver* observer)
+                          const MappedOptions& options, MappedObserver* observer)
 {
     bool is_well = labels.size() == leaves_.size();
     for (std::size_t i = 0; i < std::min(labels.size(), leaves_.size()); ++i) {
-        is_well = resolve_one(leaves_[i], labels[i], options, observer) && is_well;
+        const bool is_usable = resolve_one(leaves_[i], labels[i], options.conversion, observer);
+        is_well = (is_usable || options.isolates_failures) && is_well;
     }
     if (is_well) {
         measure_all();
@@ -138,26 +139,32 @@ bool MappedTable::resolve(std::span<const backend::ResolvedLabel> labels,
     return is_well;
 }
 
-void MappedTable::measure(LeafRange& range) const
+bool MappedTable::measure(LeafRange& range) const
 {
     range.bytes = 0;
     range.words = 0;
-    for (const MappedLeaf& leaf : leaves().subspan(range.first, range.count)) {
+    const auto all = leaves().subspan(range.first, range.count);
+    if (!std::all_of(all.begin(), all.end(),
+                     [](const MappedLeaf& leaf) { return leaf.conversion.has_value(); })) {
+        return false;
+    }
+    for (const MappedLeaf& leaf : all) {
         range.bytes += leaf.conversion->label_size();
         range.words += leaf.words;
     }
+    return true;
 }
 
 void MappedTable::measure_all()
 {
     for (Variable& variable : variables_) {
-        measure(variable.range);
+        variable.is_broken = !measure(variable.range);
     }
     for (Method& method : methods_) {
-        measure(method.handle);
+        method.is_broken = !measure(method.handle);
         for (Argument& argument : method.arguments) {
             if (argument.shape != nullptr) {
-                measure(argument.range);
+                method.is_broken = !measure(argument.range) || method.is_broken;
             }
         }
     }

@@ -44,6 +44,8 @@ public:
         std::shared_ptr<const ValueShape> shape;
         LeafRange range;
         bool is_readable{true};
+        /// A label of it cannot be used, where that fails no other.
+        bool is_broken{false};
         /// What it had last, and when; no time before it was read or written.
         Variant kept;
         DateTime time;
@@ -61,6 +63,7 @@ public:
         LeafRange handle;
         std::vector<Argument> arguments;
         bool has_outputs{false};
+        bool is_broken{false};
         bool is_running{false};
     };
     static constexpr std::uint32_t not_sampled = UINT32_MAX;
@@ -83,9 +86,9 @@ public:
     [[nodiscard]] Method* method(std::uint64_t handle);
 
     /// Takes what the labels have become, one for each leaf; false if some cannot be used, which
-    /// `observer`, that may be null, is told.
+    /// `observer`, that may be null, is told. Where failures are isolated those break their nodes.
     [[nodiscard]] bool resolve(std::span<const backend::ResolvedLabel> labels,
-                               const ConversionOptions& options, MappedObserver* observer);
+                               const MappedOptions& options, MappedObserver* observer);
 
     /// Adds the places of a value to a request, whose bytes grow.
     void add_places(const LeafRange& range, backend::LabelRequest& request) const;
@@ -102,7 +105,8 @@ private:
     [[nodiscard]] LeafRange add_leaves(const ValueShape& shape, std::vector<std::string>& labels);
     [[nodiscard]] bool resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& label,
                                    const ConversionOptions& options, MappedObserver* observer);
-    void measure(LeafRange& range) const;
+    /// False if a label of it cannot be used; the range then takes nothing.
+    [[nodiscard]] bool measure(LeafRange& range) const;
     void measure_all();
 
     std::vector<MappedLeaf> leaves_;

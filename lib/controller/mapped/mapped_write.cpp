@@ -37,6 +37,9 @@ StatusCode Write::add(MappedContext& context, const server::WriteItem& item,
     if (variable->shape == nullptr) {
         return status::Bad_NotSupported;
     }
+    if (variable->is_broken) {
+        return status::Bad_NoCommunication;
+    }
     const std::size_t offset = request.bytes.size();
     context.table.add_places(variable->range, request);
     return context.table.encode(*variable->shape, variable->range, item.data->value,

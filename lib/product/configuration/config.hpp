@@ -140,6 +140,8 @@ struct LabelConfig {
     controller::SimulatedLabelsOptions options;
     /// Minutes that the PLC's clock is ahead of UTC; nothing: as many as this machine's.
     std::optional<std::int32_t> utc_offset;
+    /// See MappedOptions.
+    bool isolates_failures{false};
 };
 
 /// As a number for net::ServerLoop::listen; its default, 0, is for all.

@@ -20,13 +20,14 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
 void read_labels(const TomlTable& table, ControllerConfig& config)
 {
     constexpr std::int64_t most_minutes{std::int64_t{24} * 60};
-    table.allow(
-        {"program", "access_unit", "waiting", "sampling", "sampled_points", "utc_offset_minutes"});
+    table.allow({"program", "access_unit", "waiting", "sampling", "sampled_points",
+                 "utc_offset_minutes", "isolate_failures"});
     LabelConfig& labels = config.labels;
     labels.program_file = table.text("program", "");
     auto& options = labels.options;
     read_numbers(table, "labels", config);
     options.can_sample = table.flag("sampling", options.can_sample);
+    labels.isolates_failures = table.flag("isolate_failures", false);
     if (table.has("utc_offset_minutes")) {
         labels.utc_offset = static_cast<std::int32_t>(
             table.integer("utc_offset_minutes", 0, -most_minutes, most_minutes));

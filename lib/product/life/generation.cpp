@@ -103,6 +103,7 @@ void Generation::publish(const Requests& requests)
             .project = *project_->project(),
             .labels = around_.labels,
             .utc_offset_minutes = config_.labels.utc_offset.value_or(local_utc_offset(clock.now())),
+            .isolates_failures = config_.labels.isolates_failures,
             .clock = clock,
             .log = administered_.log(),
             .module = published.module});

@@ -73,6 +73,7 @@ controller::MappedOptions options_of(const MappedModel::Needs& needs)
         options.limits = controller::MappedLimits::rd81opc96();
     }
     options.conversion.utc_offset_minutes = needs.utc_offset_minutes;
+    options.isolates_failures = needs.isolates_failures;
     return options;
 }
 
@@ -130,6 +131,9 @@ MappedModel::MappedModel(const Needs& needs)
                                                : controller::ShapeLimits{};
     const auto mapped =
         controller::map_nodes(space, types_.of(space), needs.mapping, source_, limits);
+    if (has_ceilings(needs.project)) {
+        controller::refuse_unsupported(space, types_.of(space), source_, limits);
+    }
     expect(controller::add_module_status_nodes(space, needs.module, 1, status_),
            "the module's buffer memory");
     for (const std::string& reason : mapped.left_out) {

@@ -38,6 +38,7 @@ public:
         const controller::Project& project;
         std::shared_ptr<backend::LabelBackend> labels;
         std::int32_t utc_offset_minutes;
+        bool isolates_failures;
         const WallClock& clock;
         LogSink& log;
         /// Where the values of the module's buffer memory are shown.

@@ -109,6 +109,8 @@ constexpr std::array file_keys{
                 std::ranges::transform(c.files, std::back_inserter(names), &FilesConfig::name);
                 return list_names(names);
             }},
+    FileKey{"labels.isolate_failures",
+            [](const ControllerConfig& c) { return flag_text(c.labels.isolates_failures); }},
     FileKey{"labels.program",
             [](const ControllerConfig& c) { return in_quotes(c.labels.program_file); }},
     FileKey{"labels.sampling",
