@@ -172,8 +172,46 @@ bool number_fits(ElementaryType type, const Variant& value)
     return number != nullptr && *number <= range.upper;
 }
 
+namespace {
+
+/// What is in a device's name before its number (seed 001, 8.3, Collectible devices).
+constexpr std::array<std::string_view, 52> device_names{
+    "FX", "FY",  "FD",  "SM",  "SD", "X",   "Y",   "M",   "L",   "F",    "V",    "B",    "D",
+    "W",  "T",   "TS",  "TC",  "TN", "LT",  "LTS", "LTC", "LTN", "C",    "CS",   "CC",   "CN",
+    "LC", "LCS", "LCC", "LCN", "ST", "STS", "STC", "STN", "LST", "LSTS", "LSTC", "LSTN", "SB",
+    "SW", "S",   "Z",   "LZ",  "R",  "ZR",  "RD",  "G",   "HG",  "DX",   "DY",   "BL",   "N"};
+
+bool is_hexadecimal(char c)
+{
+    return is_digit_of_address(c) || (c >= 'A' && c <= 'F') || (c >= 'a' && c <= 'f');
+}
+
+/// "D100", "W1F", "J1\\X0", "U3E0\\HG5": a device of a PLC that has names for its memory.
+bool is_device(std::string_view text)
+{
+    if (const std::size_t step = text.find('\\'); step != std::string_view::npos) {
+        const std::string_view module = text.substr(0, step);
+        if (module.size() < 2 || std::string_view{"JUju"}.find(module.front()) == module.npos ||
+            !std::all_of(module.begin() + 1, module.end(), is_hexadecimal)) {
+            return false;
+        }
+        text.remove_prefix(step + 1);
+    }
+    return std::any_of(device_names.begin(), device_names.end(), [&](std::string_view name) {
+        const std::string_view number = text.substr(std::min(name.size(), text.size()));
+        return busbar::detail::is_same_ignoring_case(text.substr(0, name.size()), name) &&
+               !number.empty() && is_digit_of_address(number.front()) &&
+               std::all_of(number.begin(), number.end(), is_hexadecimal);
+    });
+}
+
+} // namespace
+
 bool is_direct_address(std::string_view text)
 {
+    if (text.starts_with('%') && is_device(text.substr(1))) {
+        return true;
+    }
     const auto take_one_of = [&](std::string_view letters) {
         const bool is_there = !text.empty() && letters.find(text.front()) != std::string_view::npos;
         text.remove_prefix(is_there ? 1 : 0);

@@ -33,7 +33,7 @@ bool is_in_number(char c)
 
 bool is_in_address(char c)
 {
-    return is_in_word(c) || c == '.' || c == '*';
+    return is_in_word(c) || c == '.' || c == '*' || c == '\\';
 }
 
 } // namespace

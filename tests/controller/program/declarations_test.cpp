@@ -119,7 +119,8 @@ TEST_CASE("Variables have the attributes of their block (6-2-2)")
     CHECK(program.variables[4].is_constant);
     CHECK(program.variables[4].is_retained);
     CHECK(program.variables[4].type.elementary == ElementaryType::DateAndTime);
-    for (const char* address : {"%MW10", "%q*", "%ID1.2.3", "%M0"}) {
+    for (const char* address :
+         {"%MW10", "%q*", "%ID1.2.3", "%M0", "%FX0", "%d100", "%W1F", "%J1\\X0", "%U3E0\\HG5"}) {
         CHECK(variable_of("x AT " + std::string{address} + " : WORD;").address == address);
     }
 }
