@@ -66,6 +66,8 @@ enum class ModelCode : std::uint16_t {
     ArgumentUnknown = 317,
     TypeUnsupported = 318,
     MethodHasOutputs = 319,
+    LabelUnavailable = 320,
+    LabelOfWrongType = 321,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,

@@ -19,7 +19,8 @@ void ExtensionReader::read(const NodeId& node, NodeClass node_class, const std::
                            Mapping& to)
 {
     // Most nodes have no mapping; the text is as pugixml writes it, without entities in a URI.
-    if (xml.find(mapping_namespace) == std::string::npos) {
+    if (xml.find(mapping_namespace) == std::string::npos &&
+        xml.find("Mapping") == std::string::npos) {
         return;
     }
     node_ = &node;
@@ -53,7 +54,8 @@ void ExtensionReader::read_extension(const pugi::xml_node& xml, Mapping& to)
         }
         if (is_in_mapping_namespace(child)) {
             read_mapping(child, to);
-        } else if (has_mapping_name(child) && is_elsewhere_in_mapping_namespace(child)) {
+        } else if (has_mapping_name(child) &&
+                   (is_elsewhere_in_mapping_namespace(child) || has_no_namespace(child))) {
             report(ModelCode::NamespaceMisplaced, {}, child.name());
         }
     }

@@ -55,4 +55,19 @@ namespace busbar::controller::detail {
     return false;
 }
 
+/// In no namespace but that of the file itself: xmlns was forgotten.
+[[nodiscard]] inline bool has_no_namespace(const pugi::xml_node& xml)
+{
+    constexpr std::string_view file_namespace = "http://opcfoundation.org/UA/2011/03/UANodeSet.xsd";
+    if (std::string_view{xml.name()}.find(':') != std::string_view::npos) {
+        return false;
+    }
+    for (pugi::xml_node at = xml; at; at = at.parent()) {
+        if (const pugi::xml_attribute declared = at.attribute("xmlns")) {
+            return declared.value() == file_namespace;
+        }
+    }
+    return true;
+}
+
 } // namespace busbar::controller::detail

@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// Every code, ascending.
-inline constexpr std::array<ReportRule, 62> all_report_rules{{
+inline constexpr std::array<ReportRule, 64> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -103,6 +103,12 @@ inline constexpr std::array<ReportRule, 62> all_report_rules{{
     {ModelCode::MethodHasOutputs, ReportResult::Error, "Mapping", "Assignment",
      "A Method with OutputArguments cannot be mapped",
      "Clear the mapping, or take the OutputArguments out of the model"},
+    {ModelCode::LabelUnavailable, ReportResult::Error, "Mapping", "Label",
+     "The PLC's program has no such label that can be used (error 1921H)",
+     "Correct the name, or declare and publish the label"},
+    {ModelCode::LabelOfWrongType, ReportResult::Error, "Mapping", "Label",
+     "The label's type is none that the node can have (error 1A00H)",
+     "Map another label; busbar project types lists what fits"},
     {ModelCode::TooManyFiles, ReportResult::Error, "Import", "Limits",
      "There are too many information model files", "Delete a namespace"},
     {ModelCode::FilesTooLarge, ReportResult::Error, "Import", "Limits",

@@ -58,6 +58,19 @@ bool allows_rank(std::int32_t value_rank, std::int32_t rank)
     }
 }
 
+/// Whether the part is an array or a structure.
+bool has_leaf_below(const ValueShape& shape, const std::string& path)
+{
+    for (std::size_t i = 0; i < shape.leaf_count(); ++i) {
+        const std::string leaf = shape.leaf_path(i);
+        if (leaf.size() > path.size() && leaf.starts_with(path) &&
+            (leaf[path.size()] == '.' || leaf[path.size()] == '[')) {
+            return true;
+        }
+    }
+    return false;
+}
+
 std::string key_of(const MappedPart& part)
 {
     if (part.kind != MappedPart::Kind::Field) {
@@ -152,8 +165,7 @@ void ValueCheck::check_label(const MappedPart& part, const std::string& path,
     });
     if (why != kept.end()) {
         report(code_of(why->error), path, why->text);
-    } else if (shape.find_leaf(path + "[0]") || shape.find_leaf(path + "[0][0]") ||
-               shape.find_leaf(path + "[0][0][0]") || part.is_array || part.is_structure) {
+    } else if (has_leaf_below(shape, path) || part.is_array || part.is_structure) {
         report(ModelCode::LabelNotHere, path, part.label);
     } else {
         report(ModelCode::PartUnknown, path, part.label);

@@ -242,6 +242,7 @@ TEST_CASE("A-8 xmlns: counts in the Extension only, and others' extensions are l
     const auto bare =
         import("<Extensions><Extension><DataMapping Data=\"x\"/></Extension></Extensions>");
     CHECK(bare.first.empty());
+    CHECK(has(bare.second, ModelCode::NamespaceMisplaced));
     const auto outside =
         import("<Extensions><DataMapping xmlns=\"" + uri + "\" Data=\"x\"/></Extensions>");
     CHECK(outside.first.empty());
