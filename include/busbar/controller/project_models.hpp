@@ -9,6 +9,8 @@
 /// needs pugixml.
 namespace busbar::controller {
 
+struct MappingCheck;
+
 /// What the project's preset allows; without one the default.
 [[nodiscard]] BUSBAR_API ModelLimits model_limits(const Project& project);
 
@@ -24,5 +26,12 @@ BUSBAR_API void keep_models(const ModelSet& models, Project& project);
 /// The same as load_models, as ProjectStore::Check: whether a server could load the project. What
 /// cannot be mapped is no problem of it.
 [[nodiscard]] BUSBAR_API Configured<void> check_models(const Project& project);
+/// Whether all that is mapped could be served, too (seed 001, 8.3: mapping that is wrong is
+/// unavailable): what check_mapping says, and what a label may be called.
+[[nodiscard]] BUSBAR_API Configured<void> check_mapped_models(const Project& project);
+/// check_mapping of a project's models with the names of labels: with its preset by their
+/// characters too (Appendix 6).
+[[nodiscard]] BUSBAR_API MappingCheck check_project_mapping(const Project& project,
+                                                            const ModelSet& models);
 
 } // namespace busbar::controller

@@ -34,6 +34,10 @@ public:
     ProjectStore(Storage& storage, std::string folder, Check check,
                  const ProjectLimits& limits = {});
 
+    /// What new projects are checked with instead: one that was stored before and is served stays
+    /// one, whatever is asked of others since.
+    void check_new_with(Check check) { check_new_ = std::move(check); }
+
     /// Forgets a transfer that the power cut and reads the project; there may be none. Once, before
     /// anything else. A problem with the file, or with the medium, is no project: another one can
     /// be transferred.
@@ -82,12 +86,15 @@ private:
         return transfer_ && transfer_->number == transfer;
     }
     [[nodiscard]] Configured<std::string> read(const std::string& name) const;
-    [[nodiscard]] Configured<Project> read_checked(const std::string& name) const;
+    [[nodiscard]] Configured<Project> read_checked(const std::string& name,
+                                                   const Check& might_run) const;
+    [[nodiscard]] const Check& check_of_new() const { return check_new_ ? check_new_ : check_; }
     void forget_staged();
 
     Storage* storage_;
     std::string folder_;
     Check check_;
+    Check check_new_;
     ProjectLimits limits_;
     std::optional<Project> current_;
     std::optional<Transfer> transfer_;

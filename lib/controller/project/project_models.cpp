@@ -1,7 +1,12 @@
 #include <busbar/controller/project_models.hpp>
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
 #include <utility>
+
+#include <busbar/backend/label_name.hpp>
+#include <busbar/controller/mapping_check.hpp>
 
 namespace busbar::controller {
 
@@ -52,6 +57,28 @@ void keep_models(const ModelSet& models, Project& project)
 Configured<void> check_models(const Project& project)
 {
     return load_models(project).transform([](const ModelSet&) {});
+}
+
+Configured<void> check_mapped_models(const Project& project)
+{
+    return load_models(project).and_then([&](const ModelSet& models) -> Configured<void> {
+        const MappingCheck check = check_project_mapping(project, models);
+        if (check.reports.has_errors()) {
+            return Unexpected{first_error("mapping", check.reports)};
+        }
+        return {};
+    });
+}
+
+MappingCheck check_project_mapping(const Project& project, const ModelSet& models)
+{
+    const bool has_preset = !project.preset.empty();
+    return check_mapping(models, [has_preset](std::string_view label) -> std::optional<Problem> {
+        if (const auto name = backend::parse_label_name(label); !name) {
+            return name.error();
+        }
+        return has_preset ? backend::check_label_characters(label) : std::nullopt;
+    });
 }
 
 } // namespace busbar::controller

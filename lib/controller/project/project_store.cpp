@@ -56,7 +56,8 @@ Configured<std::string> ProjectStore::read(const std::string& name) const
     return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
 
-Configured<Project> ProjectStore::read_checked(const std::string& name) const
+Configured<Project> ProjectStore::read_checked(const std::string& name,
+                                               const Check& might_run) const
 {
     const auto document = read(name);
     if (!document) {
@@ -67,8 +68,8 @@ Configured<Project> ProjectStore::read_checked(const std::string& name) const
         return project;
     }
     auto checked = check(*project);
-    if (checked && check_) {
-        checked = check_(*project);
+    if (checked && might_run) {
+        checked = might_run(*project);
     }
     return checked ? std::move(project)
                    : Configured<Project>{Unexpected{std::move(checked.error())}};
@@ -83,7 +84,7 @@ Configured<void> ProjectStore::recover()
         !there && there.error() == StorageError::NotFound) {
         return {};
     }
-    auto project = read_checked(file());
+    auto project = read_checked(file(), check_);
     if (!project) {
         return Unexpected{std::move(project.error())};
     }
@@ -138,7 +139,7 @@ Configured<void> ProjectStore::commit(std::uint32_t transfer)
     }
     busbar::detail::Undo undo{[this] { forget_staged(); }};
     // What lies there is what counts, and not what was sent.
-    auto project = read_checked(staged());
+    auto project = read_checked(staged(), check_of_new());
     auto done = project ? take_up(Staged{*std::move(project)})
                         : Configured<void>{Unexpected{std::move(project.error())}};
     if (done) {
@@ -160,7 +161,7 @@ Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> 
     if (auto put = storage_->replace(staged(), document, FileAccess::Owner); !put) {
         return storage_problem(*storage_, staged(), put.error());
     }
-    auto project = read_checked(staged());
+    auto project = read_checked(staged(), check_of_new());
     if (!project) {
         return Unexpected{std::move(project.error())};
     }

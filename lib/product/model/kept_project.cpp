@@ -149,6 +149,7 @@ model::NodeIndex add_module(model::AddressSpace& space, const std::string& versi
 KeptProject::KeptProject(const std::string& folder, const std::string& other, bool takes_other)
     : files_{folder}, store_{files_, "project", controller::check_models}
 {
+    store_.check_new_with(controller::check_mapped_models);
     if (std::error_code ignored; std::filesystem::exists(folder, ignored)) {
         recovered_ = store_.recover();
     }
