@@ -79,6 +79,19 @@ says '1:Speed .*Line.Speed'
 run 0 project tree press.busbar --parts
 says '^ *Handle '
 says '^ *\[0\] '
+run 0 project tree press.busbar --all
+says '^ *1:Forces  *Forces  *Variable  *Int16\[\]  *ns=1;i=6  *rw  *BaseDataVariableType  *1$'
+run 0 project show press.busbar /Objects/1:Speed
+says '^NodeClass  *Variable$'
+says '^ValueRank  *-1 (Scalar)$'
+says '^Value  *417$'
+says '^ *Int16  *Line.Speed  *INT  *UINT, WORD; '
+says '^<- HasComponent  *Object  *Objects '
+run 0 project show press.busbar "i=852"
+says '^Running  *0$'
+says '^cannot be mapped: '
+run 1 project show press.busbar /Objects/1:Slow
+says 'there is no such node'
 run 0 project csv press.busbar --all
 says ',Handle,,,,,,UInt16'
 run 0 project types
@@ -108,7 +121,10 @@ echo 'NodeId,Part,Label' > header.csv
 run 0 project csv press.busbar --in header.csv
 says '0 labels of the table, 3 in all'
 cmp -s press.busbar before || fail "an empty table has changed the project"
-run 0 project csv press.busbar --in header.csv --replace
+run 1 project csv press.busbar --in header.csv --replace
+says 'the table has no line for 3 labels of the project: nothing was changed'
+cmp -s press.busbar before || fail "labels went without a question"
+run 0 project csv press.busbar --in header.csv --replace --yes
 says '0 labels of the table, 0 in all'
 cp before press.busbar
 run 2 project csv press.busbar --replace
@@ -217,7 +233,7 @@ run 0 project set press.busbar network.host_name PRESS5
 run 0 project map press.busbar "ns=1;i=5" Line.Other
 as chief 1 project verify "$url" press.busbar
 says 'network.host_name *"PRESS5" *"PRESS4"'
-says 'http://press.example/Press: ns=1;i=5 *another mapping'
+says 'http://press.example/Press: ns=1;i=5 *Line.Other *Line.Speed$'
 sed 's/PRESS5/PRESS6/' press.busbar > damaged.busbar
 as chief 1 project write "$url" damaged.busbar --yes
 as chief 0 project read "$url" read.busbar --yes

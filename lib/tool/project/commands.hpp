@@ -31,8 +31,11 @@ struct ProjectArguments {
     bool replaces{false};
     /// Also what is not mapped.
     bool wants_all{false};
+    bool has_parts{false};
     std::string part;
     std::string label;
+    /// A PLC's program, whose labels are looked up.
+    std::string program;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -44,10 +47,13 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
                       std::size_t least, std::size_t most, const char* word_names, Action action,
                       const std::shared_ptr<ProjectArguments>& arguments);
 
+Exit show_tree(Context& context, const ProjectArguments& arguments);
+
 void add_settings(CLI::App& project, Run& run);
 void add_models(CLI::App& project, Run& run);
 void add_mapping(CLI::App& project, Run& run);
 void add_check(CLI::App& project, Run& run);
+void add_compare(CLI::App& project, Run& run);
 void add_online(CLI::App& project, Run& run);
 
 /// The project in the file; throws Failure.

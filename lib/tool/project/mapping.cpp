@@ -1,18 +1,15 @@
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
-#include <busbar/controller/label_conversion.hpp>
 #include <busbar/controller/mapping_check.hpp>
 #include <busbar/controller/mapping_table.hpp>
 #include <busbar/controller/project_models.hpp>
 
 #include "commands.hpp"
+#include "label_types.hpp"
 #include "reports.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
-#include "tool/printing/json_writer.hpp"
-#include "tool/printing/table.hpp"
 
 namespace busbar::tool::project {
 
@@ -163,74 +160,6 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
     return say_done(context, safe(words[1]) + " has its array specification");
 }
 
-/// Types that a program declares labels with, see controller::LabelProgram.
-struct DeclaredType {
-    const char* text;
-    backend::LabelType type;
-    backend::TimerPart part{backend::TimerPart::None};
-};
-
-constexpr std::array declared_types{
-    DeclaredType{"BOOL", backend::LabelType::Bit},
-    DeclaredType{"UINT, WORD", backend::LabelType::UnsignedWord},
-    DeclaredType{"UDINT, DWORD", backend::LabelType::UnsignedDoubleWord},
-    DeclaredType{"INT", backend::LabelType::Word},
-    DeclaredType{"DINT", backend::LabelType::DoubleWord},
-    DeclaredType{"REAL", backend::LabelType::Float},
-    DeclaredType{"LREAL", backend::LabelType::Double},
-    DeclaredType{"TIME", backend::LabelType::Time},
-    DeclaredType{"STRING(n)", backend::LabelType::String},
-    DeclaredType{"ARRAY[0..n] OF UTF16_UNIT", backend::LabelType::UnicodeString},
-    DeclaredType{"TIMER, RETENTIVETIMER .S", backend::LabelType::Timer,
-                 backend::TimerPart::Contact},
-    DeclaredType{"TIMER, RETENTIVETIMER .C", backend::LabelType::Timer, backend::TimerPart::Coil},
-    DeclaredType{"TIMER, RETENTIVETIMER .N", backend::LabelType::Timer,
-                 backend::TimerPart::Current},
-    DeclaredType{"LTIMER, LRETENTIVETIMER .N", backend::LabelType::LongTimer,
-                 backend::TimerPart::Current},
-    DeclaredType{"COUNTER .N", backend::LabelType::Counter, backend::TimerPart::Current},
-    DeclaredType{"LCOUNTER .N", backend::LabelType::LongCounter, backend::TimerPart::Current},
-};
-
-/// The row of the tables "Data types of labels" (seed 001, 8.2).
-void add_type(const DeclaredType& declared, Table& table, JsonLine& json)
-{
-    std::string same;
-    std::string checked;
-    const auto add = [&](controller::LeafType leaf, std::string_view name) {
-        const auto found = controller::assignability(leaf, declared.type, declared.part);
-        if (found != controller::Assignability::No) {
-            std::string& list = found == controller::Assignability::Same ? same : checked;
-            list += (list.empty() ? "" : ", ") + std::string{name};
-        }
-    };
-    for (std::size_t type = 1; type <= last_built_in_type; ++type) {
-        add({static_cast<BuiltInType>(type)}, name(static_cast<BuiltInType>(type)));
-    }
-    add({BuiltInType::Int32, true}, "Enumeration");
-    table.add({{declared.text}, {same}, {checked}});
-    json.open_object().member("declaredAs", declared.text).member("same", same);
-    json.member("checked", checked).close_object();
-}
-
-/// What a label is declared as, and the DataTypes of nodes that can be mapped to it.
-Exit list_types(Context& context, const ProjectArguments&)
-{
-    JsonLine json;
-    json.open_array();
-    Table table{{{"DECLARED AS", 26}, {"SAME VALUES", 14}, {"IF IN RANGE", 24}}};
-    for (const DeclaredType& declared : declared_types) {
-        add_type(declared, table, json);
-    }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else {
-        table.print(context.out);
-        context.out.line("The Handle of a Method is a UINT or WORD.");
-    }
-    return Exit::Good;
-}
-
 /// The table on standard output, or into the project: beside what is mapped, or in the place of
 /// all mapping.
 Exit table_of(Context& context, const ProjectArguments& arguments)
@@ -286,7 +215,7 @@ void add_mapping(CLI::App& project, Run& run)
                   "prints a line for each part that could have a label, too")
         ->excludes(in);
     add_offline(project, run, "types", "Lists the types of labels and what can be mapped to them.",
-                0, 0, "", list_types, arguments);
+                0, 0, "", list_label_types, arguments);
 }
 
 } // namespace busbar::tool::project

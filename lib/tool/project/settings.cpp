@@ -6,6 +6,7 @@
 #include <busbar/server/password_rules.hpp>
 
 #include "commands.hpp"
+#include "node.hpp"
 #include "tool/connection/user.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
@@ -45,6 +46,9 @@ Exit make_new(Context& context, const ProjectArguments& arguments)
 Exit show(Context& context, const ProjectArguments& arguments)
 {
     const controller::Project project = open_project(arguments.words[0]);
+    if (arguments.words.size() > 1) {
+        return show_node(context, project, arguments.words[1]);
+    }
     const auto urls = controller::endpoint_urls(project.network);
     JsonLine json;
     json.open_object().key("values").open_object();
@@ -141,8 +145,9 @@ void add_settings(CLI::App& project, Run& run)
     made->add_option("--preset", arguments->preset,
                      "rd81opc96: with the ceilings and characters of that product");
     made->add_flag("--yes", arguments->is_sure, "replace a file without a question");
-    add_offline(project, run, "show", "Lists the values of a project and its end points.", 1, 1,
-                "FILE", show, arguments);
+    add_offline(project, run, "show",
+                "Lists the values of a project and its end points, or all about one node.", 1, 2,
+                "FILE [NODE]", show, arguments);
     add_offline(project, run, "set", "Sets values of a project, all or none.", 3, 1'000,
                 "FILE NAME VALUE", set, arguments);
     auto* user = add_offline(project, run, "user", "Adds a user, or gives one another password.", 2,
