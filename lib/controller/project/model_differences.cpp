@@ -17,6 +17,8 @@ constexpr unsigned how_to_read = pugi::parse_default & ~pugi::parse_doctype;
 struct NodeTexts {
     std::string node;
     std::string mapping; // <Extensions>
+    /// By the parts as a mapping table calls them: "", "[0].Speed", "Handle".
+    std::map<std::string, std::string> labels{};
 };
 
 struct ModelTexts {
@@ -42,6 +44,29 @@ void append_xml(std::string& to, const pugi::xml_node& node)
     node.print(writer, "", pugi::format_raw);
 }
 
+/// Labels of the elements of a mapping (seed 001, Appendix 8), by what it writes of them.
+void collect_labels(const pugi::xml_node& element, const std::string& path, std::size_t level,
+                    std::map<std::string, std::string>& labels)
+{
+    constexpr std::size_t max_levels = 64;
+    if (const pugi::xml_attribute label = element.attribute("Data")) {
+        labels[path] = label.value();
+    }
+    for (const pugi::xml_node& each : element.children()) {
+        const std::string_view name = each.name();
+        const std::string number = "[" + std::string{each.attribute("Num").value()} + "]";
+        const std::string step = name == "Element" ? number
+                                 : name == "Field"
+                                     ? "." + std::string{each.attribute("Name").value()}
+                                 : name == "Argument" ? "Input" + number
+                                 : name == "Handle"   ? "Handle"
+                                                      : "";
+        if (level < max_levels) {
+            collect_labels(each, path + step, level + 1, labels);
+        }
+    }
+}
+
 NodeTexts texts_of(pugi::xml_node node)
 {
     NodeTexts texts;
@@ -49,6 +74,7 @@ NodeTexts texts_of(pugi::xml_node node)
         const pugi::xml_node next = each.next_sibling();
         if (std::strcmp(each.name(), "Extensions") == 0) {
             append_xml(texts.mapping, each);
+            collect_labels(each, {}, 0, texts.labels);
             node.remove_child(each);
         }
         each = next;
@@ -92,6 +118,12 @@ Models read_all(const Project& project)
     return all;
 }
 
+std::string label_at(const std::map<std::string, std::string>& labels, const std::string& part)
+{
+    const auto found = labels.find(part);
+    return found != labels.end() ? printable(found->second, 800) : "no label";
+}
+
 class ModelComparison {
 public:
     void add(std::string where, std::string_view first, std::string_view second)
@@ -105,9 +137,23 @@ public:
         if (a.node != b.node) {
             add(where, "another node", "another node");
         }
-        if (a.mapping != b.mapping) {
-            add(where, a.mapping.empty() ? "no mapping" : "another mapping",
-                b.mapping.empty() ? "no mapping" : "another mapping");
+        if (a.labels != b.labels) {
+            compare_labels(where, a.labels, b.labels);
+        } else if (a.mapping != b.mapping) {
+            add(where, "another array specification", "another array specification");
+        }
+    }
+    void compare_labels(const std::string& where, const std::map<std::string, std::string>& first,
+                        const std::map<std::string, std::string>& second)
+    {
+        std::map<std::string, std::string> all = first;
+        all.insert(second.begin(), second.end());
+        for (const auto& [part, label] : all) {
+            const std::string a = label_at(first, part);
+            const std::string b = label_at(second, part);
+            if (a != b) {
+                add(part.empty() ? where : where + ": " + part, a, b);
+            }
         }
     }
     void compare(const ModelTexts& a, const ModelTexts& b);

@@ -1,11 +1,12 @@
-#include <optional>
-#include <string_view>
 
-#include <busbar/backend/label_name.hpp>
+#include <busbar/controller/declaration_reader.hpp>
+#include <busbar/controller/label_check.hpp>
+#include <busbar/controller/plcopen_xml.hpp>
 
 #include "commands.hpp"
 #include "reports.hpp"
 #include "tool/printing/display_text.hpp"
+#include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"
 
@@ -85,6 +86,24 @@ void print_text(Context& context, const controller::ModelReports& reports,
                      std::to_string(reports.warning_count()) + " warnings");
 }
 
+/// What of the mapping a PLC with the program in this file does not have.
+controller::ModelReports check_program(const controller::Project& project, const std::string& file)
+{
+    const std::string text = read_file(file, controller::DeclarationLimits{}.max_text_size);
+    const auto read = [&] {
+        return file.ends_with(".xml") ? controller::read_plcopen_xml(text, file)
+                                      : controller::read_declarations(text, file);
+    };
+    auto reports = read().and_then([&](controller::Program program) {
+        return controller::check_labels(open_models(project), std::move(program));
+    });
+    if (!reports) {
+        throw Failure{Exit::Failed, busbar::text(reports.error()),
+                      "expected the PLC's declarations (IEC 61131-3) or PLCopen XML"};
+    }
+    return *std::move(reports);
+}
+
 /// What the button of the output window does (seed 001, 4.2), for settings too.
 Exit check_project(Context& context, const ProjectArguments& arguments)
 {
@@ -92,14 +111,12 @@ Exit check_project(Context& context, const ProjectArguments& arguments)
     if (const auto checked = controller::check(project); !checked) {
         throw Failure{Exit::Failed, text(checked.error()), "see `busbar project set`"};
     }
-    controller::ModelReports reports;
-    auto models = controller::load_models(project, &reports);
-    if (!models) {
-        throw Failure{Exit::Failed, text(models.error()), "the project's models cannot be loaded"};
+    auto check = check_project_models(project);
+    if (!arguments.program.empty()) {
+        check.reports.add(check_program(project, arguments.program));
     }
-    auto check = check_models(project, *models);
-    reports.add(std::move(check.reports));
-    const auto counters = counters_of(check.counters, models->limits());
+    const controller::ModelReports& reports = check.reports;
+    const auto counters = counters_of(check.counters, controller::model_limits(project));
     if (context.options.is_json) {
         write_json(context, reports, counters);
     } else {
@@ -110,24 +127,27 @@ Exit check_project(Context& context, const ProjectArguments& arguments)
 
 } // namespace
 
-controller::MappingCheck check_models(const controller::Project& project,
-                                      const controller::ModelSet& models)
+controller::MappingCheck check_project_models(const controller::Project& project)
 {
-    const bool has_preset = !project.preset.empty();
-    return controller::check_mapping(
-        models, [has_preset](std::string_view label) -> std::optional<Problem> {
-            if (const auto name = backend::parse_label_name(label); !name) {
-                return name.error();
-            }
-            return has_preset ? backend::check_label_characters(label) : std::nullopt;
-        });
+    controller::ModelReports reports;
+    auto models = controller::load_models(project, &reports);
+    if (!models) {
+        throw Failure{Exit::Failed, text(models.error()), "the project's models cannot be loaded"};
+    }
+    auto check = controller::check_project_mapping(project, *models);
+    reports.add(std::move(check.reports));
+    check.reports = std::move(reports);
+    return check;
 }
 
 void add_check(CLI::App& project, Run& run)
 {
     const auto arguments = std::make_shared<ProjectArguments>();
     add_offline(project, run, "check", "Lists what is wrong with a project, and how full it is.", 1,
-                1, "FILE", check_project, arguments);
+                1, "FILE", check_project, arguments)
+        ->add_option("--program", arguments->program,
+                     "a PLC's declarations, of whose variables all labels must be")
+        ->type_name("PROGRAM");
 }
 
 } // namespace busbar::tool::project

@@ -25,6 +25,9 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
             for (std::string& word : arguments->words) {
                 unmark(word);
             }
+            for (std::string* option : {&arguments->part, &arguments->label}) {
+                unmark(*option);
+            }
             if (arguments->words.size() < least || arguments->words.size() > most) {
                 throw Failure{Exit::Usage, std::to_string(arguments->words.size()) + " arguments",
                               "expected " + names};

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <busbar/controller/mapping_check.hpp>
 #include <busbar/controller/mapping_table.hpp>
@@ -8,6 +9,7 @@
 #include "commands.hpp"
 #include "label_types.hpp"
 #include "reports.hpp"
+#include "tool/connection/server_trust.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 
@@ -93,7 +95,7 @@ void merge(Mapping& into, const Mapping& from)
 void keep_mapping(Context& context, const std::string& path, controller::Project& project,
                   const ModelSet& models, const Mapping& changed)
 {
-    const auto check = check_models(project, models);
+    const auto check = controller::check_project_mapping(project, models);
     bool is_wrong = false;
     for (const controller::ModelReport& report : check.reports.list()) {
         const bool is_error =
@@ -152,12 +154,60 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
     const Mapping changed = mapping_of(context, models, words[1], columns, fields);
     merge(models.mapping(), changed);
     if (!arguments.label.empty()) {
+        std::string place = arguments.part;
+        for (char rank = words[2].size() == 1 ? words[2].front() : '0'; rank > '0'; --rank) {
+            place += "[0]";
+        }
         merge(models.mapping(),
               mapping_of(context, models, words[1], "Part,Label",
-                         quoted(arguments.part + "[0]") + "," + quoted(arguments.label)));
+                         quoted(std::as_const(place)) + "," + quoted(arguments.label)));
     }
     keep_mapping(context, words[0], project, models, changed);
     return say_done(context, safe(words[1]) + " has its array specification");
+}
+
+/// Whether a part, or one within it, has a label and `other`, which may be null, has not.
+std::size_t count_lost(const MappedPart& part, const MappedPart* other)
+{
+    std::size_t lost = !part.label.empty() && (other == nullptr || other->label.empty()) ? 1 : 0;
+    for (const MappedPart& inner : part.parts) {
+        const MappedPart* same = nullptr;
+        for (std::size_t i = 0; other != nullptr && i < other->parts.size(); ++i) {
+            same = is_same_part(other->parts[i], inner) ? &other->parts[i] : same;
+        }
+        lost += count_lost(inner, same);
+    }
+    return lost;
+}
+
+/// A Method as a value, whose parts are its arguments.
+MappedPart part_of(const controller::MethodMapping& method)
+{
+    return {.label = method.handle, .parts = method.arguments};
+}
+
+/// Throws Failure unless the user lets the labels go that `kept` has no line for.
+void make_sure_of_loss(Context& context, const ProjectArguments& arguments, const Mapping& mapping,
+                       const Mapping& kept)
+{
+    std::size_t lost = 0;
+    for (const auto& [node, variable] : mapping.variables) {
+        const auto other = kept.variables.find(node);
+        lost += count_lost(variable.value,
+                           other != kept.variables.end() ? &other->second.value : nullptr);
+    }
+    for (const auto& [node, method] : mapping.methods) {
+        const auto other = kept.methods.find(node);
+        const MappedPart same = other != kept.methods.end() ? part_of(other->second) : MappedPart{};
+        lost += count_lost(part_of(method), &same);
+    }
+    if (lost != 0 && !arguments.is_sure &&
+        !confirm(context, "take " + std::to_string(lost) + " labels away?")) {
+        throw Failure{Exit::Failed,
+                      "the table has no line for " + std::to_string(lost) +
+                          " labels of the project: nothing was changed",
+                      "--yes takes them away without a question"};
+    }
 }
 
 /// The table on standard output, or into the project: beside what is mapped, or in the place of
@@ -180,6 +230,7 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
         throw Failure{Exit::Failed, arguments.table + ": not taken", "the project is as it was"};
     }
     if (arguments.replaces) {
+        make_sure_of_loss(context, arguments, models.mapping(), read.mapping);
         models.mapping() = read.mapping;
     } else {
         merge(models.mapping(), read.mapping);
@@ -201,7 +252,7 @@ void add_mapping(CLI::App& project, Run& run)
         add_offline(project, run, "array", "Sets the dimensions that an array is mapped with.", 3,
                     6, "FILE NODE RANK [DIM]...", specify_array, arguments);
     array->add_option("--part", arguments->part, "of a node that is no array itself");
-    array->add_option("--first", arguments->label, "the label of the element [0]");
+    array->add_option("--first", arguments->label, "the label of the first element");
     auto* csv =
         add_offline(project, run, "csv", "Prints the mapping as a table, or takes it from one.", 1,
                     1, "FILE", table_of, arguments);
@@ -211,6 +262,7 @@ void add_mapping(CLI::App& project, Run& run)
     csv->add_flag("--replace", arguments->replaces,
                   "drops the mapping that the table does not have")
         ->needs(in);
+    csv->add_flag("--yes", arguments->is_sure, "takes labels away without a question");
     csv->add_flag("--all", arguments->wants_all,
                   "prints a line for each part that could have a label, too")
         ->excludes(in);

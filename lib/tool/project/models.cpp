@@ -31,12 +31,29 @@ Exit import_model(Context& context, const ProjectArguments& arguments)
     controller::keep_models(models, project);
     save_project(path, project);
     print_reports(context, imported->reports);
-    return say_done(context, (imported->is_replacement ? "replaced " : "imported ") +
-                                 safe(imported->uri) + ": " + std::to_string(imported->node_count) +
-                                 " nodes");
+    const Exit done = say_done(context, (imported->is_replacement ? "replaced " : "imported ") +
+                                            safe(imported->uri) + ": " +
+                                            std::to_string(imported->node_count) + " nodes");
+    return imported->reports.has_errors() ? Exit::Partly : done;
 }
 
-/// The default file is named after the namespace (seed 001, 9.4).
+/// Named after the namespace, with "_1", "_2" and so on where a file of that name is there and is
+/// not replaced (seed 001, 9.4).
+std::string default_file(const std::string& uri, bool replaces)
+{
+    std::vector<std::string> taken;
+    std::error_code ignored;
+    if (replaces) {
+        return controller::default_file_name(uri) + ".xml";
+    }
+    for (const auto& each : std::filesystem::directory_iterator{".", ignored}) {
+        if (each.path().extension() == ".xml") {
+            taken.push_back(each.path().stem().string());
+        }
+    }
+    return controller::default_file_name(uri, taken) + ".xml";
+}
+
 Exit export_model(Context& context, const ProjectArguments& arguments)
 {
     const auto& words = arguments.words;
@@ -47,7 +64,7 @@ Exit export_model(Context& context, const ProjectArguments& arguments)
                       "`busbar project namespaces` lists them"};
     }
     const std::string file =
-        words.size() > 2 ? words[2] : controller::default_file_name(words[1]) + ".xml";
+        words.size() > 2 ? words[2] : default_file(words[1], arguments.is_sure);
     make_room(context, file, arguments.is_sure);
     write_file(file, *text);
     return say_done(context, "exported " + safe(words[1]) + " to " + safe(file));

@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "core/json.hpp"
+#include "reports.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/admin/remote_files.hpp"
 #include "tool/admin/remote_transfer.hpp"
@@ -74,9 +75,22 @@ std::string document_in(const std::string& path)
     return read_file(path, controller::ProjectLimits{}.max_file_size);
 }
 
+/// Throws Failure for a project that a server could not serve as it is (seed 001, 8.3).
+void refuse_errors(Context& context, const std::string& path)
+{
+    const auto check = check_project_models(open_project(path));
+    if (check.reports.has_errors()) {
+        print_reports(context, check.reports);
+        throw Failure{Exit::Failed,
+                      std::to_string(check.reports.error_count()) + " errors: nothing was written",
+                      "`busbar project check` lists them, too"};
+    }
+}
+
 Exit write(Context& context, Connection& connection, const RemoteArguments& arguments)
 {
     const std::string document = document_in(arguments.words[0]);
+    refuse_errors(context, arguments.words[0]);
     RemoteTransfer transfer = transfer_of(connection);
     admin::make_sure(context, arguments, "Replace the project of the server?");
     send(context, transfer, "write", document);
@@ -103,26 +117,12 @@ Exit verify(Context& context, Connection& connection, const RemoteArguments& arg
     send(context, transfer, "verify", document);
     const Json report = answer_of(transfer, "report");
     const Json* const list = report.find("differences");
-    JsonLine json;
-    json.open_object().key("differences").open_array();
-    Table table{{{"WHERE", 24}, {"FILE", 16}, {"SERVER", 16}}};
+    std::vector<controller::ProjectDifference> differences;
     for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
-        const std::string where = text_in(each, "where");
-        const std::string file = text_in(each, "file");
-        const std::string server = text_in(each, "server");
-        json.open_object().member("where", where).member("file", file);
-        json.member("server", server).close_object();
-        table.add({{safe(where)}, {safe(file)}, {safe(server)}});
+        differences.push_back(
+            {text_in(each, "where"), text_in(each, "file"), text_in(each, "server")});
     }
-    const bool is_same = table.row_count() == 0;
-    if (context.options.is_json) {
-        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
-    } else if (is_same) {
-        context.out.line("no differences");
-    } else {
-        table.print(context.out);
-    }
-    return is_same ? Exit::Good : Exit::Failed;
+    return print_differences(context, differences, "FILE", "SERVER");
 }
 
 /// Has the server that runs take up what was written, as a restart does.

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include <busbar/controller/mapping_check.hpp>
+#include <busbar/controller/project_compare.hpp>
 #include <busbar/controller/project_models.hpp>
 
 #include "tool/connection/context.hpp"
@@ -9,10 +12,15 @@ namespace busbar::tool::project {
 
 /// The project's models; throws Failure.
 [[nodiscard]] controller::ModelSet open_models(const controller::Project& project);
-/// controller::check_mapping that knows what a label may be called (seed 001, 8.3), with the
-/// project's preset by its characters too (Appendix 6).
-[[nodiscard]] controller::MappingCheck check_models(const controller::Project& project,
-                                                    const controller::ModelSet& models);
+/// All that is wrong with the project's models and mapping, and how full it is.
+[[nodiscard]] controller::MappingCheck check_project_models(const controller::Project& project);
+/// What differs between two projects, their models included.
+[[nodiscard]] std::vector<controller::ProjectDifference>
+differences_of(const controller::Project& first, const controller::Project& second);
+/// As a table, or as JSON with members of the titles in lower case. Failed if there is any.
+Exit print_differences(Context& context,
+                       const std::vector<controller::ProjectDifference>& differences,
+                       const char* first, const char* second);
 /// On standard error, a line each.
 void print_reports(Context& context, const controller::ModelReports& reports);
 

@@ -65,22 +65,32 @@ TEST_CASE("9.13 Verify: nodes and mapping that differ are listed one by one", "[
         return made;
     };
     const Project first =
-        project(variable("ns=1;i=1", "Speed", "a") + variable("ns=1;i=2", "Force", "b") +
+        project(variable("ns=1;i=1", "Speed", "a") +
+                variable("ns=1;i=2", "Force", "<DataMapping Data=\"Line.Force\"/>") +
                 variable("ns=1;i=3", "Stroke", ""));
     CHECK(model_differences(first, first).empty());
     // Blanks between elements, the order of nodes and the file's name do not matter.
-    Project same = project(variable("ns=1;i=3", "Stroke", "") + variable("ns=1;i=1", "Speed", "a") +
-                           "\n\n" + variable("ns=1;i=2", "Force", "b"));
+    Project same =
+        project(variable("ns=1;i=3", "Stroke", "") + variable("ns=1;i=1", "Speed", "a") + "\n\n" +
+                variable("ns=1;i=2", "Force", "<DataMapping Data=\"Line.Force\"/>"));
     same.models[1].name = "Other.xml";
     CHECK(model_differences(first, same).empty());
 
+    // Labels are told part by part.
+    const std::string parts = "<DataMapping IsArray=\"true\" IsStructure=\"true\">"
+                              "<Element Num=\"1\"><Field Name=\"Max\" Data=\"Line.Max\"/></Element>"
+                              "</DataMapping><MethodMapping><Handle Data=\"H\"/><Input>"
+                              "<Argument Num=\"0\" Data=\"A\"/></Input></MethodMapping>";
     Project second =
-        project(variable("ns=1;i=1", "Speeds", "a") + variable("ns=1;i=2", "Force", "c") +
+        project(variable("ns=1;i=1", "Speeds", "a") + variable("ns=1;i=2", "Force", parts) +
                 variable("ns=1;i=4", "Stroke", ""));
     const std::string uri = "http://press.example/press: ";
     CHECK(model_differences(first, second) ==
           Differences{{uri + "ns=1;i=1", "another node", "another node"},
-                      {uri + "ns=1;i=2", "another mapping", "another mapping"},
+                      {uri + "ns=1;i=2", "Line.Force", "no label"},
+                      {uri + "ns=1;i=2: Handle", "no label", "H"},
+                      {uri + "ns=1;i=2: Input[0]", "no label", "A"},
+                      {uri + "ns=1;i=2: [1].Max", "no label", "Line.Max"},
                       {uri + "ns=1;i=3", "a node", "nothing"},
                       {uri + "ns=1;i=4", "nothing", "a node"}});
     second = first;
