@@ -111,12 +111,21 @@ std::string key_type(const EVP_PKEY* key)
            std::to_string(EVP_PKEY_get_bits(key)) + " bits";
 }
 
-/// The key itself, as it stands in the certificate.
+/// The key itself, as it stands in the certificate, in groups of eight bytes between which a line
+/// may end.
 std::string key_bytes(const X509* certificate)
 {
+    constexpr std::size_t group = 8;
     const ASN1_BIT_STRING* key = X509_get0_pubkey_bitstr(certificate);
-    return detail::hexadecimal(std::as_bytes(
-        std::span{ASN1_STRING_get0_data(key), static_cast<std::size_t>(ASN1_STRING_length(key))}));
+    auto left = std::as_bytes(
+        std::span{ASN1_STRING_get0_data(key), static_cast<std::size_t>(ASN1_STRING_length(key))});
+    std::string text;
+    while (!left.empty()) {
+        const auto next = left.first(std::min(group, left.size()));
+        text += (text.empty() ? "" : " ") + detail::hexadecimal(next);
+        left = left.subspan(next.size());
+    }
+    return text;
 }
 
 /// Those that are revoked, with the time since when.

@@ -93,7 +93,7 @@ await grep -q -s '^ready' other.log
 taken=$(sed -n 's/.* variables at opc.tcp:[^ ]*:\([0-9]*\)$/\1/p' other.log)
 sed -i "s/^port = .*/port = $taken/" controller.toml
 as_admin 1 admin shutdown "$url" --restart --seconds 0 --yes
-says 'log of the controller'
+says "cannot listen on $taken"
 await logged "server.port: cannot listen on $taken; nothing was changed"
 [ "$(listening)" = "$before" ] || fail "the port was closed"
 as_admin 0 read "$url" "$speed"

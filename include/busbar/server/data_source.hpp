@@ -90,10 +90,9 @@ public:
 
     /// Holds `memory` as long as anything in the slots may be used: String::borrow,
     /// ByteString::borrow and ReadSlot::shared may point into it. For a batch that is completed
-    /// inline that is until the answer is encoded, right after the call of DataSource::read; if the
-    /// answer has to wait for another source, the server makes copies first. Without this call,
-    /// such a batch may also point at what only the server's thread changes or frees. Any thread
-    /// may release it. A second call replaces the first.
+    /// inline that is until the answer is encoded, right after DataSource::read; if the answer
+    /// waits for another source, the server copies first. Without this call, such a batch may also
+    /// point at what only the server's thread changes or frees. Any thread may release it.
     void keep_alive(std::shared_ptr<const void> memory);
 
     /// Hands the slots to the server. The batch is empty afterwards; more calls do nothing.
@@ -123,7 +122,6 @@ public:
     [[nodiscard]] std::span<const WriteItem> items() const { return items_; }
     /// One status for each item, in the same order.
     [[nodiscard]] std::span<StatusCode> results() { return {results_, items_.size()}; }
-
     /// Why items of the batch are refused, as CallResult::reason; before the batch is completed.
     void explain(std::string reason);
     void complete();

@@ -40,9 +40,8 @@ public:
     [[nodiscard]] const MethodCaller& caller() const { return batch_->caller(); }
     [[nodiscard]] bool is_abandoned() const { return batch_->is_abandoned(); }
 
-    // Each of these ends the call; a second one does nothing.
+    // Each of these ends the call; a second one does nothing. `reason` is CallResult::reason.
     void succeed(Array<Variant> outputs = {});
-    /// `reason` is CallResult::reason.
     void fail(StatusCode status, std::string reason = {});
     /// Bad_InvalidArgument with one status for each input.
     void refuse(Array<StatusCode> input_results, std::string reason = {});

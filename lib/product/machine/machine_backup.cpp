@@ -10,7 +10,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "core/json_writer.hpp"
-#include "problem_report.hpp"
 
 namespace busbar::product {
 
@@ -82,12 +81,6 @@ void tell_replaced(LogSink& log, const TransferRequest& request, bool with_secur
     }
 }
 
-std::vector<std::byte> bytes_of_text(std::string_view text)
-{
-    const auto bytes = std::as_bytes(std::span{text.data(), text.size()});
-    return {bytes.begin(), bytes.end()};
-}
-
 } // namespace
 
 struct MachineBackup::Wish {
@@ -123,7 +116,9 @@ Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
 }
 
 MachineBackup::MachineBackup(Needs needs)
-    : needs_{std::move(needs)}, memory_{needs_.files, transaction, needs_.items, needs_.log}
+    : ReportingOwner{source, needs.log}, needs_{std::move(needs)}, memory_{needs_.files,
+                                                                           transaction,
+                                                                           needs_.items, needs_.log}
 {
 }
 
@@ -141,26 +136,20 @@ administration::TemporaryFileTransfer MachineBackup::transfer()
 Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,
                                                        std::size_t max_size)
 {
-    refusal_.clear();
     const auto* const what = request.options.get_if<String>();
     const bool is_without = what != nullptr && what->view() == "backup without security profile";
     if (request.options.is_null() || is_without) {
         auto made = make_backup({.security_profile = !is_without});
         const bool is_too_large = made && made->size() > max_size;
-        refusal_ = is_too_large
-                       ? "the backup would be larger than " + std::to_string(max_size) + " bytes"
-                       : refusal_;
-        return is_too_large ? fail(status::Bad_EncodingLimitsExceeded) : std::move(made);
+        return is_too_large ? fail(refuse(status::Bad_EncodingLimitsExceeded,
+                                          "the backup would be larger than " +
+                                              std::to_string(max_size) + " bytes"))
+                            : std::move(made);
     }
     if (what == nullptr || what->view() != "report") {
-        refusal_ = "found none of a backup's options";
-        return fail(status::Bad_InvalidArgument);
+        return fail(refuse(status::Bad_InvalidArgument, "found none of a backup's options"));
     }
-    if (report_.text.empty() || report_.session != request.session) {
-        refusal_ = "this session has sent no backup that there is a report of";
-        return fail(status::Bad_NotFound);
-    }
-    return bytes_of_text(report_.text);
+    return give_report(request, max_size);
 }
 
 Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::BackupChoice& choice)
@@ -172,9 +161,8 @@ Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::Back
         });
     });
     if (!made) {
-        refusal_ = text(made.error());
-        needs_.log.write(LogLevel::Error, source, "no backup was made: " + refusal_);
-        return fail(made.error().status);
+        needs_.log.write(LogLevel::Error, source, "no backup was made: " + text(made.error()));
+        return fail(refuse(made.error().status, text(made.error())));
     }
     needs_.log.write(LogLevel::Info, source,
                      "a backup was made: " + std::to_string(made->size()) + " bytes");
@@ -185,18 +173,19 @@ StatusCode MachineBackup::may_take(const TransferRequest& request)
 {
     const auto wish = wish_of(request.options);
     if (!wish) {
-        report_ = {request.session, problem_report(wish.error())};
-        refusal_ = text(wish.error());
+        static_cast<void>(report(request, Unexpected{wish.error()}, {}));
         return status::Bad_InvalidArgument;
     }
-    refusal_.clear();
     if (wish->task != Wish::Task::Verify && needs_.gate.is_closed()) {
-        refusal_ = "a restart of the controller is due, before which nothing of its memory changes";
-    } else if (wish->task == Wish::Task::Clear && needs_.mode() == controller::MachineMode::Run) {
-        refusal_ = "the machine is in RUN, in which its memory is not cleared; set machine.mode to "
-                   "PROGRAM before";
+        return refuse(status::Bad_InvalidState, "a restart of the controller is due, before which "
+                                                "nothing of its memory changes");
     }
-    return refusal_.empty() ? status::Good : status::Bad_InvalidState;
+    if (wish->task == Wish::Task::Clear && needs_.mode() == controller::MachineMode::Run) {
+        return refuse(status::Bad_InvalidState,
+                      "the machine is in RUN, in which its memory is not cleared; set machine.mode "
+                      "to PROGRAM before");
+    }
+    return allow();
 }
 
 StatusCode MachineBackup::take(const TransferRequest& request, std::span<const std::byte> bytes)
@@ -207,17 +196,11 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     }
     auto wish = wish_of(request.options);
     const auto done = carry_out(*wish, bytes);
-    report_ = {request.session, done ? *done : problem_report(done.error())};
-    if (!done) {
-        refusal_ = text(done.error());
-        const std::string_view options = request.options.get_if<String>()->view();
-        needs_.log.write(LogLevel::Error, source,
-                         std::string{options.substr(0, options.find('\n'))} +
-                             ": nothing was changed: " + refusal_);
-    } else if (wish->task != Wish::Task::Verify) {
+    if (done && wish->task != Wish::Task::Verify) {
         tell_replaced(needs_.log, request, wish->with_security, wish->task == Wish::Task::Clear);
     }
-    return done ? StatusCode{status::Good} : done.error().status;
+    const std::string_view options = request.options.get_if<String>()->view();
+    return report(request, done, options.substr(0, options.find('\n')));
 }
 
 Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std::byte> bytes)

@@ -12,6 +12,8 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/storage_gate.hpp>
 
+#include "product/access/reporting_owner.hpp"
+
 namespace busbar::product {
 
 /// Backup, restore, verification and Clear All Memory of a machine over OPC UA (seed 000, 8-2 and
@@ -44,7 +46,7 @@ namespace busbar::product {
 ///
 /// What a power cut left is finished by administration::finish_changes at the next start, whose
 /// transaction it is. On the server's thread.
-class MachineBackup final : public administration::TransferOwner {
+class MachineBackup final : public ReportingOwner {
 public:
     /// All must outlive it.
     struct Needs {
@@ -79,16 +81,9 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
-    [[nodiscard]] std::string why_refused() const override { return refusal_; }
 
 private:
     struct Wish;
-    /// Of the last CloseAndCommit.
-    struct Report {
-        NodeId session;
-        std::string text;
-    };
-
     [[nodiscard]] static Configured<Wish> wish_of(const Variant& options);
     [[nodiscard]] Result<std::vector<std::byte>>
     make_backup(const controller::BackupChoice& choice);
@@ -100,8 +95,6 @@ private:
 
     Needs needs_;
     controller::MachineMemory memory_;
-    Report report_;
-    std::string refusal_;
 };
 
 } // namespace busbar::product

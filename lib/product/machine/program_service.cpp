@@ -12,7 +12,6 @@
 
 #include "controller/life/checksum.hpp"
 #include "core/json_writer.hpp"
-#include "problem_report.hpp"
 #include "product/store/received_program.hpp"
 #include "program_change.hpp"
 #include "program_file.hpp"
@@ -121,7 +120,10 @@ std::optional<ProgramService::Wish> ProgramService::wish_of(const Variant& optio
     return std::nullopt;
 }
 
-ProgramService::ProgramService(Needs needs) : needs_{std::move(needs)} {}
+ProgramService::ProgramService(Needs needs)
+    : ReportingOwner{program_source, needs.log}, needs_{std::move(needs)}
+{
+}
 
 administration::TemporaryFileTransfer ProgramService::transfer()
 {
@@ -165,32 +167,20 @@ std::string ProgramService::status_text() const
 Result<std::vector<std::byte>> ProgramService::generate(const TransferRequest& request,
                                                         std::size_t max_size)
 {
+    if (request.options.is_null()) {
+        return give(*needs_.program().text, max_size);
+    }
     const auto* const wanted = request.options.get_if<String>();
-    const bool is_report = wanted != nullptr && wanted->view() == "report";
-    if (!request.options.is_null() && !is_report &&
-        (wanted == nullptr || wanted->view() != "status")) {
-        refusal_ = unknown_options;
-        return fail(status::Bad_InvalidArgument);
-    }
-    if (is_report && (report_.text.empty() || report_.session != request.session)) {
-        refusal_ = "this session has sent no program that there is a report of";
-        return fail(status::Bad_NotFound);
-    }
-    const std::string text = request.options.is_null() ? *needs_.program().text
-                             : is_report               ? report_.text
-                                                       : status_text();
-    if (text.size() > max_size) {
-        refusal_ = "it is larger than " + std::to_string(max_size) + " bytes";
-        return fail(status::Bad_EncodingLimitsExceeded);
-    }
-    const auto bytes = std::as_bytes(std::span{text});
-    return std::vector<std::byte>{bytes.begin(), bytes.end()};
+    const std::string_view what = wanted != nullptr ? wanted->view() : std::string_view{};
+    return what == "report"   ? give_report(request, max_size)
+           : what == "status" ? give(status_text(), max_size)
+                              : fail(refuse(status::Bad_InvalidArgument, unknown_options));
 }
 
 StatusCode ProgramService::may_take(const TransferRequest& request)
 {
-    refusal_ = wish_of(request.options) ? "" : unknown_options;
-    return refusal_.empty() ? status::Good : status::Bad_InvalidArgument;
+    return wish_of(request.options) ? allow()
+                                    : refuse(status::Bad_InvalidArgument, unknown_options);
 }
 
 std::function<void()> ProgramService::preparation(const TransferRequest& request,
@@ -225,24 +215,18 @@ StatusCode ProgramService::take(const TransferRequest& request, std::span<const 
 {
     const auto wish = wish_of(request.options);
     if (!wish) {
-        refusal_ = unknown_options;
-        return status::Bad_InvalidArgument;
+        return refuse(status::Bad_InvalidArgument, unknown_options);
     }
     const auto done = carry_out(*wish, request.user.name,
                                 {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    report_ = {request.session, done ? *done : problem_report(done.error())};
-    refusal_ = done ? std::string{} : busbar::text(done.error());
     const bool has_changed = wish->task != Wish::Task::Check && wish->task != Wish::Task::Compare;
-    if (!done && has_changed) {
-        needs_.log.write(LogLevel::Error, program_source,
-                         std::string{wish->verb} + ": nothing was changed: " + text(done.error()));
-    } else if (has_changed) {
+    if (done && has_changed) {
         Record record{.kind = RecordKind::SettingsChanged, .source = program_source};
         record.actor.session_id = &request.session;
         record.actor.user = request.user.name;
         tell(needs_.log, record);
     }
-    return done ? StatusCode{status::Good} : done.error().status;
+    return report(request, done, has_changed ? wish->verb : std::string_view{});
 }
 
 Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::string& user,

@@ -13,6 +13,7 @@
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 
+#include "product/access/reporting_owner.hpp"
 #include "program_change.hpp"
 
 namespace busbar::product {
@@ -82,7 +83,7 @@ struct ProgramVerdict {
 ///
 /// Of two who send at once the second is refused. Programs are read, checked and compared on the
 /// worker; all else is done on the server's thread.
-class ProgramService final : public administration::TransferOwner {
+class ProgramService final : public ReportingOwner {
 public:
     /// All must outlive it.
     struct Needs {
@@ -109,16 +110,9 @@ public:
                                                     std::span<const std::byte> bytes) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
-    [[nodiscard]] std::string why_refused() const override { return refusal_; }
 
 private:
     struct Wish;
-    /// Of the last CloseAndCommit.
-    struct Report {
-        NodeId session;
-        std::string text;
-    };
-
     [[nodiscard]] static std::optional<Wish> wish_of(const Variant& options);
     [[nodiscard]] std::string status_text() const;
     [[nodiscard]] Configured<std::string> carry_out(const Wish& wish, const std::string& user,
@@ -129,8 +123,6 @@ private:
     [[nodiscard]] Configured<std::string> change_mode(const Wish& wish) const;
 
     Needs needs_;
-    Report report_;
-    std::string refusal_;
     // What preparation() leaves for take(), of which there is one at a time.
     Configured<PreparedProgram> prepared_;
     std::string differences_;

@@ -18,6 +18,8 @@ constexpr const char* project_source = "project";
 /// The whole project is in memory until its transfer is over.
 constexpr std::size_t max_project_size = 128U << 20U;
 
+constexpr const char* unknown_options = "found none of a project's options";
+
 struct Member {
     std::string_view name;
     std::string_view text;
@@ -69,7 +71,10 @@ std::string wish_of(const Variant& options)
 
 } // namespace
 
-ProjectService::ProjectService(Needs needs) : needs_{std::move(needs)} {}
+ProjectService::ProjectService(Needs needs)
+    : ReportingOwner{project_source, needs.log}, needs_{std::move(needs)}
+{
+}
 
 administration::TemporaryFileTransfer ProjectService::transfer()
 {
@@ -110,57 +115,37 @@ std::string ProjectService::project_state() const
            needs_.damage;
 }
 
-Result<std::string> ProjectService::text_of(const TransferRequest& request) const
+/// The file of the project in the store, or of the one that is served instead of it.
+Configured<std::string> ProjectService::document() const
 {
-    if (request.options.is_null()) {
-        const bool is_damaged = needs_.store.current() == nullptr && needs_.served != nullptr;
-        auto document =
-            is_damaged ? controller::document_of(*needs_.served) : needs_.store.document();
-        return document ? Result<std::string>{*std::move(document)} : fail(document.error().status);
-    }
-    const std::string wish = wish_of(request.options);
-    if (wish == "status") {
-        return status_text();
-    }
-    if (wish != "report") {
-        return fail(status::Bad_InvalidArgument);
-    }
-    if (report_.text.empty() || report_.session != request.session) {
-        return fail(status::Bad_NotFound);
-    }
-    return report_.text;
+    const bool is_damaged = needs_.store.current() == nullptr && needs_.served != nullptr;
+    return is_damaged ? controller::document_of(*needs_.served) : needs_.store.document();
 }
 
 Result<std::vector<std::byte>> ProjectService::generate(const TransferRequest& request,
                                                         std::size_t max_size)
 {
-    const auto text = text_of(request);
-    if (!text) {
-        refusal_ = text.error() == status::Bad_NotFound
-                       ? "there is no project, or no report of one that this session has sent"
-                       : "found none of a project's options";
-        return fail(text.error());
+    if (request.options.is_null()) {
+        const auto text = document();
+        return text ? give(*text, max_size)
+                    : fail(refuse(text.error().status, busbar::text(text.error())));
     }
-    if (text->size() > max_size) {
-        refusal_ = "the project is larger than " + std::to_string(max_size) + " bytes";
-        return fail(status::Bad_EncodingLimitsExceeded);
-    }
-    const auto bytes = std::as_bytes(std::span{*text});
-    return std::vector<std::byte>{bytes.begin(), bytes.end()};
+    const std::string wish = wish_of(request.options);
+    return wish == "report"   ? give_report(request, max_size)
+           : wish == "status" ? give(status_text(), max_size)
+                              : fail(refuse(status::Bad_InvalidArgument, unknown_options));
 }
 
 StatusCode ProjectService::may_take(const TransferRequest& request)
 {
     const std::string wish = wish_of(request.options);
-    const bool is_known = wish == "write" || wish == "verify" || wish == "update";
-    refusal_ = is_known ? "" : "found none of a project's options";
-    if (!is_known) {
-        return status::Bad_InvalidArgument;
+    if (wish != "write" && wish != "verify" && wish != "update") {
+        return refuse(status::Bad_InvalidArgument, unknown_options);
     }
     if (wish != "write" && needs_.store.current() == nullptr) {
-        refusal_ = "the controller has no project; write one before";
+        return refuse(status::Bad_NotFound, "the controller has no project; write one before");
     }
-    return refusal_.empty() ? status::Good : status::Bad_NotFound;
+    return allow();
 }
 
 std::function<void()> ProjectService::preparation(const TransferRequest& request,
@@ -186,16 +171,7 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
     const auto done = wish == "write"    ? write(bytes)
                       : wish == "verify" ? std::exchange(differences_, {})
                                          : update(bytes);
-    if (done) {
-        report_ = {request.session, *done};
-        return status::Good;
-    }
-    detail::JsonWriter json;
-    refusal_ = text(done.error());
-    write_object(json, {{"problem", refusal_}});
-    report_ = {request.session, json.take()};
-    needs_.log.write(LogLevel::Error, project_source, wish + ": nothing was changed: " + refusal_);
-    return done.error().status;
+    return report(request, done, wish);
 }
 
 Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)

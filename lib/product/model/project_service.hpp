@@ -10,6 +10,8 @@
 #include <busbar/controller/project_store.hpp>
 #include <busbar/core/log.hpp>
 
+#include "product/access/reporting_owner.hpp"
+
 namespace busbar::product {
 
 /// The project of model mode over OPC UA (seed 001, 9.13 and 9.14): the Object "Project" below
@@ -29,7 +31,7 @@ namespace busbar::product {
 /// Of two tools that write at once the second is refused. Stop and restart are
 /// RequestServerStateChange of the Server. On the server's thread, but for the check of a project
 /// and the comparison with another one, during which others are served.
-class ProjectService final : public administration::TransferOwner {
+class ProjectService final : public ReportingOwner {
 public:
     /// What of the status is the program's to know.
     struct ModuleStatus {
@@ -63,26 +65,17 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
-    [[nodiscard]] std::string why_refused() const override { return refusal_; }
     [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest& request,
                                                     std::span<const std::byte> bytes) override;
 
 private:
-    /// Of the last CloseAndCommit.
-    struct Report {
-        NodeId session;
-        std::string text;
-    };
-
-    [[nodiscard]] Result<std::string> text_of(const administration::TransferRequest& request) const;
+    [[nodiscard]] Configured<std::string> document() const;
     [[nodiscard]] std::string status_text() const;
     [[nodiscard]] std::string project_state() const;
     /// What was staged becomes the project of the store.
     [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
     [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
     Needs needs_;
-    Report report_;
-    std::string refusal_;
     // What preparation() leaves for take().
     std::optional<Configured<controller::ProjectStore::Staged>> staged_;
     Configured<std::string> differences_;

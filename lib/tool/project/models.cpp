@@ -43,8 +43,9 @@ std::string default_file(const std::string& uri, bool replaces)
 {
     std::vector<std::string> taken;
     std::error_code ignored;
-    if (replaces) {
-        return controller::default_file_name(uri) + ".xml";
+    const std::string first = controller::default_file_name(uri) + ".xml";
+    if (replaces || !std::filesystem::exists(first, ignored)) {
+        return first;
     }
     for (const auto& each : std::filesystem::directory_iterator{".", ignored}) {
         if (each.path().extension() == ".xml") {

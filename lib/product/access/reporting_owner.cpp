@@ -1,0 +1,67 @@
+#include "reporting_owner.hpp"
+
+#include <span>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "core/json_writer.hpp"
+
+namespace busbar::product {
+
+using administration::TransferRequest;
+
+StatusCode ReportingOwner::allow()
+{
+    refusal_.clear();
+    return status::Good;
+}
+
+StatusCode ReportingOwner::refuse(StatusCode status, std::string why)
+{
+    refusal_ = std::move(why);
+    return status;
+}
+
+Result<std::vector<std::byte>> ReportingOwner::give(std::string_view text, std::size_t max_size)
+{
+    if (text.size() > max_size) {
+        return fail(refuse(status::Bad_EncodingLimitsExceeded,
+                           "it is larger than " + std::to_string(max_size) + " bytes"));
+    }
+    const auto bytes = std::as_bytes(std::span{text});
+    return std::vector<std::byte>{bytes.begin(), bytes.end()};
+}
+
+Result<std::vector<std::byte>> ReportingOwner::give_report(const TransferRequest& request,
+                                                           std::size_t max_size)
+{
+    if (report_.text.empty() || report_.session != request.session) {
+        return fail(refuse(status::Bad_NotFound,
+                           "this session has sent no file here that there is a report of"));
+    }
+    return give(report_.text, max_size);
+}
+
+StatusCode ReportingOwner::report(const TransferRequest& request,
+                                  const Configured<std::string>& done, std::string_view verb)
+{
+    if (done) {
+        report_ = {request.session, *done};
+        return allow();
+    }
+    const StatusCode status = refuse(done.error().status, text(done.error()));
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("problem");
+    json.string(refusal_);
+    json.end_object();
+    report_ = {request.session, json.take()};
+    if (!verb.empty()) {
+        log_.write(LogLevel::Error, source_,
+                   std::string{verb} + ": nothing was changed: " + refusal_);
+    }
+    return status;
+}
+
+} // namespace busbar::product
