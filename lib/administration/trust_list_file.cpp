@@ -360,8 +360,11 @@ void TrustListFile::add_certificate(MethodCall call)
     if (bytes_of(list, all_lists).size() > needs_.files.max_trust_list_size) {
         return call.fail(status::Bad_RequestTooLarge, too_large());
     }
+    // Trusted CAs count, other clients do not.
     crypto::TrustList alone = list;
-    alone.trusted = {*certificate};
+    std::erase_if(alone.trusted, [&](const crypto::Certificate& each) {
+        return !(each == *certificate) && !crypto::is_authority(each);
+    });
     if (const auto refused = crypto::check_trust_list(alone, needs_.clock.now(), group().purpose)) {
         return refuse_call(call, *refused);
     }

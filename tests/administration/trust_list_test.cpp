@@ -212,6 +212,21 @@ TEST_CASE_METHOD(Lists, "trust list: an issuer that is needed stays")
     CHECK(status_of(admin, remove_certificate, {thumbprint, Variant{false}}) == "Good");
 }
 
+TEST_CASE_METHOD(Lists, "trust list: a client whose CA is trusted")
+{
+    auto admin = log_in();
+    const Issued ca = issue(authority("Works CA"), key_number(2));
+    const Issued leaf = issue({}, key_number(3), &ca);
+    const auto add = [&](const Issued& one) {
+        return status_of(admin, add_certificate,
+                         {Variant{ByteString{one.certificate.der()}}, Variant{true}});
+    };
+    CHECK(add(leaf) == "Bad_CertificateChainIncomplete");
+    CHECK(add(ca) == "Good");
+    CHECK(add(leaf) == "Good");
+    CHECK(count(applications, StoreList::Trusted) == 2 + 1); // and our own
+}
+
 TEST_CASE_METHOD(Lists, "trust list: two administrators")
 {
     auto one = log_in();
