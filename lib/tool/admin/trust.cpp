@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -168,6 +169,29 @@ void add_revocations(const std::string& file, const crypto::RevocationList& adde
     lists.specified_lists |= is_trusted ? trusted_crls : issuer_crls;
 }
 
+/// A server takes no list that has a revoked certificate among the trusted ones. They could not
+/// connect any more anyway.
+std::vector<crypto::Certificate> take_out_revoked(const crypto::RevocationList& added,
+                                                  TrustListDataType& lists)
+{
+    std::vector<crypto::Certificate> revoked;
+    Array<ByteString> kept;
+    kept.clear();
+    for (const ByteString& der : lists.trusted_certificates) {
+        auto certificate = crypto::Certificate::parse(der.span());
+        if (certificate && added.revoked_at(*certificate)) {
+            revoked.push_back(*std::move(certificate));
+        } else {
+            kept.push_back(der);
+        }
+    }
+    if (!revoked.empty()) {
+        lists.trusted_certificates = std::move(kept);
+        lists.specified_lists |= trusted_certificates;
+    }
+    return revoked;
+}
+
 /// An issuer is no client by itself: those whose certificates it issued are, if they are trusted or
 /// if it is trusted, too.
 void add_certificates(const Additions& additions, bool are_issuers, TrustListDataType& lists)
@@ -182,20 +206,32 @@ void add_certificates(const Additions& additions, bool are_issuers, TrustListDat
 void trust(Connection& connection, const TrustListNodes& nodes,
            const crypto::Certificate& certificate)
 {
-    call(connection, nodes.object, nodes.add,
-         {Variant{ByteString{certificate.der()}}, Variant{true}}, "trusting the certificate");
+    with_hint(
+        [&] {
+            return call(connection, nodes.object, nodes.add,
+                        {Variant{ByteString{certificate.der()}}, Variant{true}},
+                        "trusting the certificate");
+        },
+        status::Bad_CertificateChainIncomplete,
+        "add the CA that signed it first: busbar admin trust add --issuer FILE...");
 }
 
-/// All of it or nothing.
-void add_together(Connection& connection, const TrustListNodes& nodes, const Additions& additions,
-                  bool are_issuers, TrustListDataType lists)
+/// All of it or nothing. Returns those that are trusted no more because they are revoked.
+std::vector<crypto::Certificate> add_together(Connection& connection, const TrustListNodes& nodes,
+                                              const Additions& additions, bool are_issuers,
+                                              TrustListDataType lists)
 {
     lists.specified_lists = 0;
     add_certificates(additions, are_issuers, lists);
+    std::vector<crypto::Certificate> revoked;
     for (const auto& [file, revocations] : additions.revocations) {
         add_revocations(file, revocations, lists);
+        std::ranges::move(take_out_revoked(revocations, lists), std::back_inserter(revoked));
     }
-    write_trust_list(connection, nodes, lists, "adding to the trust list");
+    with_hint([&] { write_trust_list(connection, nodes, lists, "adding to the trust list"); },
+              status::Bad_CertificateChainIncomplete,
+              "add the CA that signed it first: busbar admin trust add --issuer FILE...");
+    return revoked;
 }
 
 Exit add(Context& context, Connection& connection, const AdminArguments& arguments)
@@ -204,11 +240,12 @@ Exit add(Context& context, Connection& connection, const AdminArguments& argumen
     const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
     TrustListDataType lists = read_trust_list(connection, nodes);
     const bool are_issuers = arguments.is_issuer;
+    std::vector<crypto::Certificate> revoked;
     check_certificates(additions, rows_of(connection, lists), are_issuers ? "issuers" : "trusted");
     if (!are_issuers && additions.certificates.size() == 1 && additions.revocations.empty()) {
         trust(connection, nodes, additions.certificates.front().second);
     } else {
-        add_together(connection, nodes, additions, are_issuers, std::move(lists));
+        revoked = add_together(connection, nodes, additions, are_issuers, std::move(lists));
     }
     for (const auto& each : additions.certificates) {
         report(context, (are_issuers ? "added the issuer " : "trusted ") + name_of(each.second));
@@ -216,6 +253,9 @@ Exit add(Context& context, Connection& connection, const AdminArguments& argumen
     for (const auto& each : additions.revocations) {
         report(context, "added " + name_of(each.second) + ", " +
                             std::to_string(each.second.size()) + " revoked");
+    }
+    for (const crypto::Certificate& each : revoked) {
+        report(context, "removed " + name_of(each) + " from trusted: it is revoked");
     }
     return Exit::Good;
 }
@@ -243,8 +283,8 @@ Exit move(Context& context, Connection& connection, const AdminArguments& argume
     }
     const crypto::Certificate& certificate = find(rows, arguments.words.front()).certificate;
     if (arguments.is_issuer) {
-        add_together(connection, nodes, {{{"", certificate}}, {}}, true,
-                     read_trust_list(connection, nodes));
+        static_cast<void>(add_together(connection, nodes, {{{"", certificate}}, {}}, true,
+                                       read_trust_list(connection, nodes)));
         remove_rejected(connection, certificate);
         return report(context, "added the issuer " + name_of(certificate));
     }
