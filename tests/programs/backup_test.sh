@@ -102,7 +102,7 @@ says 'nothing was done'
 as chief 1 admin restore "$url" nowhere --yes
 as boss 1 admin restore "$url" press.backup --yes
 as chief 1 admin clear "$url" --yes # in RUN
-says 'RUN mode'
+says 'machine is in RUN'
 as chief 1 admin clear "$url" --security --yes
 contents | cmp - before || fail "something was changed"
 

@@ -18,7 +18,7 @@ constexpr const char* project_source = "project";
 /// The whole project is in memory until its transfer is over.
 constexpr std::size_t max_project_size = 128U << 20U;
 
-constexpr const char* unknown_options = "found none of a project's options";
+constexpr const char* unknown_wish = "found none of a project's options";
 
 struct Member {
     std::string_view name;
@@ -133,14 +133,14 @@ Result<std::vector<std::byte>> ProjectService::generate(const TransferRequest& r
     const std::string wish = wish_of(request.options);
     return wish == "report"   ? give_report(request, max_size)
            : wish == "status" ? give(status_text(), max_size)
-                              : fail(refuse(status::Bad_InvalidArgument, unknown_options));
+                              : fail(refuse(status::Bad_InvalidArgument, unknown_wish));
 }
 
 StatusCode ProjectService::may_take(const TransferRequest& request)
 {
     const std::string wish = wish_of(request.options);
     if (wish != "write" && wish != "verify" && wish != "update") {
-        return refuse(status::Bad_InvalidArgument, unknown_options);
+        return refuse(status::Bad_InvalidArgument, unknown_wish);
     }
     if (wish != "write" && needs_.store.current() == nullptr) {
         return refuse(status::Bad_NotFound, "the controller has no project; write one before");

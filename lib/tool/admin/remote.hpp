@@ -29,15 +29,15 @@ namespace busbar::tool::admin {
 /// The outputs of a Method; throws Failure, which says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
                           const std::vector<Variant>& inputs, const std::string& what);
-/// What `function` returns. A Failure of it by `status` for no known reason gets another hint.
+/// What `function` returns. A Failure of it by `status` gets another hint, whether it has a reason or
+/// not.
 template <typename Function>
 auto with_hint(Function&& function, StatusCode status, const std::string& hint)
 {
     try {
         return function();
     } catch (Failure& failure) {
-        const bool is_it = failure.status == status && failure.reason.empty();
-        failure.hint = is_it ? hint : failure.hint;
+        failure.hint = failure.status == status ? hint : failure.hint;
         throw;
     }
 }

@@ -30,7 +30,7 @@ server_uri=$(sed -n 's/^Application: *//p' out)
 
 entry variables 3-2-5: own certificate shown
 for fact in 'Version:  *3' 'Serial:  *[0-9A-F]\{16,\}' 'Valid from:  *20[0-9-]*T[0-9:]*Z' \
-    'Valid to:  *20[0-9-]*T[0-9:]*Z' 'Key:  *RSA, 2048 bits' 'Public key:  *[0-9A-F]\{500,\}' \
+    'Valid to:  *20[0-9-]*T[0-9:]*Z' 'Key:  *RSA, 2048 bits' 'Public key:  *[0-9A-F]\{16\} [0-9A-F]\{16\} ' \
     'Signature:  *sha256WithRSAEncryption' 'Hosts:  *.*127.0.0.1' 'Thumbprint:  *[0-9A-F]\{40\}'; do
     says "^$fact"
 done
@@ -60,7 +60,7 @@ chief 0 admin cert regenerate "$url" --days 730 --yes \
     --subject 'CN=NxOpcUaServer@127.0.0.1/O="Works (4), A/B"/OU=Line_4/L=Linz/S=O.-Oe./C=AT'
 await has_records "CERT 0001 Update_Server NxOpcUaServer@127.0.0.1 20[0-9T:.-]*Z" 2
 chief 0 admin cert show "$url"
-says 'O=Works (4).* A/B'
+says 'O="Works (4), A/B"'
 says 'OU=Line_4, L=Linz, ST=O.-Oe., C=AT'
 [ "$(years)" -eq 2 ] || fail "it lasts for $(years) years instead of 2"
 says_not "$first"
@@ -72,7 +72,7 @@ says 'OU=Line_4, L=Linz, ST=O.-Oe., C=AT'
 [ "$(years)" -eq 20 ] || fail "it lasts for $(years) years instead of 20"
 says_not "$second"
 chief 1 admin cert regenerate "$url" --yes --subject 'CN=X/O=Bad#Org/C=DEU'
-says 'country of two letters'
+says 'expected two letters'
 chief 2 admin cert regenerate "$url" --yes --days 7306
 chief 1 admin cert regenerate "$url"
 says 'nothing was done'
