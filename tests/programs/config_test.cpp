@@ -67,6 +67,25 @@ TEST_CASE("the demo is on this machine only")
     CHECK(parse(example_file("demo.toml")).address == "127.0.0.1");
 }
 
+TEST_CASE("levels of events are configured, for those that may have another one")
+{
+    const auto levels = parse("[machine]\nevent_levels = [\"15000000 Observation\", "
+                              "\"35d20000 minor fault\", \"35D10000 minor fault\"]")
+                            .machine.event_levels;
+    REQUIRE(levels.size() == 3);
+    CHECK(levels[0].code == 0x15000000);
+    CHECK(levels[0].level == controller::EventLevel::Observation);
+    CHECK(levels[1].code == 0x35D20000);
+    CHECK(levels[1].level == controller::EventLevel::MinorFault);
+    CHECK(levels[2].level == controller::EventLevel::MinorFault);
+    for (const char* wrong :
+         {"44180000 Observation", "15000000 Information", "15000000", "", "x"}) {
+        INFO(wrong);
+        CHECK_THROWS_AS(parse("[machine]\nevent_levels = [\"" + std::string{wrong} + "\"]"),
+                        ConfigError);
+    }
+}
+
 TEST_CASE("address and port are configured", "[unit:Protocol Configuration]")
 {
     CHECK(parse("").port == 4'840);

@@ -10,6 +10,7 @@
 
 #include <busbar/administration/authorities.hpp>
 #include <busbar/administration/file_system.hpp>
+#include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc_config.hpp>
@@ -121,6 +122,8 @@ struct MachineConfig {
     /// The memory card: where the execution log is.
     std::string medium_folder{"busbar-medium"};
     controller::ExecutionLogSettings execution_log;
+    /// Of events that have another one than the system's (seed 000, 9-2-1).
+    std::vector<controller::EventLevelChoice> event_levels;
     /// Whether clients may tell what its hardware would (see publish_hardware).
     bool simulates_hardware{false};
     /// How often values of RETAIN variables are saved, if they have changed.

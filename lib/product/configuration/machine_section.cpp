@@ -1,7 +1,14 @@
 #include "sections.hpp"
 
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include <busbar/controller/machine_event.hpp>
+
+#include "core/ascii_case.hpp"
 #include "limit_keys.hpp"
 #include "product/machine/program_file.hpp"
 
@@ -29,6 +36,44 @@ void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
     }
 }
 
+/// "15000000 observation": the code as the event log has it, and the level.
+std::optional<controller::EventLevelChoice> find_event_level(std::string_view text)
+{
+    for (const controller::MachineEventType& type : controller::machine_event_types()) {
+        for (const auto level : {std::optional{type.level}, type.other_level}) {
+            const std::string choice =
+                level ? code_text(type) + " " + std::string{name(*level)} : std::string{};
+            if (type.other_level && busbar::detail::is_same_ignoring_case(choice, text)) {
+                return controller::EventLevelChoice{type.code, *level};
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+std::vector<controller::EventLevelChoice> read_event_levels(const TomlTable& table)
+{
+    std::vector<controller::EventLevelChoice> levels;
+    if (!table.has("event_levels")) {
+        return levels;
+    }
+    for (const std::string& text : table.texts("event_levels")) {
+        const auto level = find_event_level(text);
+        if (!level) {
+            std::string choices;
+            for (const controller::MachineEventType& type : controller::machine_event_types()) {
+                if (type.other_level) {
+                    choices += (choices.empty() ? "\"" : ", \"") + code_text(type) + " " +
+                               std::string{name(*type.other_level)} + "\"";
+                }
+            }
+            table.fail("event_levels", "some of " + choices + ", or the level that each has");
+        }
+        levels.push_back(*level);
+    }
+    return levels;
+}
+
 } // namespace
 
 controller::MachineTypeOptions default_types()
@@ -44,7 +89,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
                  "execution_log_files", "execution_log_records", "retained_ms", "types",
-                 "simulated_hardware"});
+                 "simulated_hardware", "event_levels"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -60,6 +105,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     machine.mode = mode == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
     machine.simulates_hardware = table.flag("simulated_hardware", false);
     machine.execution_log.is_recorded = table.flag("execution_log", false);
+    machine.event_levels = read_event_levels(table);
     read_numbers(table, "machine", config);
     read_types(table, machine.types);
     // As the rest, it means nothing without a program.

@@ -58,7 +58,8 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
     make_root(medium_);
     busbar::detail::remove_unfinished_below(state_, "");
     // The event log comes behind the execution log, which tells it what cannot be saved.
-    event_log_ = expect(controller::MachineEventLog::create(state_, clock, lines, &events_));
+    event_log_ = expect(controller::MachineEventLog::create(
+        state_, clock, lines, &events_, {.levels = config.machine.event_levels}));
     if (config.machine.execution_log.is_recorded) {
         controller::ExecutionLogOptions options;
         options.max_files = config.machine.execution_log.files;

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <iterator>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <busbar/controller/machine_event.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 #include "core/nearest.hpp"
@@ -115,6 +117,15 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) { return in_quotes(c.labels.program_file); }},
     FileKey{"labels.sampling",
             [](const ControllerConfig& c) { return flag_text(c.labels.options.can_sample); }},
+    FileKey{"machine.event_levels",
+            [](const ControllerConfig& c) {
+                std::vector<std::string> levels;
+                for (const controller::EventLevelChoice& each : c.machine.event_levels) {
+                    levels.push_back(code_text(*controller::machine_event_type(each.code)) + " " +
+                                     std::string{name(each.level)});
+                }
+                return list_names(levels);
+            }},
     FileKey{"machine.medium",
             [](const ControllerConfig& c) { return in_quotes(c.machine.medium_folder); }},
     FileKey{"machine.program",
