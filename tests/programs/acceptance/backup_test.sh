@@ -36,6 +36,7 @@ unit second $((port + 1)) 'execution_log_files = 7'
 program first/press.st 17
 program second/press.st 99
 
+entry variables 8-2: backup, restore, verify
 begin first/pki --config first/controller.toml
 chief 0 admin setting set "$url" limits.sessions 30
 chief 0 admin mode "$url" program --yes
@@ -73,9 +74,23 @@ says 'nothing was changed'
 says '^  backup: '
 power_cycle
 value Speed 99
+# By a command file of the card that leaves the security profile out: this unit's users stay.
+printf '[Restore]\nUserProgram=yes\nOpcuaSPF=no\n' > RestoreCommand.ini
+chief 0 admin restore "$url" press.backup --command RestoreCommand.ini --yes
+power_cycle
+value Speed 18
+as pat 4 read --value "$url" i=2259
+chief 1 admin verify "$url" press.backup
+says '^Server settings *none'
+says '^Users *users.json'
+chief 0 admin verify "$url" press.backup --without-security-profile
+# With it.
+records=$(cat second/medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | wc -l)
 chief 0 admin restore "$url" press.backup --yes
 says 'restored'
 power_cycle
+[ "$(cat second/medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | wc -l)" -ge "$records" ] ||
+    fail "a restore takes the execution log"
 [ "${url##*:}" = $port ] || fail "it does not listen where the first one did: $url"
 chief 0 admin verify "$url" press.backup
 chief 0 admin setting list "$url" machine. limits.sessions
@@ -111,14 +126,46 @@ chief 0 admin setting list "$url" plc.scan_ms
 says 'plc.scan_ms *40 '
 cp before.toml second/controller.toml
 power_cycle
+chief 0 admin mode "$url" run --yes
 
-# Clear All Memory: program and settings of the unit's own file, and values as declared.
+lacks variables A-4: restore command of the card -- there is no card behind the simulated CPU, a RestoreCommand.ini or --without-security-profile chooses the same
+
+entry variables 8-3: clear
+# Only in PROGRAM; without the security profile users, certificates and the logs stay, and it is the
+# program and the settings of the unit's own file again, and values as declared.
+chief 1 admin clear "$url" --yes
+says 'the machine is in RUN, in which its memory is not cleared'
 chief 0 admin mode "$url" program --yes
+chief 0 admin cert show "$url"
+own=$(sed -n 's/^own .* \([0-9A-F]*\)$/\1/p' out)
+one_step
 chief 0 admin clear "$url" --yes
+says 'all memory was cleared; it counts after a restart of the controller, which is due'
+again() { [ "$(grep -c '^ready' log)" -ge "$1" ]; }
+await again 2 # it is reset in the same dialogue
+step_ends
 power_cycle
 [ "${url##*:}" = $((port + 1)) ] || fail "it does not listen where its file says: $url"
 value Total 5
 chief 0 admin setting list "$url" machine.execution_log_files
 says 'machine.execution_log_files *7$'
+chief 0 admin cert show "$url"
+says "$own"
+as pat 0 read --value "$url" i=2259
+chief 0 admin events "$url" --code 95D00000
+says '95D00000'
+# With it: another certificate, and nobody is trusted or known but the file's own account.
+chief 0 admin mode "$url" program --yes
+one_step
+chief 0 admin clear "$url" --security --yes
+await again 2
+run 4 --user chief --password-file password --trust admin status "$url"
+mv second/pki/rejected/certs/* second/pki/trusted/certs/
+run 0 --user chief --password-file password --trust admin cert show "$url"
+grep -q "$own" out && fail "the certificate of the server was not cleared"
+as pat 4 read --value "$url" i=2259
+chief 0 admin events "$url" --code 95D40000
+says '95D40000 OPC UA Server Certificate and Security Profile Cleared'
+step_ends
 shut_down
 finish
