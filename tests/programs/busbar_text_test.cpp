@@ -106,7 +106,8 @@ TEST_CASE("a server is told from a node (E13)")
         CHECK(is_url(url));
     }
     for (const char* node : {"i=2258", "ns=2;s=host:4840", "nsu=urn:x:4840;s=Name", "/Objects/2:4",
-                             "2:4", "[ns=2;s=Line]/2:Speed", "localhost", ""}) {
+                             "nsu=http://works.example/Line4;i=5", "/2:http://x", "2:4",
+                             "[ns=2;s=Line]/2:Speed", "localhost", ""}) {
         INFO(node);
         CHECK_FALSE(is_url(node));
     }

@@ -195,7 +195,12 @@ void ControllerSimulation::send_program()
         return follow(outcome, verb + "a wrong program", [](Expectation&) {});
     }
     const MachineText next = site_.new_program(chance_.one_in(5));
-    follow(chief_->program(verb + name, next.text), verb + name, [&](Expectation& all) {
+    Outcome outcome = chief_->program(verb + name, next.text);
+    if (is_failing_ && outcome == Outcome::Done && verb == "download ") {
+        // It takes place after the answer, and may be refused then, as the status says.
+        outcome = Outcome::Unknown;
+    }
+    follow(outcome, verb + name, [&](Expectation& all) {
         all.is_received = true;
         all.take_program(next);
     });

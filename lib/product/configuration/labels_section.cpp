@@ -39,9 +39,9 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
         table.refuse("program", "found a program of labels besides that of [machine], expected one "
                                 "of them");
     }
-    ProgramFile file = read_program_file(table, "program");
+    auto file = read_labels_program(table, "program");
     labels.program_text = std::move(file.text);
-    labels.program = {file.program, &file.program->program()};
+    labels.program = std::move(file.program);
 }
 
 } // namespace busbar::product

@@ -113,7 +113,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     if (machine.program_file.empty()) {
         return;
     }
-    ProgramFile file = read_machine_program(table, "program");
+    auto file = read_machine_program(table, "program");
     machine.program_text = std::move(file.text);
     machine.program = std::move(file.program);
     machine.program_name = std::move(file.name);

@@ -27,40 +27,56 @@ ReadProgram program_of(SourceFiles& sources, const std::string& place, std::stri
     return program;
 }
 
-} // namespace
-
-Configured<ReadProgram> read_program(std::string_view text, const std::string& name)
+Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name)
 {
-    auto program = name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
-                                              : controller::read_declarations(text, name);
-    return std::move(program).and_then([&](controller::Program read) {
-        return controller::CheckedProgram::create(std::move(read))
-            .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
-    });
+    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
+                                      : controller::read_declarations(text, name);
 }
 
-ProgramFile read_program_file(const TomlTable& table, const std::string& key)
+std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
 {
-    SourceFiles& sources = table.sources();
-    const std::string path = table.text(key);
     const std::size_t most = controller::DeclarationLimits{}.max_text_size;
-    auto text = sources.text(path, most);
+    auto text = table.sources().text(table.text(key), most);
     if (!text && text.error().status == status::Bad_EncodingLimitsExceeded) {
         table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
     }
     if (!text) {
         table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
     }
-    auto program = program_of(sources, path, **text, path);
-    return {*std::move(text), std::move(program), path};
+    return *std::move(text);
 }
 
-ProgramFile read_machine_program(const TomlTable& table, const std::string& key)
+} // namespace
+
+Configured<ReadProgram> read_program(std::string_view text, const std::string& name)
+{
+    return read_unchecked(text, name).and_then([&](controller::Program read) {
+        return controller::CheckedProgram::create(std::move(read))
+            .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
+    });
+}
+
+ProgramFile<controller::Program> read_labels_program(const TomlTable& table, const std::string& key)
+{
+    auto text = text_of_file(table, key);
+    const std::string path = table.text(key);
+    SourceFiles::Labels& labels = table.sources().labels(path);
+    if (labels == nullptr) {
+        labels = std::make_shared<const controller::Program>(expect(read_unchecked(*text, path)));
+    }
+    return {std::move(text), labels, path};
+}
+
+ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& table,
+                                                             const std::string& key)
 {
     SourceFiles& sources = table.sources();
     const auto document = expect(sources.received());
     if (!document) {
-        return read_program_file(table, key);
+        auto text = text_of_file(table, key);
+        const std::string path = table.text(key);
+        auto program = program_of(sources, path, *text, path);
+        return {std::move(text), std::move(program), path};
     }
     auto received = expect(read_received(**document, sources.received_place()));
     auto program = program_of(sources, sources.received_place(), received.text, received.name);

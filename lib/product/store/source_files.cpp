@@ -44,6 +44,7 @@ Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::si
         return texts_.emplace(path, before->second).first->second;
     }
     programs_.erase(path);
+    labels_.erase(path);
     return texts_.emplace(path, std::make_shared<const std::string>(std::move(text))).first->second;
 }
 
@@ -94,6 +95,7 @@ SourceFiles SourceFiles::again() const
     all.received_place_ = received_place_;
     all.texts_before_ = texts_;
     all.programs_ = programs_;
+    all.labels_ = labels_;
     all.tried_ = tried_;
     return all;
 }

@@ -22,6 +22,7 @@ class SourceFiles {
 public:
     using Text = std::shared_ptr<const std::string>;
     using Program = std::shared_ptr<const controller::CheckedProgram>;
+    using Labels = std::shared_ptr<const controller::Program>;
     /// By their paths, as the configuration has them.
     using Texts = std::map<std::string, Text, std::less<>>;
 
@@ -58,6 +59,8 @@ public:
     /// The program that a file's text was read as, so that it need not be read again; null if it
     /// was not yet. For read_program_file.
     [[nodiscard]] Program& program(const std::string& path) { return programs_[path]; }
+    /// The same of a file of labels, whose types are not only those that a program declares.
+    [[nodiscard]] Labels& labels(const std::string& path) { return labels_[path]; }
     /// The PLC that was found possible last; null if there was none.
     [[nodiscard]] std::shared_ptr<const PlcTrial>& tried() { return tried_; }
 
@@ -72,6 +75,7 @@ private:
     std::string received_place_;
     /// Of texts, and of those before.
     Programs programs_;
+    std::map<std::string, Labels, std::less<>> labels_;
     std::shared_ptr<const PlcTrial> tried_;
 };
 

@@ -69,7 +69,11 @@ std::string found_in(std::string_view url)
 
 bool is_url(std::string_view text)
 {
-    return text.find("://") != std::string_view::npos || is_host_with_port(text);
+    // A NodeId may have the URI of a namespace in it: what stands before is no scheme then.
+    const std::size_t end = text.find("://");
+    const bool has_scheme = end != std::string_view::npos &&
+                            text.substr(0, end).find_first_of("=;/") == std::string_view::npos;
+    return has_scheme || is_host_with_port(text);
 }
 
 std::string complete_url(const std::string& text)
