@@ -11,6 +11,7 @@ records() {
         grep -c -e "$1"
 }
 has_records() { [ "$(records "$1")" -eq "$2" ]; }
+has_record() { [ "$(records "$1")" -gt 0 ]; }
 thumbprint_of() {
     openssl x509 -in "$1" -noout -fingerprint -sha1 | sed 's/.*=//; s/://g'
 }

@@ -52,6 +52,7 @@ cp good.toml controller.toml
 press 17 > press.st
 cp press.st good.st
 
+entry variables 3-2-7: status
 begin pki --config controller.toml
 is_fine
 power_cycle
