@@ -106,6 +106,26 @@ call_mix 0
 call_mix 1
 says Bad_TooManyOperations
 
+entry model 8.3: groups that fail together
+put "$(cell 104)" 300 # which the SByte of the same label cannot be
+run 1 --trust read "$url" "$(cell 102)" "$(cell 106)"
+says 'i=106 *Bad_NoCommunication'
+get "$(cell 106)" '^[-0-9]'
+get "$(cell 133)" '^2.5$\|null'
+put "$(cell 104)" 5
+
+entry model 10.3: remedies
+get_refused Bad_NotReadable "$(cell 171)"
+put_refused Bad_NotWritable "$(cell 170)" 1
+run 0 project csv cell.busbar # what has no label, and why its value never changes
+says_not 'i=133'
+run 0 project show cell.busbar "ns=1;i=133"
+says '^ *Double  *LREAL'
+run 0 project show cell.busbar "ns=1;i=164"
+says '^cannot be mapped: '
+run 0 --trust read --value "$url" "$(module ActualSamplingIntervalMinimum)"
+run 0 --trust read --value "$url" "$(module TargetDevice1Status)"
+
 entry model 8.3: restrictions
 # What cannot be a label, once the PLC is asked: no mapped node can be used, others can.
 cp cell.busbar wrong.busbar

@@ -140,7 +140,28 @@ power_cycle
 await in_use
 as hmi 0 read "$url" "$(cell 104)"
 with_certificate 0
-chief 0 project stop "$url" --yes --seconds 0
+
+entry model 8.1: ServiceResult
+# Who is connected while it stops: Writes are refused as a whole, Reads go on.
+requests=$(dirname "$busbar")/acceptance-requests
+held() {
+    REQUESTS_USER=hmi REQUESTS_PASSWORD=$(cat password) timeout 60 "$requests" "$url" "$@" > held 2>&1
+}
+mkdir -p requests_pki/trusted/certs
+cp pki/own/certs/*.der requests_pki/trusted/certs/
+held read 1 i=2258
+mv pki/rejected/certs/* pki/trusted/certs/
+trusted_now() { held read 1 i=2258; }
+await trusted_now
+run 0 --json --user hmi --password-file password --trust read "$url" i=2255
+index=$(($(sed 's/.*"value":\[//' out | tr ',' '\n' | grep -n cell.example | cut -d: -f1) - 1))
+held held 8 "ns=$index;i=104" &
+holder=$!
+sleep 3
+chief 0 project stop "$url" --yes --seconds 30
+wait $holder
+grep -q '^Bad_Shutdown:$' held || fail "a Write while it stops: $(cat held)"
+grep -q '^Good: 1 Good$' held || fail "a Read while it stops: $(cat held)"
 await ended
 due=""
 finish

@@ -3,9 +3,10 @@
 //
 //     read N NODE                    write N NODE                    browse N
 //     translate N                    call N OBJECT METHOD            sessions N
-//     subscriptions N INTERVAL       items N NODE SAMPLING QUEUE
+//     subscriptions N INTERVAL       items N NODE SAMPLING QUEUE     held SECONDS NODE
 //
-// "Good: 3 Good, 1 Bad_NodeIdUnknown", and what was revised.
+// "Good: 3 Good, 1 Bad_NodeIdUnknown", and what was revised. "held" writes and reads the node after
+// that time. Without security, unless REQUESTS_USER says who logs in, with REQUESTS_PASSWORD.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -233,7 +234,13 @@ private:
     [[nodiscard]] client::ClientConfig config(int timeout) const
     {
         client::ClientConfig config = application_.client_config(word(0));
-        config.security = {{"None"}, MessageSecurityMode::None, true};
+        const char* const user = std::getenv("REQUESTS_USER");
+        const char* const password = std::getenv("REQUESTS_PASSWORD");
+        if (user != nullptr && password != nullptr) {
+            config.identity = client::NamedUser{user, password};
+        } else {
+            config.security = {{"None"}, MessageSecurityMode::None, true};
+        }
         config.session_timeout = std::chrono::seconds{timeout};
         config.request_timeout = std::chrono::seconds{60};
         return config;
@@ -259,6 +266,11 @@ private:
         }
         if (kind == "subscriptions") {
             return subscriptions(client, count, number(3));
+        }
+        if (kind == "held") {
+            client.run_for(std::chrono::seconds{count});
+            write(client, 1, node_of(word(3)));
+            return read(client, 1, node_of(word(3)));
         }
         return items(client, count, node_of(word(3)), number(4),
                      static_cast<std::uint32_t>(number(5)));
