@@ -41,7 +41,9 @@ entry model 2.1: notifications
 run 0 --trust subscribe "$url" "$speed" "$(cell 140)" "$(cell 105)" --count 3 --duration 20
 
 entry model 2.1: sessions
-ask 'Good: 1 Bad_TooManySessions, 15 Good; timeout 60000$' sessions 16 60
+# The client of the 16th tries until its time is over.
+ask 'Good: 1 Bad_Timeout, 15 Good; timeout 60000$' sessions 16 60
+logged '15 sessions, all activated, which is the limit: Bad_TooManySessions' || fail "no such line"
 ask 'Good: 1 Good; timeout 10000$' sessions 1 1
 ask 'Good: 1 Good; timeout 180000$' sessions 1 10000
 
@@ -79,7 +81,8 @@ put "$(cell 112)" "$text"
 put_refused 'Bad_EncodingLimitsExceeded' "$(cell 112)" "${text}0"
 put "$(cell 115)" "0x$(printf '%020480d' 0)"
 put_refused 'Bad_EncodingLimitsExceeded' "$(cell 115)" "0x$(printf '%020482d' 0)"
-get i=11702 '^25000$'
+# One more, so that a request of 25,001 operations gets the status of that.
+get i=11702 '^25001$'
 get i=11703 '^1024$'
 
 entry model 8.1: services
