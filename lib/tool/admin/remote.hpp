@@ -29,8 +29,7 @@ namespace busbar::tool::admin {
 /// The outputs of a Method; throws Failure, which says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
                           const std::vector<Variant>& inputs, const std::string& what);
-/// What `function` returns. A Failure of it by `status` gets another hint, whether it has a reason or
-/// not.
+/// What `function` returns. A Failure of it by `status` gets another hint, beside a reason too.
 template <typename Function>
 auto with_hint(Function&& function, StatusCode status, const std::string& hint)
 {

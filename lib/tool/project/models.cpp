@@ -42,17 +42,13 @@ Exit import_model(Context& context, const ProjectArguments& arguments)
 std::string default_file(const std::string& uri, bool replaces)
 {
     std::vector<std::string> taken;
+    std::string name = controller::default_file_name(uri);
     std::error_code ignored;
-    const std::string first = controller::default_file_name(uri) + ".xml";
-    if (replaces || !std::filesystem::exists(first, ignored)) {
-        return first;
+    while (!replaces && std::filesystem::exists(name + ".xml", ignored)) {
+        taken.push_back(std::move(name));
+        name = controller::default_file_name(uri, taken);
     }
-    for (const auto& each : std::filesystem::directory_iterator{".", ignored}) {
-        if (each.path().extension() == ".xml") {
-            taken.push_back(each.path().stem().string());
-        }
-    }
-    return controller::default_file_name(uri, taken) + ".xml";
+    return name + ".xml";
 }
 
 Exit export_model(Context& context, const ProjectArguments& arguments)
