@@ -126,7 +126,10 @@ with_certificate() {
     run "$1" --user-certificate "$certificate" --user-key "$key" --trust read "$url" "$(cell 104)"
 }
 with_certificate 4
-chief 0 admin trust add --users "$url" "$certificate"
+# It was rejected, so that it is moved and not added.
+chief 1 admin trust add --users "$url" "$certificate"
+run 0 cert show "$certificate"
+chief 0 admin trust move --users "$url" "$(sed -n 's/^Thumbprint: *//p' out)"
 with_certificate 0
 chief 0 admin trust list --users "$url"
 says 'trusted'
