@@ -41,6 +41,8 @@ END_VAR
 END
 configure "$once"
 begin pki --config controller.toml
+entry variables A-2: OPCUA_Shutdown
+lacks variables A-2: OPCUA_Shutdown -- the codes 16#041D and 16#5001 are in unit tests only, as no client can read what the program gets while the server is shut down
 status_is Running
 
 one_step

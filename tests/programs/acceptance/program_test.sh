@@ -70,6 +70,7 @@ says 'variable Width .*not there .*INT := 8'
 as designer 0 admin program compare "$url" press.st
 says 'no differences'
 
+entry variables 3-3-2: add and delete, by download and online
 # An online edit in RUN: what is deleted goes, and nobody has to connect again.
 one_step
 timeout 60 "$busbar" --user chief --password-file password --trust --json subscribe "$url" \

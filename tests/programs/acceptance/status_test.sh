@@ -80,6 +80,8 @@ says 'op'
 as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
 says 'Status'
 
+entry variables 9-1-1: error status
+lacks variables 9-1-1: error status -- programs have no instruction GetPLCError, the Object PLCError has the same for clients
 # Faults of the controller: told, shown as 4-1-3 has it, and over after a reset.
 one_step
 simulate "minor fault"
@@ -128,6 +130,7 @@ restart
 step_ends
 is_fine
 
+entry_ends
 # What is asked for and not in force.
 printf 'VAR_GLOBAL\n    Speed : IN' > press.st
 hang_up 'press.st:2:.*; nothing was changed'
@@ -169,6 +172,7 @@ is_fine
 power_cycle
 is_fine
 
+entry variables 9-1-1: error status
 # Past events, also of before the power cuts.
 chief 0 admin events "$url" --level "minor fault" --last 100
 says '35D00000 OPC UA Server Setting Error$'

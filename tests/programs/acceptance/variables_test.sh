@@ -238,5 +238,17 @@ recorded 'zNew SubscriptOfArray'
 [ "$(log_text | grep -c ' SERVER 0111 ')" -eq $((before + 1)) ] ||
     fail "more than what was added is recorded"
 step_ends
+
+entry variables A-1: start-up times
+# As many as there can be, of the type that the manual measures with; busbar-bench startup has times.
+{
+    printf "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n"
+    seq 10000 | sed 's/.*/    v& : INT := &;/'
+    echo END_VAR
+} > press.st
+power_cycle
+value Controller/DeviceState/NumberOfPublishedVariables 10000
+value v10000 10000
+value Controller/DeviceState/UnpublishedVariablesStatus 0
 shut_down
 finish
