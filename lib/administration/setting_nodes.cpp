@@ -308,9 +308,9 @@ void SettingNodes::write_set(server::WriteBatch& batch)
     if (!done) {
         needs_.log.write(LogLevel::Warning, "administration",
                          "settings are as they were: " + text(done.error()));
-        batch.explain(text(done.error()));
     }
-    batch.finish(done ? StatusCode{status::Good} : done.error().status);
+    batch.finish(done ? StatusCode{status::Good} : done.error().status,
+                 done ? std::string{} : text(done.error()));
 }
 
 /// As a Write of its Variable would be decided.

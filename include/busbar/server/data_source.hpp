@@ -122,11 +122,10 @@ public:
     [[nodiscard]] std::span<const WriteItem> items() const { return items_; }
     /// One status for each item, in the same order.
     [[nodiscard]] std::span<StatusCode> results() { return {results_, items_.size()}; }
-    /// Why items of the batch are refused, as CallResult::reason; before the batch is completed.
-    void explain(std::string reason);
+
     void complete();
-    /// Completes with `status` for each item; Good is allowed.
-    void finish(StatusCode status);
+    /// Completes with `status` for each item; Good is allowed. `reason` is CallResult::reason.
+    void finish(StatusCode status, std::string reason = {});
 
 private:
     detail::WritePart* part_;

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 
 #include <busbar/core/api.hpp>
@@ -58,8 +57,7 @@ struct CallResult {
     StatusCode status{status::Bad_InternalError};
     /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; otherwise not sent.
     Array<StatusCode> input_results;
-    /// With a bad status, why: for administrators who ask for additionalInfo over an encrypted
-    /// channel (Part 4, 7.12), at most its first 1,024 bytes. Must not hold a secret.
+    /// Why it is bad, without secrets: additionalInfo for administrators, encrypted (Part 4, 7.12).
     std::string reason{};
     /// Unless `status` is bad: the values of the Method's OutputArguments, in their order. Anything
     /// else answers Bad_InternalError and is logged. They must own their memory.

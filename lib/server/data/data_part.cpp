@@ -118,13 +118,6 @@ WriteBatch& WriteBatch::operator=(WriteBatch&& other) noexcept
     return *this;
 }
 
-void WriteBatch::explain(std::string reason)
-{
-    if (part_ != nullptr) {
-        part_->reason = std::move(reason);
-    }
-}
-
 void WriteBatch::complete()
 {
     items_ = {};
@@ -133,9 +126,10 @@ void WriteBatch::complete()
     }
 }
 
-void WriteBatch::finish(StatusCode status)
+void WriteBatch::finish(StatusCode status, std::string reason)
 {
     if (status.is_bad() && part_ != nullptr) {
+        part_->reason = std::move(reason);
         items_ = {};
         return std::exchange(part_, nullptr)->complete(status);
     }
