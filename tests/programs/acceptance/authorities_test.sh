@@ -1,6 +1,6 @@
 #!/bin/sh
-# Who may do what (seed 000, 8-1): each of the 25 rows of the manual's table, tried by a user of each
-# of its five levels. Who may not is refused with a reason, and has changed nothing.
+# Who may do what (seed 000, 8-1): each of the 25 rows of the manual's table, tried by a user of
+# each of its five levels. Who may not is refused with a reason, and has changed nothing.
 # usage: authorities_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -56,7 +56,6 @@ client new
 client stranger
 cp stranger.der pki/rejected/certs/
 openssl x509 -in old.pem -outform DER -out pki/rejected/certs/old.der
-print_of() { openssl crl -in "$1" -outform DER | openssl dgst -sha1 | sed 's/.*= //'; }
 
 entry variables 8-1: authorities
 # Server certificate.

@@ -26,7 +26,7 @@ revoking works stolen
 take() {
     for taken; do
         case $taken in
-            *.crl) print=$(openssl crl -in "$taken" -outform DER | openssl dgst -sha1 | sed 's/.*= //') ;;
+            *.crl) print=$(print_of "$taken") ;;
             *) print=$(thumbprint_of "$taken") ;;
         esac
         chief 0 admin trust remove "$url" "$print" --yes

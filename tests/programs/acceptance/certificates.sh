@@ -15,6 +15,8 @@ has_record() { [ "$(records "$1")" -gt 0 ]; }
 thumbprint_of() {
     openssl x509 -in "$1" -noout -fingerprint -sha1 | sed 's/.*=//; s/://g'
 }
+# print_of FILE: the thumbprint of a revocation list.
+print_of() { openssl crl -in "$1" -outform DER | openssl dgst -sha1 | sed 's/.*= //'; }
 
 # authority NAME [CA]: NAME.pem and NAME.key, of a CA that is its own issuer or has this one.
 authority() {
@@ -39,12 +41,6 @@ END
     cp "$1.key" "$1.pki/own/private/own.pem"
     chmod 600 "$1.pki/own/private/own.pem"
 }
-# Where a CA has sent its certificate along.
-with_chain() {
-    for chained in "$1" "$2"; do
-        openssl x509 -in "$chained.pem" -outform DER
-    done > "$1.pki/own/certs/own.der"
-}
 request() {
     openssl req -newkey rsa:2048 -nodes -keyout "$1.key" -out request -subj "$2" 2> /dev/null
 }
@@ -67,8 +63,8 @@ revoking() {
     printf '[ca]\ndefault_ca = d\n[d]\ndatabase = %s.index\ndefault_md = sha256\n' "$ca" > ca.cnf
     touch "$ca.index"
     for revoked; do
-        openssl ca -config ca.cnf -keyfile "$ca.key" -cert "$ca.pem" -revoke "$revoked.pem" 2> /dev/null ||
-            fail "$revoked was not revoked"
+        openssl ca -config ca.cnf -keyfile "$ca.key" -cert "$ca.pem" -revoke "$revoked.pem" \
+            2> /dev/null || fail "$revoked was not revoked"
     done
     openssl ca -config ca.cnf -gencrl -crldays 20 -keyfile "$ca.key" -cert "$ca.pem" \
         -out "$ca.crl" 2> /dev/null || fail "there is no list of $ca"
@@ -79,7 +75,8 @@ application() {
     application=$(sed -n 's/^Application: *//p' out)
 }
 
-# is_let_in NAME, is_refused NAME AUTH: with the certificate of NAME; the execution log says why not.
+# is_let_in NAME, is_refused NAME ERROR: with the certificate of NAME; the execution log says why
+# not.
 is_let_in() {
     cycle_when_due
     run 0 --pki "$1.pki" --user chief --password-file password --trust read "$url" i=2259

@@ -7,14 +7,11 @@ controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
 . "$here/certificates.sh"
 
-# configure LINES: more of [machine].
-configure() {
+echo "Ab345678" > good
+{
     server "$port" pki | sed 's/^\[limits\]/[limits]\npreset = "nj501"/'
     machine 'mode = "PROGRAM"'
-    printf '%s\n' "$@"
-}
-echo "Ab345678" > good
-configure > controller.toml
+} > controller.toml
 cat > press.st << 'END'
 TYPE Pair : STRUCT a : INT; b : INT; c : INT; END_STRUCT; END_TYPE
 VAR_GLOBAL
@@ -59,6 +56,7 @@ await has_record 'AUTH 0001 Application CLOSE 0x[0-9A-F]\{8\}$'
 
 entry variables 7-1-6: records and messages
 entry variables 7-1-1: kinds of entries
+# Those that are not here are in trust_test.sh, settings_test.sh and limits_test.sh.
 # One line of at most 256 bytes: number, day, time, milliseconds, category, code, name, details.
 tab=$(printf '\t')
 awk -v FS='\t' 'length($0) > 256 || !/\r$/ || $1 !~ /^[0-9]+$/ || $2 !~ /^20..-..-..$/ ||
@@ -100,7 +98,8 @@ says_not 'AUTH'
 chief 0 admin log "$url" --code 0110
 says 'NumOfVariables'
 chief 0 admin log "$url" --save saved
-cmp -s saved/OPCUA_ExecutionLog.log "$log" || [ -s saved/OPCUA_ExecutionLog.log ] || fail "not saved"
+head -n 20 "$log" > wanted
+head -n 20 saved/OPCUA_ExecutionLog.log | cmp -s - wanted || fail "what was saved is another one"
 chief 1 admin log "$url" --save saved # nobody says yes
 last_number() { tail -n 1 "$log" | cut -f 1; }
 number=$(last_number)
@@ -112,16 +111,14 @@ says 'cleared the execution log: '
 chief 0 admin log "$url"
 says_not ' Run$'
 step_ends
-lacks variables 7-2: columns, fetch, clear, card -- files are fetched encrypted over OPC UA, not by FTP
+lacks variables 7-2: columns, fetch, clear, card -- \
+    files are fetched encrypted over OPC UA, not by FTP
 shut_down
 
 entry variables 7-1-3: settings
 entry variables 7-1-5: files
-configure 'execution_log_files = 3
-execution_log_records = 100' > controller.toml
-# In [machine], which the file has further up.
-sed -i '/^execution_log_files/d; /^execution_log_records/d' controller.toml
-sed -i 's/^execution_log = true/&\nexecution_log_files = 3\nexecution_log_records = 100/' controller.toml
+sed -i 's/^execution_log = true/&\nexecution_log_files = 3\nexecution_log_records = 100/' \
+    controller.toml
 serve --config controller.toml
 [ "$(head -n 1 "$log" | cut -f 1)" -gt 0 ] || fail "the numbers begin anew"
 full() { [ "$(ls "$logs"/ExecutionLog/OPCUA_ExecutionLog_20*.log 2> /dev/null | wc -l)" -ge 2 ]; }
@@ -159,7 +156,8 @@ kill "$pid"
 await ended
 grep -q 15000000 state/events/events.log || fail "lost records are no event"
 mv pulled medium
-lacks variables 7-4: card -- a medium has no switch, and its wear is not measured
+lacks variables 7-4: card -- a medium has no switch, its wear is not measured, and a start makes \
+    its folder if there is none, so that a card that is missing then is not told
 
 entry variables 7-3: shutdown
 serve --config controller.toml

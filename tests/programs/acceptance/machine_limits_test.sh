@@ -71,7 +71,9 @@ chief 0 read "$url/" i=2259
 entry variables 1-2-2: PLCopen model
 chief 0 browse "$url" "$(node Controller/)" --depth 3
 says 'GlobalVars'
-lacks variables 1-2-2: PLCopen model -- with the limits of the product there is its controller folder as in 6-2-1, and the types of PLCopen without them
+lacks variables 1-2-2: PLCopen model -- \
+    with the limits of the product there is its controller folder as in 6-2-1, and the types of \
+    PLCopen without them
 entry variables 1-2-2: profile
 "$controller" --print-conformance controller.toml > out 2>&1
 last="--print-conformance"
@@ -82,7 +84,8 @@ run 0 endpoints "$url"
 says '^SignAndEncrypt  *Basic256Sha256'
 says '^Sign  *Basic256Sha256'
 says '^None  *None'
-lacks variables 1-2-2: seven security settings -- Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
+lacks variables 1-2-2: seven security settings -- \
+    Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
 entry variables 1-2-2: user name and anonymous
 chief 1 admin setting set "$url" users.anonymous maybe
 chief 0 admin setting set "$url" users.anonymous read

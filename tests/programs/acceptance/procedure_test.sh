@@ -1,6 +1,7 @@
 #!/bin/sh
-# From a controller whose server is not used to values that a client reads and writes, and what to look
-# at then: the steps of the manual's procedure (seed 000, 1-3-1), over the network as far as there is one.
+# From a controller whose server is not used to values that a client reads and writes, and what to
+# look at then: the steps of the manual's procedure (seed 000, 1-3-1), over the network once there
+# is one.
 # usage: procedure_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -37,7 +38,8 @@ serve --config controller.toml
 [ -s code ] || code > code
 [ -s code ] || fail "there is no code for the first administrator"
 # 1-6 and 1-7: it has started; its first administrator, its certificate, clients, users.
-run 0 --user setup --password-file code --trust admin setup "$url" chief --new-password-file password
+run 0 --user setup --password-file code --trust admin setup "$url" chief \
+    --new-password-file password
 await logged 'the setup is over'
 chief 0 admin status "$url"
 says '^Server operating status: *Running$'

@@ -65,17 +65,25 @@ entry variables 5-1-2: user authentication
 run 4 --user user2 --password-file better --trust read "$url" i=2259
 await has_record 'AUTH 0002 User ERROR user2 BadUserAccessDenied$'
 chief 0 admin role grant "$url" user2 Operator
-as_user2() { cycle_when_due; run "$1" --user user2 --password-file good --trust "$2" "$url" "$(node Speed)" $3; }
+as_user2() {
+    cycle_when_due
+    # shellcheck disable=SC2086 # nothing, or a word
+    run "$1" --user user2 --password-file good --trust "$2" "$url" "$(node Speed)" $3
+}
 as_user2 0 write 8
 await has_record 'AUTH 0002 User Success 0x[0-9A-F]* user2$'
 run 0 --user user2 --password-file good --trust read --value "$url" "$(node Speed)"
 says '^8$'
-lacks variables 5-1-2: user authentication -- a user who is added may write once he has the role Operator, so that reading and writing can be given apart
+lacks variables 5-1-2: user authentication -- \
+    a user who is added may write once he has the role Operator, so that reading and writing can \
+    be given apart
 
 entry variables 3-2-6: policies
 entry variables 5-2: signature and encryption
-lacks variables 3-2-6: policies -- Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
-lacks variables 5-2: signature and encryption -- Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
+lacks variables 3-2-6: policies -- \
+    Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
+lacks variables 5-2: signature and encryption -- \
+    Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
 both="\"{ mode = 'SignAndEncrypt', policy = 'Basic256Sha256' }\",
     \"{ mode = 'Sign', policy = 'Basic256Sha256' }\", \"{ mode = 'None', policy = 'None' }\""
 one_step
