@@ -77,7 +77,7 @@ lacks variables 1-2-2: PLCopen model -- \
 entry variables 1-2-2: profile
 "$controller" --print-conformance controller.toml > out 2>&1
 last="--print-conformance"
-says 'Micro'
+says '^Micro2017Server: claimed$'
 
 entry variables 1-2-2: seven security settings
 run 0 endpoints "$url"

@@ -88,6 +88,8 @@ chief 0 admin mode "$url" run --yes
 refuses server.port $((port + 2)) 'RUN'
 entry variables 3-2-2: use
 refuses machine.use false 'RUN'
+lacks variables 3-2-2: use -- it is used by default, and one that is not used has no port by \
+    which it could be used again, but its file
 chief 0 admin mode "$url" program --yes
 one_step # without a port nobody could be asked
 chief 0 admin setting set "$url" machine.use false

@@ -61,6 +61,8 @@ chief 0 admin setting set "$url" users.anonymous no
 cycle_when_due
 run 4 --trust read "$url" i=2259
 
+lacks variables 3-2-6: anonymous -- prohibited by default, or anybody could write every variable
+
 entry variables 5-1-2: user authentication
 run 4 --user user2 --password-file better --trust read "$url" i=2259
 await has_record 'AUTH 0002 User ERROR user2 BadUserAccessDenied$'
