@@ -10,6 +10,8 @@ log_text() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | 
 # count NAME: how many records of SERVER have it.
 count() { log_text | grep -c " SERVER [0-9]* $1 "; }
 counted() { [ "$(count "$1")" -ge "$2" ]; }
+# settled: records are written by and by; all are there once the last one says that the server runs.
+settled() { log_text | sort -n | grep ' SERVER ' | tail -n 1 | grep -q ' SERVER [0-9]* Run '; }
 status_is() {
     chief 0 admin status "$url"
     says "^Server operating status: *$1\$"
@@ -142,16 +144,19 @@ value Controller/DeviceState/Mode '"PROGRAM"'
 chief 0 admin backup "$url" whole.backup
 value Speed 17
 one_step
+await settled
 runs=$(count Run) prepares=$(count Prepare)
 program 18 'Kind : REAL;'
 hang_up 'downloaded: press.st'
 await counted Run $((runs + 1))
+await settled
 [ "$(count Prepare)" -eq $((prepares + 1)) ] || fail "it was not stopped for the download"
 step_ends
 value Speed 18
 chief 0 admin mode "$url" run --yes
 value Controller/DeviceState/Mode '"RUN"'
 one_step
+await settled
 runs=$(count Run)
 program 18 'Kind : REAL; Added : INT := 3;'
 hang_up 'edited online: press.st'
@@ -187,11 +192,13 @@ entry variables 4-2-5: triggers
 once() {
     await counted Run $((runs + 1))
     await is_running
+    await settled
     [ "$(count Prepare)" -eq $((prepares + 1)) ] ||
         fail "$1: $(($(count Prepare) - prepares)) times instead of once"
     runs=$(count Run) prepares=$(count Prepare)
 }
 one_step
+await settled
 runs=$(count Run) prepares=$(count Prepare)
 program 19 'Kind : DINT;'
 hang_up 'downloaded: press.st'
