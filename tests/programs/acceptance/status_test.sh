@@ -81,6 +81,7 @@ as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
 says 'Status'
 
 entry variables 9-1-1: error status
+lacks variables 9-2: events -- the scripts see 15 of 19: those of the three limits and 54015001 are in unit tests only
 lacks variables 9-1-1: error status -- programs have no instruction GetPLCError, the Object PLCError has the same for clients
 # Faults of the controller: told, shown as 4-1-3 has it, and over after a reset.
 one_step
