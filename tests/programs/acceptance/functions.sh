@@ -123,6 +123,15 @@ cycle_when_due() {
     last=$kept_last
 }
 
+# takes_long leaves a script out of quick runs; BUSBAR_TEST_EFFORT=full, as in `tests/run all`, and
+# ./table run it.
+takes_long() {
+    if [ "${BUSBAR_TEST_EFFORT:-}" != full ] && [ -z "${BUSBAR_SEEN:-}" ]; then
+        echo "left out of quick runs"
+        exit 77
+    fi
+}
+
 # entry MODE SECTION: NAME shows this entry of entries.txt with what follows, up to the next one or
 # the end (finish); lacks MODE SECTION: NAME -- WHY says that it does less than the manual, and why.
 # Both are noted for ./table, which sets BUSBAR_SEEN. An entry can be shown in several parts.

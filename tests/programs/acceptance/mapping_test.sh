@@ -5,6 +5,7 @@
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
+takes_long
 . "$here/cell.sh"
 
 cell_program > line.st

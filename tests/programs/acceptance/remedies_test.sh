@@ -5,6 +5,7 @@
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
+takes_long
 
 # event CODE: it is in the event log, with what is to be done.
 event() {

@@ -5,6 +5,7 @@
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
+takes_long
 . "$here/cell.sh"
 
 # again MODE [LABELS] [LIMITS]: with this sampling mode and more lines of the configuration.

@@ -5,6 +5,7 @@
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
+takes_long
 
 press 17 > press.st
 # fresh FOLDER: a controller that nobody has touched, with its code in the file "code".

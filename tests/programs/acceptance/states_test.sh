@@ -5,6 +5,7 @@
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
+takes_long
 
 log_text() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | tr '\t\r' '  '; }
 # count NAME: how many records of SERVER have it.
