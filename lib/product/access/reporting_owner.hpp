@@ -10,8 +10,8 @@
 
 namespace busbar::product {
 
-/// A TransferOwner that keeps for each session what its last CloseAndCommit came to, a JSON
-/// document that the session fetches with the option "report", and says why something was refused:
+/// A TransferOwner that keeps what the last CloseAndCommit came to: a JSON document that the
+/// session of that call fetches with the option "report". What was refused has the reason,
 /// {"problem": "press.st:4:5: ..."}. On the server's thread.
 class ReportingOwner : public administration::TransferOwner {
 public:
@@ -26,7 +26,7 @@ protected:
 
     /// The bytes of the text, which is refused if it has more than `max_size`.
     [[nodiscard]] Result<std::vector<std::byte>> give(std::string_view text, std::size_t max_size);
-    /// The session's report; Bad_NotFound if it has none.
+    /// The report, if it is this session's; Bad_NotFound otherwise.
     [[nodiscard]] Result<std::vector<std::byte>>
     give_report(const administration::TransferRequest& request, std::size_t max_size);
     /// Keeps the report of a file that was taken, or the problem. What was refused of a change is

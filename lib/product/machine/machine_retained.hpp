@@ -30,7 +30,7 @@ public:
     /// `program`, whose task does not run, gets what is kept and is the one whose values are kept
     /// from now on. It is used until another one comes, but not itself.
     void keep(const MachineProgram& program);
-    /// The program was edited online: keeps also what was added.
+    /// The program was edited online: keeps also what was added, drops what was deleted, and saves.
     void keep(const controller::ProgramAddition& added);
     /// Saves and keeps nothing until the next keep() of a program.
     void stop();
