@@ -78,6 +78,10 @@ public:
     /// The same before the power goes: what still waits afterwards is told as lost.
     [[nodiscard]] Stored<void> flush();
 
+    /// Somebody is going to remove files of the log: saves what waits, so that it goes with them,
+    /// and notes the next serial number, so that numbers go on without the files.
+    [[nodiscard]] Stored<void> prepare_removal();
+
     /// Somebody is going to take the medium out (seed 000, 7-4-3): saves what waits and uses it no
     /// more until it is said to be in again.
     [[nodiscard]] Stored<void> release_medium();

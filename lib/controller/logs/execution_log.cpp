@@ -185,15 +185,19 @@ void ExecutionLog::drop_front(std::size_t count)
 
 Stored<void> ExecutionLog::flush()
 {
-    auto saved = write_pending();
+    auto saved = prepare_removal();
     const std::lock_guard lock{files_mutex_};
-    if (saved) {
-        return files_->write_control();
-    }
-    if (const auto fault = known_fault(); fault && waiting() != 0) {
+    if (const auto fault = known_fault(); !saved && fault && waiting() != 0) {
         tell_lost(*fault);
     }
     return saved;
+}
+
+Stored<void> ExecutionLog::prepare_removal()
+{
+    auto saved = write_pending();
+    const std::lock_guard lock{files_mutex_};
+    return saved ? files_->write_control() : saved;
 }
 
 Stored<void> ExecutionLog::release_medium()

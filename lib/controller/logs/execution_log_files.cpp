@@ -184,14 +184,22 @@ Stored<void> ExecutionLogFiles::write_control()
     if (!next_serial_) {
         return {};
     }
-    if (auto made = storage_->make_folder(options_.system_folder, FileAccess::Everyone); !made) {
-        return made;
-    }
     std::string text{control_header};
     text.append(control_serial).append(std::to_string(*next_serial_)).append("\r\n");
     text.append(control_records).append(std::to_string(file_.lines())).append("\r\n");
-    return storage_->replace(storage_path(options_.system_folder, log_control_name),
-                             std::as_bytes(std::span{text}), FileAccess::Everyone);
+    const std::string name = storage_path(options_.system_folder, log_control_name);
+    if (text == control_ && storage_->entry(name)) {
+        return {};
+    }
+    control_.clear();
+    if (auto made = storage_->make_folder(options_.system_folder, FileAccess::Everyone); !made) {
+        return made;
+    }
+    auto written = storage_->replace(name, std::as_bytes(std::span{text}), FileAccess::Everyone);
+    if (written) {
+        control_ = std::move(text);
+    }
+    return written;
 }
 
 /// The current file gets a name by the time (seed 000, 7-1-5), behind all others: the first by name

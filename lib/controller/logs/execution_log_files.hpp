@@ -44,7 +44,11 @@ public:
     [[nodiscard]] Stored<void> write_control();
     [[nodiscard]] Stored<void> clear();
     /// Another medium may be there the next time.
-    void close() { file_.close(); }
+    void close()
+    {
+        file_.close();
+        control_.clear();
+    }
 
 private:
     [[nodiscard]] Stored<void> open();
@@ -60,6 +64,7 @@ private:
     ExecutionLogOptions options_;
     LineFile file_;
     std::optional<std::uint16_t> next_serial_; // nothing: the medium has not been seen yet
+    std::string control_; // what the control file is known to say; empty: not known
 };
 
 } // namespace busbar::controller::detail

@@ -68,6 +68,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
         options.max_waiting += max_variables_;
         execution_log_ =
             expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
+        log_folder_.set_log(*execution_log_);
     }
     retained_.emplace(state_, log(), config.machine.retained);
     life_ = std::make_unique<controller::LifeCycle>(static_cast<controller::ServerOperator&>(*this),

@@ -35,8 +35,15 @@ class LogFolder final : public StorageFolder {
 public:
     using StorageFolder::StorageFolder;
 
+    /// The log whose files are here is told before one is removed. Before the first client.
+    void set_log(controller::ExecutionLog& log) { log_ = &log; }
+
     [[nodiscard]] Stored<void> remove(std::string_view name) override
     {
+        if (log_ != nullptr) {
+            // What cannot be saved now waits, and is in the log that comes after.
+            static_cast<void>(log_->prepare_removal());
+        }
         auto removed = StorageFolder::remove(name);
         has_removed_ = true;
         return removed;
@@ -45,6 +52,7 @@ public:
     [[nodiscard]] bool take_removal() { return has_removed_.exchange(false); }
 
 private:
+    controller::ExecutionLog* log_{nullptr};
     std::atomic<bool> has_removed_{false};
 };
 

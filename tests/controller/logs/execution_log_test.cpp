@@ -150,6 +150,29 @@ TEST_CASE_METHOD(LogWorld,
     CHECK(all_lines().back() == "120 next");
 }
 
+TEST_CASE_METHOD(LogWorld, "What waits goes with files that are removed, numbers go on (7-1-6)")
+{
+    happen(0, 3);
+    REQUIRE(log->write_pending());
+    restart(); // without a flush: power was cut
+    happen(3, 2);
+    REQUIRE(log->prepare_removal());
+    CHECK(log->waiting() == 0);
+    REQUIRE(medium.remove(log_file));
+    // Nothing else to be noted, nothing is written.
+    const auto steps = medium.steps();
+    REQUIRE(log->prepare_removal());
+    CHECK(medium.steps() == steps);
+    SECTION("by the same log") {}
+    SECTION("by the one after a restart")
+    {
+        restart();
+    }
+    happen(5, 1);
+    REQUIRE(log->write_pending());
+    CHECK(all_lines() == std::vector<std::string>{"5 v5"});
+}
+
 TEST_CASE_METHOD(LogWorld, "A log file that somebody deletes is made anew (7-1-5)")
 {
     happen(0, 3);
