@@ -24,6 +24,9 @@ using namespace busbar;
 
 namespace {
 
+/// Methods in one Call.
+constexpr std::size_t most_together = 8;
+
 /// Everybody may do everything: what is looked for lies behind the rights.
 class Users final : public server::UserStore {
 public:
@@ -179,14 +182,33 @@ struct Fixture : Backend, fuzz::ServerSession {
         return is_over && is_loaded &&
                server::RunningServer{server}.change_state(ServerState::Running, "", {});
     }
-    /// What the Method left for the server's thread is done before the next one.
-    void call(CallRequest request)
+    void add_call(const fuzz::MethodTarget& target, fuzz::Script& script)
     {
-        send(std::move(request));
+        CallMethodRequest call;
+        call.object_id = target.object;
+        call.method_id = target.method;
+        for (const Argument& argument : target.inputs) {
+            const bool is_handle = argument.name.view().ends_with("Handle");
+            call.input_arguments.push_back(is_handle ? Variant{handle(target.object, script.byte())}
+                                                     : fuzz::value_of(argument, script));
+        }
+        waiting.methods_to_call.push_back(std::move(call));
+        called.push_back(&target);
+    }
+    /// Sends the Calls that wait. What they left for the server's thread is done before the next.
+    void send_calls()
+    {
+        if (called.empty()) {
+            return;
+        }
+        send(std::exchange(waiting, {}));
         while (std::exchange(waker.is_awake, false)) {
             server.handle_completions(now);
         }
         run();
+        note_handles();
+        called.clear();
+        follow_transfers();
     }
     void add_file_methods(const std::string& path)
     {
@@ -276,10 +298,12 @@ struct Fixture : Backend, fuzz::ServerSession {
     {
         return handles_before[counter_of(object)] + small;
     }
-    /// Looks for a handle in the last answer.
-    void note_handle(const fuzz::MethodTarget& target)
+    /// Looks for handles in the last answer.
+    void note_handles()
     {
-        if (!target.gives_handle || responses.empty()) {
+        const bool is_any = std::any_of(called.begin(), called.end(),
+                                        [](const auto* target) { return target->gives_handle; });
+        if (!is_any || responses.empty()) {
             return;
         }
         binary::Reader reader{responses.back()};
@@ -290,11 +314,14 @@ struct Fixture : Backend, fuzz::ServerSession {
             return;
         }
         decode(reader, response);
-        for (const CallMethodResult& result : response.results) {
-            for (const Variant& output : result.output_arguments) {
+        for (std::size_t i = 0; i < std::min(called.size(), response.results.size()); ++i) {
+            if (!called[i]->gives_handle) {
+                continue;
+            }
+            for (const Variant& output : response.results[i].output_arguments) {
                 if (const auto* const given = output.get_if<std::uint32_t>()) {
-                    handles[counter_of(target.object)] =
-                        std::max(*given, handles[counter_of(target.object)]);
+                    std::uint32_t& latest = handles[counter_of(called[i]->object)];
+                    latest = std::max(*given, latest);
                 }
             }
         }
@@ -343,12 +370,15 @@ struct Fixture : Backend, fuzz::ServerSession {
     /// The temporary files, whose Methods are behind the lasting ones.
     std::vector<NodeId> followed;
     std::size_t lasting_targets{0};
+    /// Methods that are called together, and the targets of each; see send_calls().
+    CallRequest waiting;
+    std::vector<const fuzz::MethodTarget*> called;
 };
 
 } // namespace
 
-/// The administration's Methods with arguments of their types, in any order, on a medium that may
-/// fail, with time and a second session between them.
+/// The administration's Methods with arguments of their types, in any order, alone or some of them
+/// in one Call, on a medium that may fail, with time and a second session between them.
 int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static fuzz::KeptServer<Fixture> kept;
@@ -357,6 +387,9 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
     fixture.begin();
     for (int step = 0; step < 40 && !script.is_over() && !fixture.targets.empty(); ++step) {
         const std::uint8_t choice = script.byte();
+        if (choice >= 253) {
+            fixture.send_calls();
+        }
         if (choice == 255) {
             fixture.files.set_protected(script.byte() % 2 == 0);
             continue;
@@ -369,21 +402,12 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
             fixture.log_in();
             continue;
         }
-        const fuzz::MethodTarget& target = fixture.targets[choice % fixture.targets.size()];
-        CallRequest request;
-        request.methods_to_call.resize(1);
-        request.methods_to_call[0].object_id = target.object;
-        request.methods_to_call[0].method_id = target.method;
-        for (const Argument& argument : target.inputs) {
-            const bool is_handle = argument.name.view().ends_with("Handle");
-            request.methods_to_call[0].input_arguments.push_back(
-                is_handle ? Variant{fixture.handle(target.object, script.byte())}
-                          : fuzz::value_of(argument, script));
+        fixture.add_call(fixture.targets[choice % fixture.targets.size()], script);
+        if (fixture.called.size() == most_together || script.byte() % 4 == 0) {
+            fixture.send_calls();
         }
-        fixture.call(std::move(request));
-        fixture.note_handle(target);
-        fixture.follow_transfers();
     }
+    fixture.send_calls();
     kept.end();
     return 0;
 }
