@@ -262,10 +262,10 @@ TEST_CASE("sizes are printed as people read them")
     CHECK(product::size_text(UINT64_MAX) == "no end");
 }
 
-TEST_CASE("README.md has the capacities of the built-in configuration",
+TEST_CASE("lib/SUPPORTED.md has the capacities of the built-in configuration",
           "[unit:Documentation - Core Capacities]")
 {
-    std::ifstream file{BUSBAR_SOURCE_DIR "/README.md"};
+    std::ifstream file{BUSBAR_SOURCE_DIR "/lib/SUPPORTED.md"};
     const std::string readme{std::istreambuf_iterator<char>{file}, {}};
     const std::string table = product::describe_capacities(parse(""));
     for (const std::string& line : lines_of(table)) {
