@@ -17,7 +17,7 @@ namespace busbar {
 
 namespace detail {
 
-/// The fewest bytes that a T takes on the wire: what array_length checks a count against.
+/// The minimum size of a T on the wire, which array_length checks a count against.
 template <typename T>
 constexpr std::size_t min_wire_size()
 {
@@ -53,7 +53,7 @@ inline void encode(binary::Writer& writer, bool value)
 {
     writer.number(static_cast<std::uint8_t>(value ? 1 : 0));
 }
-/// NaN of any kind goes out as the one quiet NaN of Part 6, 5.2.2.3.
+/// Any NaN is encoded as the one quiet NaN of Part 6, 5.2.2.3.
 BUSBAR_API void encode(binary::Writer& writer, float value);
 BUSBAR_API void encode(binary::Writer& writer, double value);
 BUSBAR_API void encode(binary::Writer& writer, const String& value);
@@ -135,7 +135,7 @@ void decode(binary::Reader& reader, Array<T>& values)
 
 namespace binary {
 
-/// The encoding of `value` alone, or why it cannot be encoded.
+/// Returns the encoding of `value` alone, or the reason why it cannot be encoded.
 template <typename T>
 [[nodiscard]] Result<std::vector<std::byte>> to_bytes(const T& value)
 {
@@ -148,7 +148,7 @@ template <typename T>
     return sink.take(writer.written());
 }
 
-/// How many bytes `values` take on the wire, one after the other.
+/// Returns the number of bytes that `values` take on the wire, one after the other.
 template <typename... T>
 [[nodiscard]] std::size_t encoded_size(const T&... values)
 {
@@ -158,7 +158,7 @@ template <typename... T>
     return writer.written();
 }
 
-/// A T from all of `bytes`; Bad_DecodingError if bytes are left over.
+/// Decodes a T from all of `bytes`; Bad_DecodingError if bytes are left over.
 template <typename T>
 [[nodiscard]] Result<T> from_bytes(std::span<const std::byte> bytes,
                                    const TypeRegistry* types = nullptr,
@@ -176,8 +176,8 @@ template <typename T>
     return value;
 }
 
-/// The structure of namespace 0 in an ExtensionObject, decoded already or still encoded, as files
-/// and generated nodes have theirs; nothing for any other.
+/// Returns the structure of namespace 0 in an ExtensionObject, decoded already or still encoded as
+/// in files and generated nodes; nothing for any other.
 template <typename T>
 [[nodiscard]] std::optional<T> structure_of(const ExtensionObject& object)
 {
@@ -192,7 +192,7 @@ template <typename T>
     }
     return std::nullopt;
 }
-/// The same of the one structure that is a value.
+/// The same for a value that is one structure.
 template <typename T>
 [[nodiscard]] std::optional<T> structure_of(const Variant& value)
 {

@@ -17,21 +17,22 @@
 #include <busbar/types/data_types.hpp>
 
 /// Types that are known from their DataTypeDefinition only (Part 3, 5.8.3 and 8.47 to 8.52). For
-/// their values see dynamic_value.hpp. A server's are collected by model::DataTypes; a client fills
+/// their values see dynamic_value.hpp. model::DataTypes collects those of a server; a client fills
 /// DataTypeEntries from what it reads.
 namespace busbar::binary {
 
-/// What the attributes and references of one DataType node say.
+/// The attributes and references of one DataType node.
 struct DataTypeEntry {
     NodeId id;
     /// The BrowseName without its namespace.
     String name;
-    /// The source of HasSubtype. Null: the base_data_type of the StructureDefinition.
+    /// The source of HasSubtype. If null, the base_data_type of the StructureDefinition counts.
     NodeId base;
-    /// "Default Binary". Null: the default_encoding_id of the StructureDefinition.
+    /// The id of "Default Binary". If null, the default_encoding_id of the StructureDefinition
+    /// counts.
     NodeId encoding_id;
     bool is_abstract{false};
-    /// None for simple types such as Duration, and for abstract types.
+    /// Empty for simple types such as Duration, and for abstract types.
     std::variant<std::monostate, StructureDefinition, EnumDefinition> definition;
 };
 
@@ -42,28 +43,27 @@ struct DataTypeEntry {
 /// Limits of definitions, which may come from a hostile server. All are finite.
 struct DynamicTypeLimits {
     std::size_t max_types{65'536};
-    /// Of one structure.
+    /// Fields of one structure.
     std::size_t max_fields{1'000};
     /// Names of one enumeration or option set.
     std::size_t max_values{10'000};
     /// Bytes of the name of a type, a field or an enumeration's value.
     std::size_t max_name_length{512};
     std::size_t max_rank{16};
-    /// Supertypes above a type, and structures directly within one another.
+    /// Levels of supertypes above a type, and of structures directly within one another.
     std::size_t max_depth{100};
-    /// Fields of a structure with those of the structures directly in it, at any depth, so that a
-    /// few definitions that contain each other twice cannot describe a value of gigabytes.
+    /// Fields of a structure including those of the structures directly in it, at any depth, so
+    /// that a few definitions that contain each other twice cannot describe a value of gigabytes.
     std::size_t max_nested_fields{10'000};
 };
 
-/// Why a definition cannot be used: Bad_DataTypeIdUnknown for a type that is missing,
-/// Bad_EncodingLimitsExceeded for one that is larger than the limits, else
-/// Bad_NodeAttributesInvalid.
+/// The reason why a definition cannot be used: Bad_DataTypeIdUnknown for a missing type,
+/// Bad_EncodingLimitsExceeded for one that exceeds the limits, else Bad_NodeAttributesInvalid.
 struct DefinitionError {
     StatusCode status;
     NodeId type;
     std::string type_name;
-    /// Empty if it is about the type itself.
+    /// Empty if the type itself is wrong.
     std::string field;
     std::string reason;
 };
@@ -77,23 +77,24 @@ struct DynamicType;
 struct DynamicField {
     std::string name;
     NodeId data_type;
-    /// The type named by `data_type`; null for a built-in type.
+    /// The type that `data_type` names; null for a built-in type.
     const DynamicType* type{nullptr};
-    /// Of a value or element. ExtensionObject and Variant also stand for what may be a subtype.
+    /// The type of a value or element. ExtensionObject and Variant also stand for values that may
+    /// be of a subtype.
     BuiltInType built_in{BuiltInType::Null};
     /// The bits (by BuiltInType) that a Variant in this field may hold; null is always allowed.
     std::uint32_t variant_types{UINT32_MAX};
     /// -1 for a scalar, else the number of dimensions.
     std::int32_t value_rank{-1};
-    /// The greatest length of each dimension, 0 for any; empty if every array fits. Checked only of
-    /// what clients write: a decoder takes what a server sends.
+    /// The maximum length of each dimension, 0 for no limit; empty if every array fits. Checked
+    /// only for values that clients write: a decoder accepts what a server sends.
     std::vector<std::uint32_t> array_dimensions;
-    /// The most bytes of each String, ByteString or text of a LocalizedText, 0 for any. Checked as
-    /// above.
+    /// The maximum number of bytes of each String, ByteString or text of a LocalizedText, 0 for no
+    /// limit. Checked as above.
     std::uint32_t max_string_length{0};
-    /// The value is a structure or union of `type` and lies there without ExtensionObject.
+    /// The value is a structure or union of `type` and is encoded without ExtensionObject.
     bool is_structure{false};
-    /// Has a bit in the EncodingMask (Part 6, 5.2.7).
+    /// The field has a bit in the EncodingMask (Part 6, 5.2.7).
     bool is_optional{false};
     bool allows_subtypes{false};
 
@@ -101,7 +102,7 @@ struct DynamicField {
     [[nodiscard]] bool is_matrix() const { return value_rank > 1; }
 };
 
-/// A compiled DataType. Made by DynamicTypes only, never changed.
+/// A compiled DataType. Created by DynamicTypes only and never changed.
 struct BUSBAR_API DynamicType {
     enum class Kind : std::uint8_t { Simple, Enumeration, OptionSet, Structure, Union };
     /// A value of an enumeration, or the number of an option set's bit.
@@ -121,12 +122,12 @@ struct BUSBAR_API DynamicType {
     /// structure, Variant for an abstract number.
     BuiltInType built_in{BuiltInType::Null};
     bool is_abstract{false};
-    /// Values begin with an EncodingMask.
+    /// A value begins with an EncodingMask.
     bool has_optional_fields{false};
-    /// Those of the supertypes come first (Part 3, 8.48).
+    /// All fields; those of the supertypes come first (Part 3, 8.48).
     std::vector<DynamicField> fields;
     std::vector<Value> values;
-    /// The fewest bytes of a value on the wire.
+    /// The minimum number of bytes of a value on the wire.
     std::size_t min_wire_size{0};
 
     [[nodiscard]] bool is_structure() const
@@ -139,24 +140,24 @@ struct BUSBAR_API DynamicType {
     [[nodiscard]] bool is_subtype_of(const DynamicType& other) const;
 };
 
-/// A set of types, resolved once. Movable; DynamicType objects stay where they are and live as long
+/// A set of types, resolved once. Movable; DynamicType objects keep their address and live as long
 /// as the set. Any thread may read it.
 class BUSBAR_API DynamicTypes {
 public:
     DynamicTypes() = default;
 
-    /// Resolves entries, in whatever order they come. A definition that is wrong is left out, with
-    /// all that need it, and reported by errors(); the others can be used.
+    /// Resolves entries in any order. A wrong definition is left out together with all that depend
+    /// on it, and reported by errors(); the others can be used.
     [[nodiscard]] static DynamicTypes compile(std::vector<DataTypeEntry> entries,
                                               const DynamicTypeLimits& limits = {});
 
-    /// What was left out; empty if all is well.
+    /// The definitions that were left out; empty if all are right.
     [[nodiscard]] std::span<const DefinitionError> errors() const { return errors_; }
     /// The type of that DataType NodeId; null if there is none.
     [[nodiscard]] const DynamicType* find(const NodeId& data_type) const;
-    /// The structure whose values an ExtensionObject of this encoding has; null if there is none.
+    /// The structure type with this encoding id; null if there is none.
     [[nodiscard]] const DynamicType* find_encoding(const NodeId& encoding_id) const;
-    /// How many types can be used.
+    /// The number of types that can be used.
     [[nodiscard]] std::size_t size() const { return by_id_.size(); }
 
 private:

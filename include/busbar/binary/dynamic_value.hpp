@@ -24,11 +24,11 @@ struct DynamicContent;
 /// field always has content that fits its definition, because every set checks it: a built-in
 /// value, enumeration or option set of any shape is a Variant, a structure a DynamicValue, an array
 /// or matrix of structures a DynamicArray. Fields that may hold subtypes are ExtensionObjects or
-/// Variants in a Variant. What was moved from can only be assigned or destroyed. Thread-compatible.
+/// Variants in a Variant. A moved-from value can only be assigned or destroyed. Thread-compatible.
 class BUSBAR_API DynamicValue {
 public:
-    /// A value of zeros and nulls, without optional fields; a union holds none of its fields.
-    /// `type` must be a structure or union.
+    /// Creates a value of zeros and nulls, without optional fields; a union selects none of its
+    /// fields. `type` must be a structure or union.
     explicit DynamicValue(const DynamicType& type);
     DynamicValue(const DynamicValue& other);
     DynamicValue(DynamicValue&& other) noexcept;
@@ -39,13 +39,13 @@ public:
     [[nodiscard]] const DynamicType& type() const { return *type_; }
     /// The SwitchField of a union (Part 6, 5.2.8): 0 for none, else the index of the field + 1.
     [[nodiscard]] std::uint32_t selected() const { return selected_; }
-    /// False for an optional field that is absent, a field that the union does not hold, and a name
-    /// or index that no field has.
+    /// False for an optional field that is absent, a field that the union does not select, and an
+    /// unknown name or index.
     [[nodiscard]] bool has(std::size_t field) const { return content(field) != nullptr; }
     [[nodiscard]] bool has(std::string_view field) const { return has(index_of(field)); }
 
-    // What a field holds; null if it is not there or holds something of another kind. Valid until
-    // this value is changed.
+    // The content of a field; null if it is absent or of another kind. Valid until this value is
+    // changed.
 
     [[nodiscard]] const Variant* value(std::size_t field) const;
     [[nodiscard]] const Variant* value(std::string_view field) const
@@ -74,10 +74,10 @@ public:
     // a field that does not exist, Bad_TypeMismatch for content of another type or shape; nothing
     // changes then.
 
-    /// Structures in `content` that are C++ objects are encoded, as if they had come from the wire,
-    /// so that equal values compare equal. Errors of that are those of encode.
+    /// C++ objects of structures in `content` are encoded, as if they had come from the wire, so
+    /// that equal values compare equal; errors are those of encode.
     Result<void> set(std::size_t field, Variant content);
-    /// The structure itself, or for a field that allows subtypes one of any subtype.
+    /// Sets a structure of the field's type, or of any subtype if the field allows subtypes.
     Result<void> set(std::size_t field, DynamicValue content);
     Result<void> set(std::size_t field, DynamicArray content);
     template <typename Content>
@@ -85,12 +85,12 @@ public:
     {
         return set(index_of(field), std::move(content));
     }
-    /// Makes an optional field absent, or the union hold nothing. Bad_TypeMismatch for a field that
-    /// must be there.
+    /// Makes an optional field absent, or the union select nothing. Bad_TypeMismatch for a
+    /// mandatory field.
     Result<void> clear(std::size_t field);
     Result<void> clear(std::string_view field) { return clear(index_of(field)); }
 
-    /// Of the same type and with equal fields; NaN equals NaN.
+    /// True if both have the same type and equal fields; NaN equals NaN.
     friend BUSBAR_API bool operator==(const DynamicValue& a, const DynamicValue& b);
     /// Joins the codec's overloads. Fails with Bad_EncodingLimitsExceeded past 100 levels.
     friend BUSBAR_API void encode(Writer& writer, const DynamicValue& value);
@@ -110,7 +110,7 @@ private:
     Result<void> replace(std::size_t field, DynamicContent content);
 
     const DynamicType* type_;
-    /// One for each field; of a union the selected one only.
+    /// One for each field; for a union only the selected one.
     std::vector<DynamicContent> contents_;
     std::uint32_t selected_{0};
 };
@@ -118,60 +118,61 @@ private:
 /// An array or matrix of structures of one type (Part 6, 5.2.5). Null and empty are different.
 struct DynamicArray {
     Array<DynamicValue> values;
-    /// Of a matrix: two or more, whose product is the number of values; null for an array.
+    /// For a matrix two or more, whose product is the number of values; null for an array.
     Array<std::uint32_t> dimensions;
 
     friend bool operator==(const DynamicArray&, const DynamicArray&) = default;
 };
 
-/// What a field holds; nothing for an optional field that is absent.
+/// The content of a field; nothing for an optional field that is absent.
 struct DynamicContent : std::variant<std::monostate, Variant, DynamicValue, DynamicArray> {
     using Base = std::variant<std::monostate, Variant, DynamicValue, DynamicArray>;
     using Base::Base;
     [[nodiscard]] const Base& base() const { return *this; }
 };
 
-/// `limits` with room for a value's C++ objects, which are larger than those of generated types.
+/// Returns `limits` with room for a value's C++ objects, which are larger than those of generated
+/// types.
 [[nodiscard]] constexpr DecodeLimits dynamic_decode_limits(DecodeLimits limits = {})
 {
     limits.max_expansion = 200;
     return limits;
 }
 
-/// A value of `type` from all of `body`. Bad_DecodingError if that is not what the definition says,
-/// with bytes missing or left over; Bad_EncodingLimitsExceeded past the limits. ExtensionObjects
-/// within the value stay encoded.
+/// Decodes a value of `type` from all of `body`. Bad_DecodingError if it does not match the
+/// definition or has bytes missing or left over; Bad_EncodingLimitsExceeded past the limits.
+/// ExtensionObjects within the value stay encoded.
 [[nodiscard]] BUSBAR_API Result<DynamicValue>
 decode_dynamic(std::span<const std::byte> body, const DynamicType& type,
                const DecodeLimits& limits = dynamic_decode_limits());
-/// The value that `object` holds. Bad_DecodingError also for a null object, one without binary
-/// body, and one whose encoding is not among the `types`.
+/// Decodes the value that `object` holds. Bad_DecodingError also for a null object, one without a
+/// binary body, and one whose encoding is not among the `types`.
 [[nodiscard]] BUSBAR_API Result<DynamicValue>
 decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
                const DecodeLimits& limits = dynamic_decode_limits());
 
-/// Good, or why `value` must not be written: looks at every structure in it whose type is one of
-/// the `types`, also in arrays and within each other. The errors of decode_dynamic;
-/// Bad_TypeMismatch where a field that allows subtypes holds something else; Bad_OutOfRange for a
+/// Returns Good, or why `value` must not be written: checks every structure in it whose type is one
+/// of the `types`, also in arrays and within each other. The errors are those of decode_dynamic;
+/// Bad_TypeMismatch if a field that allows subtypes holds something else; Bad_OutOfRange for a
 /// dimension or text that is longer than its field allows (Part 3, 8.51; Part 4, 5.11.4.4). Only
 /// structures that are C++ objects take memory, since they are encoded first; levels are counted
-/// through everything that lies encoded in something else.
+/// through everything that is encoded within something else.
 [[nodiscard]] BUSBAR_API StatusCode
 check_dynamic(const Variant& value, const DynamicTypes& types,
               const DecodeLimits& limits = dynamic_decode_limits());
 
-/// The value with the encoding id of its type. Bad_EncodingError for a type that has none.
+/// Returns the value with the encoding id of its type. Bad_EncodingError for a type that has none.
 [[nodiscard]] BUSBAR_API Result<ExtensionObject> to_extension_object(const DynamicValue& value);
 
-/// A generated structure as a dynamic value; errors as decode_dynamic. `namespace_index` is the
-/// index of the type's namespace in the server.
+/// Converts a generated structure into a dynamic value; errors as decode_dynamic. `namespace_index`
+/// is the index of the type's namespace in the server.
 template <typename T>
 [[nodiscard]] Result<DynamicValue> to_dynamic(const T& object, const DynamicTypes& types,
                                               std::uint16_t namespace_index = 0)
 {
     return decode_dynamic(ExtensionObject::from(object, namespace_index), types);
 }
-/// A dynamic value as a generated structure. Bad_TypeMismatch if it is of another type;
+/// Converts a dynamic value into a generated structure. Bad_TypeMismatch if it is of another type;
 /// Bad_DecodingError if the definition is not that of the generated type.
 template <typename T>
 [[nodiscard]] Result<T> to_generated(const DynamicValue& value, const TypeRegistry* registry,
@@ -184,26 +185,26 @@ template <typename T>
     return bytes ? from_bytes<T>(*bytes, registry) : busbar::fail(bytes.error());
 }
 
-/// How much of a value is printed. What is left out shows as "...".
+/// Limits how much of a value is printed. "..." replaces the rest.
 struct TextLimits {
     std::size_t max_bytes{4'096};
-    /// Of each array, and bytes of each ByteString.
+    /// Elements of each array, and bytes of each ByteString.
     std::size_t max_elements{32};
     /// Bytes of each string.
     std::size_t max_string{256};
     std::size_t max_depth{16};
 };
 
-/// What is known of the types of values that are printed. Must outlive the call.
+/// The known types of printed values. Must outlive the call.
 struct TextTypes {
-    /// Structures whose encoding is among these are printed with their fields.
+    /// Structures with one of these encodings are printed with their fields.
     const DynamicTypes* types{nullptr};
     /// The DataType of a Variant, for the names of an enumeration's values.
     const DynamicType* type{nullptr};
 };
 
-/// "Point {X: 1.5, Name: "left", Mode: Running (1), Tags: ["a", null]}", for people; not to be
-/// parsed. Strings are quoted, and escaped as by printable(). About max_bytes long at most.
+/// Returns "Point {X: 1.5, Name: "left", Mode: Running (1), Tags: ["a", null]}", for people, not
+/// for parsing. Strings are quoted, and escaped as by printable(). At most about max_bytes long.
 [[nodiscard]] BUSBAR_API std::string
 to_text(const DynamicValue& value, const TextLimits& limits = {}, const TextTypes& types = {});
 [[nodiscard]] BUSBAR_API std::string to_text(const Variant& value, const TextLimits& limits = {},

@@ -6,8 +6,8 @@ namespace busbar {
 
 /// A structure's field of two or more dimensions (Part 6, 5.2.5, inline matrix).
 ///
-/// The values are in row-major order and as many as the product of the dimensions; there are none
-/// when a dimension is 0. A default-constructed Matrix is null.
+/// The values are in row-major order, and their number is the product of the dimensions, 0 if one
+/// of them is 0. A default-constructed Matrix is null.
 template <typename T>
 struct Matrix {
     Array<std::int32_t> dimensions;

@@ -5,7 +5,7 @@
 /// Bit operators of generated option sets: enumerations whose values are bits (Part 3, 8.40).
 namespace busbar {
 
-/// True for the enumerations that the generator made of option sets.
+/// True for the enumerations that the generator creates for option sets.
 template <typename E>
 inline constexpr bool is_option_set = false;
 

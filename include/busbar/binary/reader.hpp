@@ -20,12 +20,13 @@ struct DecodeLimits {
     std::uint32_t max_string_length{1U << 20U};
     std::uint32_t max_byte_string_length{4U << 20U};
     std::uint32_t max_array_length{65'536};
-    /// Levels of Variant, ExtensionObject and DataValue in one another (Part 6, 5.1.8).
+    /// Nesting levels of Variant, ExtensionObject and DataValue (Part 6, 5.1.8).
     std::uint32_t max_depth{100};
     /// Levels of DiagnosticInfo (Part 6, 5.2.2.12).
     std::uint32_t max_diagnostic_depth{10};
-    /// The memory of decoded arrays and structures, so that many one-byte elements cannot blow up:
-    /// bytes of C++ objects for each byte of input, and bytes that are free on top of that.
+    /// Limits the memory of decoded arrays and structures, so that many one-byte elements cannot
+    /// take too much: bytes of C++ objects for each byte of input, and bytes that are free in
+    /// addition.
     std::uint32_t max_expansion{8};
     std::uint32_t free_memory{64U << 10U};
 };
@@ -36,8 +37,8 @@ enum class Strings : std::uint8_t { Own, Borrow };
 /// Reads little-endian primitives out of one message (Part 6, 5.2).
 ///
 /// Sticky: past the end, or after fail(), it yields zeros and keeps the first status, so that a
-/// structure is checked once. It never reads past its input. The input must outlive whatever was
-/// decoded with Strings::Borrow.
+/// structure is checked once. It never reads past its input. The input must outlive everything that
+/// was decoded with Strings::Borrow.
 class BUSBAR_API Reader {
 public:
     explicit Reader(std::span<const std::byte> input, Strings strings = Strings::Own,
@@ -100,11 +101,12 @@ public:
     }
     void skip(std::size_t size) { static_cast<void>(bytes(size)); }
 
-    /// The count of an array whose elements take at least `min_element_size` bytes on the wire and
-    /// `object_size` bytes as C++ objects: -1 for null. Checked against the bytes that are left and
-    /// the limits before anything is allocated.
+    /// Reads the count of an array whose elements take at least `min_element_size` bytes on the
+    /// wire and `object_size` bytes as C++ objects; -1 for null. Checks it against the remaining
+    /// bytes and the limits before anything is allocated.
     [[nodiscard]] std::int32_t array_length(std::size_t min_element_size, std::size_t object_size);
-    /// The length of a String or ByteString within `limit` and the bytes left: -1 for null.
+    /// Reads the length of a String or ByteString and checks it against `limit` and the remaining
+    /// bytes; -1 for null.
     [[nodiscard]] std::int32_t text_length(std::uint32_t limit)
     {
         const auto length = number<std::int32_t>();
@@ -115,7 +117,8 @@ public:
     /// Charges `bytes` of C++ objects to the message. False, with Bad_EncodingLimitsExceeded, if
     /// the message is too small for them.
     [[nodiscard]] bool charge(std::uint64_t bytes);
-    /// Bytes of C++ objects that were charged so far: what was decoded takes no more.
+    /// Bytes of C++ objects that were charged so far, an upper bound of what the decoded values
+    /// take.
     [[nodiscard]] std::size_t charged() const { return earned_ - budget_; }
 
     /// Enters a nested value. False if it is too deep, which fails the Reader with
@@ -125,13 +128,13 @@ public:
     [[nodiscard]] bool enter_diagnostic();
     void leave_diagnostic() { --diagnostic_depth_; }
 
-    /// Restricts reading to the next `size` bytes. Gives what close_window needs.
+    /// Restricts reading to the next `size` bytes. Returns the argument for close_window.
     [[nodiscard]] const std::byte* open_window(std::size_t size);
-    /// Skips what is left of the window and goes on after it.
+    /// Skips the rest of the window and continues after it.
     void close_window(const std::byte* outer_end);
 
 private:
-    /// Says what is wrong with the length; -1.
+    /// Fails with the reason why the length is wrong; returns -1.
     std::int32_t refuse_text(std::int32_t length, std::uint32_t limit);
 
     const std::byte* begin_;
@@ -139,7 +142,7 @@ private:
     const std::byte* end_;
     const TypeRegistry* types_;
     DecodeLimits limits_;
-    /// Bytes of C++ objects that the input may become, and what is left of them.
+    /// The bytes of C++ objects that the input allows, and the rest of them.
     std::size_t earned_;
     std::size_t budget_;
     std::uint32_t depth_{0};

@@ -7,7 +7,7 @@
 
 namespace busbar::detail {
 
-/// What is one number of fixed size on the wire.
+/// A type whose values are one number of fixed size on the wire.
 template <typename T>
 concept WireNumber = (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>;
 

@@ -16,8 +16,7 @@
 
 namespace busbar::binary {
 
-/// Where a Writer's bytes go: a sequence of memory blocks, such as the bodies of a message's
-/// chunks.
+/// Supplies the memory blocks that a Writer fills, such as the bodies of a message's chunks.
 class BUSBAR_API Sink {
 public:
     Sink() = default;
@@ -25,10 +24,10 @@ public:
     Sink& operator=(const Sink&) = delete;
     virtual ~Sink() = default;
 
-    /// Takes back the last block, which the Writer has filled, and gives the next one. An empty
+    /// Takes the last block back, which the Writer has filled, and returns the next one. An empty
     /// block means that there are no more, and fails the Writer with `status()`.
     [[nodiscard]] virtual std::span<std::byte> next() = 0;
-    /// Why next() gave nothing.
+    /// The reason why next() returned nothing.
     [[nodiscard]] virtual StatusCode status() const = 0;
 };
 
@@ -39,8 +38,8 @@ public:
 class BUSBAR_API Writer {
 public:
     explicit Writer(Sink& sink) : sink_{&sink} {}
-    /// For a Writer that only counts, as deep in the message as `outer`: it finds the size of a
-    /// part before that is written.
+    /// Constructs a Writer that only counts, as deep in the message as `outer`: it measures a part
+    /// before that is written.
     struct Measure {
         const Writer& outer;
     };
@@ -64,7 +63,7 @@ public:
     {
         return before_ + static_cast<std::size_t>(position_ - begin_);
     }
-    /// How many bytes of the current block are filled.
+    /// Number of bytes of the current block that are filled.
     [[nodiscard]] std::size_t filled() const
     {
         return static_cast<std::size_t>(position_ - begin_);
@@ -94,7 +93,7 @@ public:
             slow(data);
         }
     }
-    /// True for a Writer that only counts; nobody will read what it is given.
+    /// True for a Writer that only counts and discards its input.
     [[nodiscard]] bool is_measuring() const { return is_measuring_; }
     /// Writes the elements of an array of numbers at once.
     template <busbar::detail::WireNumber T>
@@ -108,7 +107,7 @@ public:
             }
         }
     }
-    /// An Int32 count; fails with Bad_EncodingLimitsExceeded past 2^31-1.
+    /// Writes an Int32 count; fails with Bad_EncodingLimitsExceeded past 2^31-1.
     void length(std::size_t count);
 
     /// Enters a nested value (Part 6, 5.1.5). False if that makes more than 100 levels, which fails
@@ -129,14 +128,14 @@ private:
     StatusCode status_;
 };
 
-/// Collects what is written in a vector of at most `limit` bytes.
+/// Collects the output in a vector of at most `limit` bytes.
 class BUSBAR_API VectorSink : public Sink {
 public:
     explicit VectorSink(std::size_t limit = SIZE_MAX) : limit_{limit} {}
 
     [[nodiscard]] std::span<std::byte> next() override;
     [[nodiscard]] StatusCode status() const override { return status::Bad_EncodingLimitsExceeded; }
-    /// The first `size` bytes that were written; the sink is empty afterwards.
+    /// Takes the first `size` bytes of the output; the sink is empty afterwards.
     [[nodiscard]] std::vector<std::byte> take(std::size_t size);
 
 private:
@@ -144,7 +143,7 @@ private:
     std::size_t limit_;
 };
 
-/// Keeps nothing of what is written; Writer::written() tells how much it was.
+/// Discards the output; Writer::written() returns its size.
 class BUSBAR_API CountingSink : public Sink {
 public:
     [[nodiscard]] std::span<std::byte> next() override { return scratch_; }

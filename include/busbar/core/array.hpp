@@ -14,9 +14,9 @@ namespace busbar {
 
 /// A growable array of up to 2^32-1 elements in sixteen bytes that may be null.
 ///
-/// A default-constructed Array is null, which Part 6, 5.2.5 encodes with the length -1; whatever
-/// sets its size, even to 0, makes it not null. Null and empty compare unequal. Iterators and spans
-/// are valid until the next change of size. Thread-compatible.
+/// A default-constructed Array is null, which Part 6, 5.2.5 encodes with the length -1. Any call
+/// that sets its size, even to 0, makes it not null. Null and empty compare unequal. Iterators and
+/// spans are valid until the next change of size. Thread-compatible.
 template <typename T>
 class Array {
 public:
@@ -25,7 +25,7 @@ public:
     using const_iterator = const T*;
 
     constexpr Array() = default;
-    // They delegate, so that what throws in them is followed by the destructor.
+    // The constructors delegate, so that the destructor runs if one of them throws.
     explicit Array(std::size_t size) : Array() { resize(size); }
     Array(std::initializer_list<T> values) : Array() { assign(values.begin(), values.end()); }
     explicit Array(std::span<const T> values) : Array() { assign(values.begin(), values.end()); }
@@ -127,7 +127,7 @@ public:
         } else {
             ::new (static_cast<void*>(data_ + size_)) T(std::forward<Args>(args)...);
         }
-        return data_[size_++]; // not before it is there
+        return data_[size_++]; // counted only once it is constructed
     }
     void push_back(const T& value) { emplace_back(value); }
     void push_back(T&& value) { emplace_back(std::move(value)); }

@@ -8,7 +8,7 @@
 
 namespace busbar {
 
-/// Monotonic time, given to the engines by whoever drives them; they never ask a clock for it.
+/// Monotonic time, which the program that drives an engine passes to it; engines never ask a clock.
 using Duration = std::chrono::nanoseconds;
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
@@ -21,9 +21,9 @@ using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 /// A deadline that never comes.
 inline constexpr TimePoint no_deadline = TimePoint::max();
 
-/// How local time differs from UTC (Part 3, 8.28).
+/// The difference between local time and UTC (Part 3, 8.28).
 struct TimeZone {
-    /// Minutes to add to UTC; with daylight saving if that is in it.
+    /// Minutes to add to UTC, including daylight saving time if daylight_saving_in_offset is set.
     std::int16_t offset{0};
     bool daylight_saving_in_offset{false};
 
@@ -40,7 +40,7 @@ public:
 
     /// UTC now. Called from any thread.
     [[nodiscard]] virtual DateTime now() const = 0;
-    /// Of the place where the machine stands, now; UTC by itself. Called from any thread.
+    /// The time zone of the machine's place, now; the default is UTC. Called from any thread.
     [[nodiscard]] virtual TimeZone time_zone() const { return {}; }
 };
 

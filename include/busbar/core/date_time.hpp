@@ -32,7 +32,7 @@ struct DateTime {
         return (ticks - unix_epoch) / ticks_per_second;
     }
     [[nodiscard]] constexpr bool is_null() const { return ticks <= 0; }
-    /// The value as it goes on the wire: before 1601 is 0, after 9999 the largest Int64.
+    /// The value as it is encoded: 0 before 1601, the largest Int64 after 9999.
     [[nodiscard]] constexpr std::int64_t clamped() const
     {
         return ticks <= 0 ? 0 : (ticks >= latest ? INT64_MAX : ticks);

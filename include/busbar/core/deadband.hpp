@@ -5,10 +5,10 @@
 
 namespace busbar {
 
-/// True if `value` is further from `last` than an absolute deadband, in the unit of the value (Part
-/// 4, 7.22.2). Of an array one such element is enough. Values that are no numbers, or that differ
-/// in type or size, are past it if they differ at all. NaN is past it from every number and not
-/// from NaN.
+/// True if `value` differs from `last` by more than an absolute deadband in the unit of the value
+/// (Part 4, 7.22.2). An array exceeds it if one element does. Values that are not numbers, or that
+/// differ in type or size, exceed it if they differ at all. NaN exceeds it from every number and
+/// not from NaN.
 [[nodiscard]] BUSBAR_API bool is_past_deadband(const Variant& last, const Variant& value,
                                                double deadband);
 

@@ -27,7 +27,7 @@ struct BUSBAR_API DiagnosticInfo {
     DiagnosticInfo& operator=(DiagnosticInfo&&) noexcept = default;
     ~DiagnosticInfo() = default;
 
-    /// True if nothing of it is set: the encoding is one zero byte.
+    /// True if none of its members is set: the encoding is one zero byte.
     [[nodiscard]] bool is_null() const;
 
     friend BUSBAR_API bool operator==(const DiagnosticInfo& a, const DiagnosticInfo& b);

@@ -9,7 +9,7 @@
 
 namespace busbar {
 
-/// The error of an Expected to be made: `return Unexpected{error};`.
+/// The error that an Expected is made from: `return Unexpected{error};`.
 template <typename E>
 class Unexpected {
 public:
@@ -22,7 +22,7 @@ private:
     E error_;
 };
 
-/// Thrown by Expected::value() where there is an error.
+/// Thrown by Expected::value() if there is an error instead.
 class BUSBAR_API BadExpectedAccess final : public std::exception {
 public:
     [[nodiscard]] const char* what() const noexcept override
@@ -49,7 +49,8 @@ inline constexpr bool is_unexpected_v = false;
 template <typename E>
 inline constexpr bool is_unexpected_v<Unexpected<E>> = true;
 
-/// Either of both, where copying bytes is enough; then a function returns it in registers.
+/// Holds a value or an error that can be copied as bytes, so that a function returns it in
+/// registers.
 template <typename T, typename E,
           bool IsTrivial = std::is_trivially_copyable_v<T>&& std::is_trivially_copyable_v<E>>
 class ExpectedStorage {
@@ -73,7 +74,8 @@ protected:
     bool has_value_;
 };
 
-/// Either of both. They are moved without exceptions, so that an assignment cannot leave neither.
+/// Holds a value or an error. They are moved without exceptions, so that an assignment cannot leave
+/// neither.
 template <typename T, typename E>
 class ExpectedStorage<T, E, false> {
 protected:
@@ -144,7 +146,7 @@ private:
     }
 };
 
-/// What cannot be copied says so, also to those who ask.
+/// Deletes the copy operations, so that type traits see it too, if value or error cannot be copied.
 template <bool IsCopied>
 struct CopyOfExpected {
 };
@@ -163,11 +165,11 @@ using ValueOfExpected = std::conditional_t<std::is_void_v<T>, Nothing, T>;
 
 } // namespace detail
 
-/// A value or the error that says why there is none. It has the part of std::expected of C++23 that
+/// A value, or the error that says why there is none. It has the part of C++23's std::expected that
 /// is used here, under the same names, and includes little.
 ///
-/// `T` may be void. Both are moved without exceptions. Asking for the value where there is an
-/// error, or for the error where there is a value, is undefined.
+/// `T` may be void. Both are moved without exceptions. Asking for the value if there is an error,
+/// or for the error if there is a value, is undefined.
 template <typename T, typename E>
 class [[nodiscard]] Expected
     : private detail::ExpectedStorage<detail::ValueOfExpected<T>, E>,
@@ -180,7 +182,7 @@ public:
     using value_type = T;
     using error_type = E;
 
-    /// The value T{}.
+    /// Holds the value T{}.
     constexpr Expected() requires std::is_default_constructible_v<Value>
         : Storage{detail::AsValue{}}
     {
@@ -232,7 +234,8 @@ public:
     }
 
 #if defined(__cpp_exceptions)
-    /// The value. Throws BadExpectedAccess if there is none; absent from builds without exceptions.
+    /// Returns the value. Throws BadExpectedAccess if there is none; absent from builds without
+    /// exceptions.
     constexpr Value& value() &
     {
         require();
@@ -275,7 +278,7 @@ public:
                                 : static_cast<Value>(std::forward<U>(other));
     }
 
-    /// What `next` returns for the value, which is an Expected with the same error; else the error.
+    /// Returns next(value), which is an Expected with the same error type, or the error.
     template <typename Next>
     constexpr auto and_then(Next&& next) const&
     {
@@ -286,7 +289,7 @@ public:
     {
         return then(std::move(*this), std::forward<Next>(next));
     }
-    /// What `next` makes of the value; else the error.
+    /// Returns next(value) as an Expected, or the error.
     template <typename Next>
     constexpr auto transform(Next&& next) const&
     {
@@ -297,7 +300,7 @@ public:
     {
         return std::move(*this).and_then(made_by(next));
     }
-    /// The value; else what `next` makes of the error.
+    /// Returns the value, or next(error) as the error.
     template <typename Next>
     constexpr auto transform_error(Next&& next) &&
     {

@@ -16,10 +16,10 @@ class Reader;
 class Writer;
 } // namespace binary
 
-/// An id that stands in constant data; the namespace is that of the type it belongs to.
+/// An encoding id in constant data; its namespace is that of the type it belongs to.
 struct StaticId {
     std::uint32_t numeric{0};
-    /// Not empty: the id is this string and not a number.
+    /// If not empty, the id is this string and not a number.
     std::string_view string;
 
     [[nodiscard]] NodeId in(std::uint16_t namespace_index) const
@@ -29,8 +29,8 @@ struct StaticId {
     }
 };
 
-/// What the library knows of a generated structure, as constant data: `Range::type`. The functions
-/// work on objects of that C++ type; none of the pointers is null.
+/// Describes a generated structure, as constant data: `Range::type`. The functions work on objects
+/// of that C++ type; none of the pointers is null.
 struct StructureType {
     std::string_view name;
     std::string_view namespace_uri;

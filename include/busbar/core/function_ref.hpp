@@ -8,7 +8,8 @@ namespace busbar {
 template <typename Signature>
 class FunctionRef;
 
-/// A callable that is borrowed for the time of one call: two pointers, never empty, no allocation.
+/// A callable that is borrowed for the duration of one call: two pointers, never empty, no
+/// allocation.
 template <typename R, typename... Args>
 class FunctionRef<R(Args...)> {
 public:

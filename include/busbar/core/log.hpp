@@ -11,8 +11,8 @@ enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 enum class RecordKind : std::uint8_t;
 struct Record;
 
-/// Where the library reports what an operator may want to know. It is never given a secret; texts
-/// from peers have been through `printable`.
+/// Receives what an operator may want to know. It is never given a secret; texts from peers have
+/// passed `printable`.
 class BUSBAR_API LogSink {
 public:
     LogSink() = default;
@@ -24,13 +24,13 @@ public:
     /// for long and must not call back into the library. A line that makes it throw is lost.
     virtual void write(LogLevel level, std::string_view source, std::string_view text) = 0;
 
-    /// What happened, typed, of the kinds that the sink wants; its line is written besides. Called
-    /// as `write` is. The sink must be bounded by itself: peers can cause as many as they like.
+    /// Takes a typed record of a kind that the sink wants; its line is written as well. Called as
+    /// `write` is. The sink must limit what it keeps: peers can cause any number of records.
     virtual void record(const Record&) {}
     [[nodiscard]] virtual bool wants(RecordKind) const { return false; }
 };
 
-/// Drops everything.
+/// A log that drops everything.
 class BUSBAR_API NullLog final : public LogSink {
 public:
     void write(LogLevel, std::string_view, std::string_view) override {}

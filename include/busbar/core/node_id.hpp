@@ -47,13 +47,13 @@ public:
     [[nodiscard]] IdType id_type() const { return type_; }
     [[nodiscard]] bool is_numeric() const { return type_ == IdType::Numeric; }
 
-    /// The identifier. Each may only be asked of a NodeId of its IdType.
+    /// The identifier. Call only the function of the NodeId's own IdType.
     [[nodiscard]] std::uint32_t numeric() const { return numeric_; }
     [[nodiscard]] const String& string() const { return string_; }
     [[nodiscard]] const Guid& guid() const { return guid_; }
     [[nodiscard]] const ByteString& opaque() const { return opaque_; }
 
-    /// Namespace 0 and an identifier that is zero, null or empty (Part 3, 8.2.4).
+    /// True for namespace 0 with an identifier that is zero, null or empty (Part 3, 8.2.4).
     [[nodiscard]] bool is_null() const;
     /// True if this is the given node of namespace 0.
     [[nodiscard]] bool is(std::uint32_t namespace0_identifier) const
@@ -66,7 +66,7 @@ public:
     friend BUSBAR_API std::strong_ordering operator<=>(const NodeId& a, const NodeId& b);
 
 private:
-    /// Here, as every item of every request has one.
+    /// Defined here to be inlined, since every item of every request has a NodeId.
     void destroy()
     {
         if (type_ == IdType::String) {
@@ -95,7 +95,7 @@ private:
 /// ExpandedNodeId (Part 4, 7.16; Part 6, 5.2.2.10).
 struct ExpandedNodeId {
     NodeId node_id;
-    /// Not null: replaces the namespace index, which is then 0.
+    /// If not null, it replaces the namespace index, which is then 0.
     String namespace_uri;
     std::uint32_t server_index{0};
 

@@ -12,7 +12,7 @@
 
 namespace busbar {
 
-/// NumericRange (Part 4, 7.27): "3", "1:4", "0:1,2:5". An empty text is no range.
+/// NumericRange (Part 4, 7.27): "3", "1:4", "0:1,2:5". An empty text is not a range.
 class BUSBAR_API NumericRange {
 public:
     static constexpr std::size_t max_dimensions = 16;
@@ -20,13 +20,14 @@ public:
         std::uint32_t first{0};
         std::uint32_t last{0};
 
-        /// Up to 2^32.
+        /// The number of elements, up to 2^32.
         [[nodiscard]] std::uint64_t count() const { return std::uint64_t{last} - first + 1; }
         friend bool operator==(const Bounds&, const Bounds&) = default;
     };
 
     NumericRange() = default;
-    /// Bad_IndexRangeInvalid for anything Part 4, 7.27 does not allow, or too many dimensions.
+    /// Returns Bad_IndexRangeInvalid for anything that Part 4, 7.27 does not allow, and for too
+    /// many dimensions.
     [[nodiscard]] static Result<NumericRange> parse(std::string_view text);
 
     [[nodiscard]] bool empty() const { return count_ == 0; }
@@ -39,7 +40,7 @@ private:
     std::size_t count_{0};
 };
 
-/// The part of `value` that `range` selects. The value is an array, a matrix, a String, a
+/// Returns the part of `value` that `range` selects. The value is an array, a matrix, a String, a
 /// ByteString or, with one dimension more in the range, an array of these two. The last bound may
 /// lie past the end, the first may not. Bad_IndexRangeNoData if nothing is there or the dimensions
 /// do not fit.

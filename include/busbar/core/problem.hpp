@@ -13,20 +13,21 @@ namespace busbar {
 
 struct Refusal;
 
-/// What is wrong with something that a human configured: a server's or client's configuration, its
-/// environment, a simulated PLC, a NodeSet file, a file of settings. For the person who wrote it;
-/// what a peer did wrong is a Refusal. Never holds a secret, and nothing but printable text.
+/// Says what is wrong with something that a human configured: a server's or client's configuration,
+/// its environment, a simulated PLC, a NodeSet file, a settings file. It is written for that
+/// person; a peer's mistake is a Refusal. Holds only printable text and never a secret.
 struct Problem {
     /// Never Good. Bad_ConfigurationError unless another code says more.
     StatusCode status{status::Bad_ConfigurationError};
-    /// What it is about, as its author finds it: "endpoint_url", "variables[2].type",
-    /// "controller.toml:12: scan_ms", "tags.xml:17: ns=1;i=5". Empty: all of it.
+    /// The subject as its author finds it: "endpoint_url", "variables[2].type",
+    /// "controller.toml:12: scan_ms", "tags.xml:17: ns=1;i=5". Empty if it is the whole
+    /// configuration.
     std::string where{};
-    /// What was found and, where it helps, what was expected.
+    /// The finding and, if it helps, the expected value.
     std::string text{};
 };
 
-/// What is made of a configuration: a value, or the problem that there is with it.
+/// The result of reading a configuration: a value, or the problem with it.
 template <typename T>
 using Configured = Expected<T, Problem>;
 
@@ -37,12 +38,12 @@ misconfigured(std::string where, std::string text, StatusCode code = status::Bad
     return Unexpected<Problem>{Problem{code, std::move(where), std::move(text)}};
 }
 
-/// The problem as one line: "endpoint_url: is empty", and behind it the status in parentheses if
-/// that is not Bad_ConfigurationError.
+/// The problem as one line: "endpoint_url: is empty", followed by the status in parentheses unless
+/// it is Bad_ConfigurationError.
 [[nodiscard]] BUSBAR_API std::string text(const Problem& problem);
 
-/// A refusal of what somebody configured, as a certificate of one's own: `where` is the check, and
-/// the text has what was found, the certificate, the rule and the remedy.
+/// Turns the refusal of something that was configured, such as the own certificate, into a Problem:
+/// `where` is the check, and the text has what was found, the certificate, the rule and the remedy.
 [[nodiscard]] BUSBAR_API Problem problem_of(const Refusal& refusal);
 
 } // namespace busbar

@@ -15,8 +15,8 @@
 
 namespace busbar {
 
-/// What can happen that somebody may have to know of later. In brackets the fields that a record
-/// of the kind has, by the names that the specification's event types have for them.
+/// The kinds of occurrences that may be of interest later. In brackets the fields that a record of
+/// the kind has, by their names in the specification's event types.
 enum class RecordKind : std::uint8_t {
     ChannelOpened,  // [RequestType, SecurityPolicyUri, SecurityMode, RequestedLifetime]
     ChannelRenewed, // the same
@@ -27,30 +27,30 @@ enum class RecordKind : std::uint8_t {
     SessionRefused, // by CreateSession
     /// [EndpointUrl]: the client connects by a name that the server does not have.
     UrlMismatch,
-    /// [UserTokenType, IsFirst: false if it was activated before, UserIdentityToken]; of a token
-    /// all but its secret.
+    /// [UserTokenType, IsFirst: false if the session was activated before, UserIdentityToken]; the
+    /// token without its secret.
     SessionActivated,
     LoginRefused, // [UserIdentityToken], by ActivateSession
     /// [WasActivated, Cause: "CloseSession", "Timeout" or "Terminated"]; status: why.
     SessionClosed,
     RequestCancelled, // [RequestHandle]
-    /// By TransferSubscriptions, to the actor's session; status: the first that is not good.
+    /// Caused by TransferSubscriptions, to the actor's session; status: the first bad one.
     SubscriptionsTransferred,
 
     CertificateRefused,
-    CertificateSuppressed, // accepted by a setting; the refusal says what was passed over
-    CertificateSaved,      // in rejected
+    CertificateSuppressed, // accepted by a setting; the refusal says which errors were suppressed
+    CertificateSaved,      // in the rejected list
     CertificateDiscarded,
-    CertificateAdded, // [ListName]; also for the next ones
+    CertificateAdded, // [ListName]; the next ones have the same field
     CertificateMoved, // [ListName, FromListName]
     CertificateRemoved,
-    CertificateUpdated,  // the application's own; the new one if it was done
+    CertificateUpdated,  // the application's own; the new one if the update succeeded
     CertificateExpiring, // or not valid yet
-    /// The application's own, like the two beside it; with [ListName] one of that list.
+    /// The application's own, as for the kinds before and after; with [ListName] one of that list.
     CertificateExpired,
     CertificateHostNotNamed,
-    /// [ListName, FileName, IssuerName: its common name, NextUpdate: null if it has none]; also for
-    /// the next one.
+    /// [ListName, FileName, IssuerName: its common name, NextUpdate: null if it has none]; the next
+    /// one has the same fields.
     RevocationListAdded,
     RevocationListRemoved,
     TrustListUpdated, // [TrustListId], as a whole
@@ -67,33 +67,36 @@ enum class RecordKind : std::uint8_t {
     ReferencesAdded,   // [SourceNodeId, ReferenceTypeId, TargetNodeId]
     ReferencesDeleted, // the same
 
-    // The life of a controller's server (seed 000, 4-2-4), which has no audit events.
+    // The life cycle of a controller's server (manual of variables mode, 4-2-4), which has no audit
+    // events.
     ServerStarted,
-    ServerPreparing, // its endpoints and nodes are being made
+    ServerPreparing, // its endpoints and nodes are being created
     ServerRunning,   // [EndpointUrl]
     ServerShutDown,  // completed
     ServerHalted,    // [Reason: "Configuration Error", "Server Start Error", "OPC UA System Error"]
     ServerSystemError,
-    VariablesCounted,  // [Variables, Values, DataTypes], all that are published
+    VariablesCounted,  // [Variables, Values, DataTypes], the numbers of all that are published
     VariablePublished, // [Name, Size, Values, Members]
-    /// [Name, Reason, Size, ErrorDetails]: by a rule for one variable (seed 000, 7-1-6, 35D40000).
+    /// [Name, Reason, Size, ErrorDetails]: a rule excludes one variable (manual of variables mode,
+    /// 7-1-6, 35D40000).
     VariableNotPublished,
-    /// [Code]: 0001, 0002, 0003, 0005 or 0302 (seed 000, 9-2-2, 15000000).
+    /// [Code]: 0001, 0002, 0003, 0005 or 0302 (manual of variables mode, 9-2-2, 15000000).
     ExecutionLogLost,
-    /// The certificate and whom the server trusts are gone (seed 000, 9-2-2, 95D40000).
+    /// The own certificate and the trust lists are lost (manual of variables mode, 9-2-2,
+    /// 95D40000).
     SecurityCleared,
     /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
     PublishingLimitExceeded,
-    /// [Code, Instruction, and as far as it is known Location, Line, Instance]: an instruction of
-    /// the controller's program failed; the code is UInt16 and, after 5401, the event's code
-    /// (seed 000, 9-2-2).
+    /// [Code, Instruction, and if known Location, Line, Instance]: an instruction of the
+    /// controller's program failed; the code is a UInt16 followed, after 5401, by the event's code
+    /// (manual of variables mode, 9-2-2).
     InstructionFailed,
-    ExecutionLogSaved, // again, after ExecutionLogLost
-    /// [Level: "Major fault", "Partial fault" or "Minor fault", Where: "CPU Unit"], of the
-    /// controller (seed 000, 9-1-2).
+    ExecutionLogSaved, // works again, after ExecutionLogLost
+    /// [Level: "Major fault", "Partial fault" or "Minor fault", Where: "CPU Unit"]: a fault of the
+    /// controller (manual of variables mode, 9-1-2).
     MachineFault,
     /// [Reason]: a configuration cannot be used, and another one is in force; status Good: it is
-    /// used, or nobody asks for it any more.
+    /// used now, or no longer requested.
     ConfigurationRefused,
 };
 
@@ -105,8 +108,8 @@ struct RecordField {
     Variant value;
 };
 
-/// Who did it; empty where that is not known. Texts come from the peer and have not been through
-/// `printable`.
+/// The user or peer that caused it; members are empty if unknown. Texts come from the peer and have
+/// not passed `printable`.
 struct RecordActor {
     /// Null if there is no session.
     const NodeId* session_id{nullptr};
@@ -114,7 +117,7 @@ struct RecordActor {
     std::string_view application_uri{};
     /// ClientUserId (Part 5, 6.4.3).
     std::string_view user{};
-    /// Without port.
+    /// The address without port.
     std::string_view address{};
     /// AuditEntryId of the request's header (Part 4, 7.33).
     std::string_view audit_entry_id{};
@@ -124,29 +127,29 @@ struct RecordActor {
     std::uint32_t secure_channel_id{0};
 };
 
-/// One thing that happened. Never holds a secret. Borrows all that it refers to.
+/// One occurrence. Never holds a secret. Borrows everything it refers to.
 struct Record {
     RecordKind kind{};
     LogLevel level{LogLevel::Info};
     /// The layer or part, as LogSink::write has it.
     std::string_view source{};
-    /// For people, in one line; empty: the refusal says it, or no line is written.
+    /// A line for people; empty if the refusal says it, or if no line is written.
     std::string text{};
-    /// Good if it was done.
+    /// Good if the operation succeeded.
     StatusCode status{};
-    /// Why it was not done; may be null.
+    /// The reason if it failed; may be null.
     const Refusal* refusal{nullptr};
     RecordActor actor{};
-    /// DER of the certificate that it is about: the peer's of a channel or session. Empty if there
+    /// DER of the certificate that it is about: the peer's for a channel or session. Empty if there
     /// is none.
     std::span<const std::byte> certificate{};
     std::span<const RecordField> fields{};
 };
 
-/// The record for a sink that wants it, and its line for every sink.
+/// Passes the record to a sink that wants it, and its line to every sink.
 BUSBAR_API void tell(LogSink& log, const Record& record);
 
-/// The field's value; null if there is none of this name.
+/// Returns the value of a field; null if the record has no field of this name.
 [[nodiscard]] BUSBAR_API const Variant* field(const Record& record, std::string_view name);
 
 } // namespace busbar

@@ -12,20 +12,20 @@
 
 namespace busbar {
 
-/// Why a connection, message, certificate, token or user was refused, for the operator of this
-/// machine. The peer is told no more than Part 4, 6.1.3 and Part 6, 6.7.7 allow; the log says it
-/// all. Never holds a secret; what a peer sent has passed `printable`.
+/// Says why a connection, message, certificate, token or user was refused, for the operator of this
+/// machine. The peer is told no more than Part 4, 6.1.3 and Part 6, 6.7.7 allow; the log gets
+/// everything. Never holds a secret; text from a peer has passed `printable`.
 struct Refusal {
     StatusCode status;
-    /// Which check failed: "Trust List Check", "user name and password".
+    /// The check that failed: "Trust List Check", "user name and password".
     std::string_view check;
-    /// What was found and, where it helps, what was expected.
+    /// The finding and, if it helps, the expected value.
     std::string found;
-    /// Which rule asks for the check: "Part 4, 6.1.3, Table 100".
+    /// The rule that requires the check: "Part 4, 6.1.3, Table 100".
     std::string_view rule;
-    /// What the operator can do; empty if there is nothing to do, as with a forged message.
+    /// The operator's remedy; empty if there is none, as for a forged message.
     std::string remedy;
-    /// The certificate that it is about, empty if it is about none.
+    /// Subject of the certificate that it is about; empty if it is about none.
     std::string subject{};
     std::string thumbprint{};
 };
@@ -44,12 +44,11 @@ using Checked = Expected<T, Refusal>;
 /// Part 4, 6.1.3, Table 100. Move it from rejected to trusted."
 [[nodiscard]] BUSBAR_API std::string text(const Refusal& refusal);
 
-/// The refusal for the user who asked, without its status and rule:
-/// "user name rules: it has 3 characters, expected 4 to 32. Choose another one that fits the
-/// rules".
+/// The refusal in a form for the user concerned, without its status and rule: "user name rules: it
+/// has 3 characters, expected 4 to 32. Choose another one that fits the rules".
 [[nodiscard]] BUSBAR_API std::string reason_of(const Refusal& refusal);
 
-/// Writes that line as a warning. Whoever answers the peer calls it, once for each refusal.
+/// Writes that line as a warning. The code that answers the peer calls it, once for each refusal.
 BUSBAR_API void explain(LogSink& log, std::string_view source, const Refusal& refusal);
 
 } // namespace busbar

@@ -8,8 +8,8 @@
 
 namespace busbar {
 
-/// A folder of a Storage as a Storage of its own, whose root it is. Threads and errors are those of
-/// the other one.
+/// A Storage whose root is a folder of another Storage. Threads and errors are those of the other
+/// one.
 class BUSBAR_API StorageFolder : public Storage {
 public:
     /// `storage` must outlive this object.

@@ -11,23 +11,23 @@
 
 namespace busbar {
 
-/// A Storage as most of a program sees it, and which can be closed behind that one's back: for a
-/// time in which somebody else replaces what lies there, and for good when what the program has in
-/// memory counts no more. Reading goes on. Threads and errors are those of the other one.
+/// A Storage that can be closed while a program uses it: for a time in which its files are replaced
+/// from elsewhere, and for good once the program's memory is out of date. Reading stays possible.
+/// Threads and errors are those of the other one.
 class BUSBAR_API StorageGate final : public Storage {
 public:
     /// `storage` must outlive this object.
     explicit StorageGate(Storage& storage) : storage_{&storage} {}
 
-    /// Runs `act`, which works on the other Storage, while nobody changes anything by this one:
-    /// those who try wait. Any thread.
+    /// Runs `act`, which works on the other Storage, while changes through this one wait. Called
+    /// from any thread.
     void hold(FunctionRef<void()> act)
     {
         const std::unique_lock lock{mutex_};
         act();
     }
-    /// From now on changes are refused with StorageError::Closed, and so are those that wait for
-    /// the end of hold(). Any thread.
+    /// Refuses changes from now on with StorageError::Closed, including those that wait for the end
+    /// of hold(). Called from any thread.
     void close() { is_closed_ = true; }
     [[nodiscard]] bool is_closed() const { return is_closed_; }
 

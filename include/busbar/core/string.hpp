@@ -14,14 +14,14 @@ namespace busbar {
 
 namespace detail {
 
-/// The one empty, not null, blob; it is never written nor freed.
+/// The data of every blob that is empty and not null; it is never written nor freed.
 inline constexpr char empty_blob = '\0';
 
 /// Sixteen bytes that own or borrow up to 4 GiB of bytes, or are null.
 ///
-/// A borrowed blob points into somebody else's memory (a message that is being decoded) and is
-/// valid as long as that is. A copy always owns its bytes; a move takes over what the other one
-/// had, borrowed or owned. Thread-compatible.
+/// A borrowed blob points into memory of another owner (a message that is being decoded) and is
+/// valid as long as that memory is. A copy always owns its bytes; a move takes what the source had,
+/// borrowed or owned. Thread-compatible.
 class Blob {
 public:
     constexpr Blob() = default;
@@ -51,12 +51,12 @@ public:
     }
     ~Blob() { reset(); }
 
-    /// Null is a value of its own: Part 6, 5.2.2.4 gives it the length -1.
+    /// True for null, which is a value of its own: Part 6, 5.2.2.4 gives it the length -1.
     [[nodiscard]] constexpr bool is_null() const { return data_ == nullptr; }
-    /// Null, or of length 0.
+    /// True if null or of length 0.
     [[nodiscard]] constexpr bool empty() const { return size_ == 0; }
     [[nodiscard]] constexpr std::size_t size() const { return size_; }
-    /// False for a blob that points into somebody else's memory.
+    /// False for a blob that points into memory of another owner.
     [[nodiscard]] constexpr bool is_owned() const { return owned_ || size_ == 0; }
 
     /// Makes the blob null.
@@ -108,7 +108,7 @@ private:
 
 /// String (Part 3, 8.31; Part 6, 5.2.2.4): UTF-8 text that may be null.
 ///
-/// The library never changes or rejects its bytes for not being UTF-8; whoever prints them escapes
+/// The library neither changes nor rejects bytes that are not UTF-8; code that prints them escapes
 /// them. Null and empty are different values and compare unequal.
 class String : public detail::Blob {
 public:

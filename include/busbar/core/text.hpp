@@ -45,8 +45,9 @@ struct LocalizedText {
     friend auto operator<=>(const LocalizedText&, const LocalizedText&) = default;
 };
 
-/// `text` with control characters, and bytes that are not UTF-8, written as \xHH, and what changes
-/// the direction of text as \u202E; at most `max_bytes` long. For logs and terminals.
+/// Returns `text` with control characters and bytes that are not UTF-8 written as \xHH, and
+/// characters that change the direction of text as \u202E; at most `max_bytes` long. For logs and
+/// terminals.
 [[nodiscard]] BUSBAR_API std::string printable(std::string_view text, std::size_t max_bytes = 256);
 
 /// The specification's symbolic name ("Bad_Timeout") of `code.code()`; empty if it has none.

@@ -8,13 +8,14 @@
 
 namespace busbar {
 
-/// "2026-11-21T06:00:00.123Z"; "+01:00" may stand for the "Z", and without either the time is UTC.
-/// Nothing if `text` has another form; so below.
+/// Reads "2026-11-21T06:00:00.123Z"; "+01:00" may replace the "Z", and without either the time is
+/// UTC. This and the next functions return nothing for a text of another form.
 [[nodiscard]] BUSBAR_API std::optional<DateTime> parse_date_time(std::string_view text);
-/// "svr=1;nsu=urn:x;i=5"; either or both of the first two parts may be left out (Part 6, 5.3.1.11).
+/// Reads "svr=1;nsu=urn:x;i=5"; one or both of the first two parts may be missing (Part 6,
+/// 5.3.1.11).
 [[nodiscard]] BUSBAR_API std::optional<ExpandedNodeId>
 parse_expanded_node_id(std::string_view text);
-/// "Bad_Timeout", "0x800A0000" or "2148139008".
+/// Reads "Bad_Timeout", "0x800A0000" or "2148139008".
 [[nodiscard]] BUSBAR_API std::optional<StatusCode> parse_status_code(std::string_view text);
 
 } // namespace busbar

@@ -29,7 +29,7 @@ public:
     Variant& operator=(Variant&& other) noexcept
     {
         if (this != &other) {
-            // What is destroyed may hold `other`.
+            // The destroyed value may contain `other`.
             Variant taken{std::move(other)};
             if (owns_memory()) {
                 destroy();
@@ -144,7 +144,7 @@ private:
 
     template <typename T>
     struct Matrix {
-        Array<std::uint32_t> dimensions; // first in every Matrix, whatever T is
+        Array<std::uint32_t> dimensions; // first in every Matrix, for every T
         Array<T> values;
     };
     template <typename T>
@@ -164,7 +164,8 @@ private:
     }
     void destroy();
     void copy(const Variant& other);
-    /// Everything a Variant holds may be moved as bytes: numbers, blobs, array headers, pointers.
+    /// Moves as bytes, which everything in a Variant allows: numbers, blobs, array headers,
+    /// pointers.
     void take(Variant& other) noexcept
     {
         std::memcpy(storage_, other.storage_, sizeof storage_);
@@ -173,7 +174,7 @@ private:
     }
     void set_box(void* object) { ::new (static_cast<void*>(storage_)) void*(object); }
     [[nodiscard]] void* box() const { return *stored<void* const>(storage_); }
-    /// What lies in a Variant's storage, which is aligned for all that may.
+    /// Returns the object in a Variant's storage, which is aligned for every type.
     template <typename T>
     [[nodiscard]] static T* stored(std::byte* storage)
     {

@@ -4,7 +4,8 @@
 
 namespace busbar {
 
-/// Tells whoever drives a server that there is work which no socket and no deadline announces.
+/// Tells the program that drives a server that there is work which no socket and no deadline
+/// announces.
 class BUSBAR_API Waker {
 public:
     Waker() = default;

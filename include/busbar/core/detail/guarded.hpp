@@ -12,12 +12,12 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/status_codes.hpp>
 
-/// Guards the calls of what users wrote: an exception ends the operation that the call belongs to,
-/// and nothing else.
+/// Guards the calls of user code: an exception ends the operation that the call belongs to, and
+/// nothing else.
 namespace busbar::detail {
 
-/// What an exception said, as much of it as fits: to keep it needs no memory, which may be what is
-/// missing.
+/// The text of an exception, as much of it as fits. Keeping it needs no memory, since memory may be
+/// what is missing.
 class BUSBAR_API ThrownText {
 public:
     static constexpr std::size_t max_size = 240;
@@ -30,9 +30,9 @@ private:
     char text_[max_size];
 };
 
-/// Calls `function`: Good, or what became of it if it threw, with the exception's own words in
-/// `what`. Bad_OutOfMemory for a failed allocation, else Bad_InternalError. Allocates nothing
-/// itself and throws nothing. Compiled without exceptions it is a plain call.
+/// Calls `function` and returns Good, or the status of what it threw, with the exception's text in
+/// `what`: Bad_OutOfMemory for a failed allocation, else Bad_InternalError. Allocates nothing
+/// itself and does not throw. Compiled without exceptions it is a plain call.
 template <typename Function>
 [[nodiscard]] StatusCode caught(ThrownText& what, Function&& function)
 {
@@ -56,7 +56,7 @@ template <typename Function>
     return status::Good;
 }
 
-/// The same where the exception's words are of no use.
+/// Does the same without the exception's text.
 template <typename Function>
 [[nodiscard]] StatusCode caught(Function&& function)
 {
@@ -64,14 +64,14 @@ template <typename Function>
     return caught(lost, std::forward<Function>(function));
 }
 
-/// Calls what may be left undone: what it throws is lost.
+/// Calls a function whose failure does not matter: exceptions are discarded.
 template <typename Function>
 void attempt(Function&& function)
 {
     static_cast<void>(caught(std::forward<Function>(function)));
 }
 
-/// Takes back what was begun, in its destructor, unless keep() was called.
+/// Runs `function` in its destructor, to undo what was begun, unless keep() was called.
 template <typename Function>
 class Undo {
 public:
@@ -95,15 +95,15 @@ private:
 BUSBAR_API void write_safely(LogSink& log, LogLevel level, std::string_view source,
                              std::string_view text);
 
-/// Gives a record to a user's log, or asks whether it wants one; no, if it throws.
+/// Passes a record to a user's log, or asks whether it wants one; returns false if that throws.
 BUSBAR_API void record_safely(LogSink& log, const Record& record);
 [[nodiscard]] BUSBAR_API bool wants_safely(LogSink& log, RecordKind kind);
 
-/// Tells the log what `callback` threw.
+/// Reports to the log what `callback` threw.
 BUSBAR_API void report_thrown(LogSink& log, std::string_view callback, std::string_view what);
 
-/// As caught(), and tells the log. `callback` is what the user knows the function by:
-/// "DataSource::read".
+/// Calls as caught() does, and reports exceptions to the log. `callback` is the name that the user
+/// knows the function by: "DataSource::read".
 template <typename Function>
 StatusCode guarded(LogSink& log, std::string_view callback, Function&& function)
 {

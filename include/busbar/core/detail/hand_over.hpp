@@ -7,9 +7,9 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/waker.hpp>
 
-/// How threads hand things over to the one that drives a server: what is handed over is put where
-/// that finds it, in a HandOver or a flag, and then a WakerSlot tells it to look there. Neither
-/// blocks nor allocates, so that a task of the PLC may do it.
+/// Threads hand work over to the one that drives a server: they put it where that thread finds it,
+/// in a HandOver or a flag, and then a WakerSlot tells it to look there. Neither blocks nor
+/// allocates, so that a task of the PLC may use them.
 namespace busbar::detail {
 
 /// The Waker of a thread that may go away while others wake it.
@@ -26,11 +26,12 @@ public:
     WakerSlot(const WakerSlot&) = delete;
     WakerSlot& operator=(const WakerSlot&) = delete;
 
-    /// When this returns, the Waker that was there before is not in use any more. One thread at a
-    /// time; waits for those who are inside of Waker::wake, which does not block.
+    /// When this returns, the previous Waker is not in use any more. Called by one thread at a
+    /// time; waits for threads that are inside Waker::wake, which does not block.
     void set(Waker* waker) noexcept;
     [[nodiscard]] bool is_empty() const noexcept { return waker_ == nullptr; }
-    /// From any thread: calls the Waker, if there is one. What that throws is lost.
+    /// Called from any thread: calls the Waker, if there is one. Exceptions of the Waker are
+    /// discarded.
     void wake() noexcept;
 
 private:
@@ -38,19 +39,19 @@ private:
     std::atomic<std::uint32_t> callers_{0};
 };
 
-/// Things on their way from any thread to the one that takes them, in the order in which they were
+/// Items on their way from any thread to the one that takes them, in the order in which they were
 /// pushed. They are chained by their own member `next`, a T* or a std::unique_ptr<T> that is null
-/// when they are pushed, and belong to the HandOver meanwhile, whose owner takes and frees what is
-/// left. It has no bound of its own: things are charged for where they are made.
+/// when they are pushed. Meanwhile they belong to the HandOver, whose owner takes and frees the
+/// rest. It has no bound of its own: items are charged for where they are made.
 ///
 /// The items are a stack that is only ever taken whole. Push does not look at the item that it
 /// finds on top, so that it does no harm if that was taken and pushed again meanwhile. The exchange
-/// of push synchronizes with that of take(): what a thread did to an item before it pushed it
-/// happens before the other has it.
+/// of push synchronizes with that of take(): what a thread did to an item before pushing it happens
+/// before the other thread has it.
 ///
-/// Only a push that finds nothing has to be followed by a wake. Any other item was put on one that
-/// had not been taken, and that in the end on one that was followed by a wake: the take() which
-/// gets that one, because of its wake or before, gets all that was put on it.
+/// Only a push onto an empty stack has to be followed by a wake. Any other item lies on one that
+/// had not been taken, and at the bottom lies one whose push was followed by a wake: the take()
+/// that gets that one, because of its wake or before it, gets all items above it.
 template <typename T>
 class HandOver {
 public:
@@ -58,7 +59,7 @@ public:
     HandOver(const HandOver&) = delete;
     HandOver& operator=(const HandOver&) = delete;
 
-    /// From any thread. True if it was empty: the taker has to be woken.
+    /// Called from any thread. Returns true if it was empty: the taker has to be woken.
     bool push(T& item) noexcept
     {
         T* before = newest_.load();
@@ -67,8 +68,8 @@ public:
         } while (!newest_.compare_exchange_weak(before, &item));
         return before == nullptr;
     }
-    /// All that was pushed, the oldest first, each with the one after it as its `next`; null if
-    /// there is nothing.
+    /// Takes all items, the oldest first, each with the following one as its `next`; null if there
+    /// are none.
     [[nodiscard]] T* take() noexcept
     {
         T* newest = newest_.exchange(nullptr);

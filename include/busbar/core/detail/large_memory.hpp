@@ -7,16 +7,17 @@
 
 namespace busbar::detail {
 
-/// From so many bytes on, memory comes from and goes to what the thread keeps, if it keeps any: a
-/// process that gives pages back to its system takes a fault for each when it needs them again.
+/// Blocks of this many bytes or more come from and go to the memory that the thread keeps, if it
+/// keeps any: a process that returns pages to its system takes a fault for each when it needs them
+/// again.
 inline constexpr std::size_t large_memory = std::size_t{64} << 10U;
 
-/// Memory for anything of fundamental alignment. Throws std::bad_alloc.
+/// Allocates memory for anything of fundamental alignment. Throws std::bad_alloc.
 [[nodiscard]] BUSBAR_API void* allocate_large(std::size_t bytes);
-/// What allocate_large gave, on any thread.
+/// Frees memory of allocate_large, on any thread.
 BUSBAR_API void free_large(void* memory) noexcept;
 
-/// For containers that may become large.
+/// An allocator for containers that may become large.
 template <typename T>
 struct LargeAllocator {
     using value_type = T;
