@@ -26,26 +26,27 @@ namespace busbar::channel {
 class OpenGate;
 class OpenWorker;
 
-/// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
+/// The smallest buffer size that either side may request (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t min_buffer_size = 8'192;
 
-/// Limits of one connection, in bytes. All are finite: 0 stands for the default, and a peer that
-/// sets no limit is held to these, too.
+/// Limits of one connection, in bytes. All are finite: 0 means the default, and they apply to a
+/// peer that sets no limit, too.
 struct TransportLimits {
-    /// Largest chunk that is accepted and sent.
+    /// Size of the largest chunk that is accepted and sent.
     std::uint32_t receive_buffer_size{65'535};
     std::uint32_t send_buffer_size{65'535};
-    /// Largest message body that is accepted and sent, and the chunks it may come in.
+    /// Size of the largest message body that is accepted and sent, and the maximum number of its
+    /// chunks.
     std::uint32_t max_message_size{16U << 20U};
     std::uint32_t max_chunk_count{512};
-    /// From the connection's first moment to an open channel.
+    /// Time from the start of the connection until the channel must be open.
     Duration handshake_timeout{std::chrono::seconds{10}};
 };
 
 /// "Invalid", "None", "Sign" or "SignAndEncrypt" (Part 4, 7.20); empty for any other number.
 [[nodiscard]] BUSBAR_API std::string_view name(MessageSecurityMode mode);
 
-/// How a channel is secured: a policy and a mode that belong together.
+/// The security of a channel: a policy and a mode that belong together.
 struct SecuritySetting {
     const crypto::SecurityPolicy* policy{&crypto::policy_none()};
     MessageSecurityMode mode{MessageSecurityMode::None};
@@ -59,13 +60,13 @@ struct ApplicationIdentity {
     crypto::PrivateKey key;
 };
 
-/// How many bytes the unfinished messages of all channels that share it may hold together, so that
-/// many peers cannot do what a single one must not. Any thread.
+/// Limits the bytes that the unfinished messages of all channels that share it hold together, so
+/// that many peers cannot do what a single one must not. Called from any thread.
 class BUSBAR_API AssemblyBudget {
 public:
     explicit AssemblyBudget(std::size_t limit) : left_{limit} {}
 
-    /// Takes `size` bytes. False, with nothing taken, if fewer are left.
+    /// Takes `size` bytes. False, with nothing taken, if fewer are available.
     [[nodiscard]] bool take(std::size_t size);
     void give_back(std::size_t size) { left_.fetch_add(size, std::memory_order_relaxed); }
     [[nodiscard]] std::size_t left() const { return left_.load(std::memory_order_relaxed); }
@@ -74,7 +75,7 @@ private:
     std::atomic<std::size_t> left_;
 };
 
-/// What channels, and clients on them, need from outside, filled field by field:
+/// The services that channels, and clients on them, need from outside, set field by field:
 /// `{.random = &random, .wall_clock = &clock, .log = &log}`. All must outlive them.
 struct ChannelEnvironment {
     [[no_unique_address]] NamedFields named_fields{};
@@ -89,25 +90,25 @@ struct ChannelEnvironment {
     crypto::CertificateValidator* validator{nullptr};
     /// Required unless only policy None is used.
     const ApplicationIdentity* identity{nullptr};
-    /// Optional; null where connections are few.
+    /// Optional; null if connections are few.
     AssemblyBudget* budget{nullptr};
-    /// Optional, of servers; null: whatever is asked for is done at once.
+    /// Optional, for servers; if null, every request is served at once.
     OpenGate* gate{nullptr};
-    /// Optional, of servers; null: asymmetric work is done where the channel is called.
+    /// Optional, for servers; if null, asymmetric work is done by the calling thread.
     OpenWorker* worker{nullptr};
-    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
+    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG ignore it.
     KeyLog* key_log{nullptr};
 };
 
-/// What happened on a channel.
+/// An occurrence on a channel.
 struct ChannelEvent {
     enum class Kind : std::uint8_t {
-        Opened,  // the channel is there
+        Opened,  // the channel is open
         Renewed, // it has a new SecurityToken
         Message, // a request (server) or response (client)
         Aborted, // client: the server gave up the response to request_id, with `status`
-        Closed,  // nothing more will come; `status` is Good after CloseSecureChannel, else exact:
-                 // the peer may have been told less
+        Closed,  // the last event; `status` is Good after CloseSecureChannel, else exact: the peer
+                 // may have been told less
     };
     Kind kind{Kind::Closed};
     std::uint32_t request_id{0};

@@ -19,19 +19,20 @@ struct ClientChannelConfig {
     TransportLimits limits;
     std::string endpoint_url;
     SecuritySetting security;
-    /// The server's certificate, known from GetEndpoints; needed for any policy but None. What the
-    /// server sends must begin with it and pass the validator before the channel is open.
+    /// The server's certificate, known from GetEndpoints; needed for any policy except None. The
+    /// chain that the server sends must begin with it and pass the validator before the channel is
+    /// open.
     std::optional<crypto::Certificate> server_certificate;
     std::chrono::milliseconds requested_lifetime{3'600'000};
     /// Wait for the server's ReverseHello before sending Hello (Part 6, 7.1.2.6).
     bool is_reverse{false};
-    /// Not empty: the ApplicationUri that the server's certificate and, with is_reverse, its
-    /// ReverseHello must name. Empty accepts any.
+    /// If not empty, the ApplicationUri that the server's certificate and, with is_reverse, its
+    /// ReverseHello must name. If empty, any is accepted.
     std::string expected_server_uri;
 };
 
-/// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself and
-/// renews its SecurityToken once 75 % of its lifetime are over (Part 4, 5.6.2.1).
+/// The client's end of one connection; used like ServerChannel. Opens the channel by itself and
+/// renews its SecurityToken when 75 % of its lifetime are over (Part 4, 5.6.2.1).
 class BUSBAR_API ClientChannel {
 public:
     ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
@@ -46,15 +47,14 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
 
-    /// Sends the request that `encode` writes and gives the id that its response will carry.
-    /// Nothing is sent, and the channel stays as it was, if it is not open
-    /// (Bad_SecureChannelClosed), `encode` fails, or the request is past the server's limits
-    /// (Bad_RequestTooLarge).
+    /// Sends the request that `encode` writes and returns the id that its response will have. If
+    /// the channel is not open (Bad_SecureChannelClosed), `encode` fails, or the request exceeds
+    /// the server's limits (Bad_RequestTooLarge), nothing is sent and the channel stays as it was.
     [[nodiscard]] Result<std::uint32_t> send(FunctionRef<void(binary::Writer&)> encode);
-    /// Puts CloseSecureChannel into output(), which is still to be delivered.
+    /// Puts CloseSecureChannel into output(), which must still be delivered.
     void close();
 
-    /// Gives a Message's body back, so that the next one needs no allocation. Optional.
+    /// Takes a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
     /// Bytes that the buffers of this connection hold now.
     [[nodiscard]] std::size_t memory_in_use() const;
@@ -63,7 +63,7 @@ public:
     [[nodiscard]] bool is_closed() const;
     [[nodiscard]] std::uint32_t channel_id() const;
     [[nodiscard]] const SecuritySetting& security() const;
-    /// The URL in our Hello; with is_reverse, the one that the server named.
+    /// The URL in our Hello; with is_reverse, the one in the server's ReverseHello.
     [[nodiscard]] const std::string& endpoint_url() const;
 
 private:

@@ -5,9 +5,9 @@
 
 namespace busbar::channel {
 
-/// Decides when a server does the asymmetric work of an OpenSecureChannel, which takes it
-/// milliseconds and who sends the message nothing (Part 2, 5.1.2.2). Asked before any of it is
-/// done; never with policy None, which has none. On the thread of the channel.
+/// Decides when a server does the asymmetric work of an OpenSecureChannel, which takes the server
+/// milliseconds and the sender nothing (Part 2, 5.1.2.2). Asked before any of it is done; never
+/// with policy None, which has none. Called on the channel's thread.
 class BUSBAR_API OpenGate {
 public:
     OpenGate() = default;
@@ -16,20 +16,20 @@ public:
     virtual ~OpenGate() = default;
 
     struct Admission {
-        /// False: the peer is told Bad_TcpServerTooBusy (Part 6, 7.1.5), and the channel ends.
+        /// If false, the peer is told Bad_TcpServerTooBusy (Part 6, 7.1.5), and the channel ends.
         bool is_admitted{true};
-        /// How long the request, and all that comes after it, waits in the channel's input.
+        /// The time that the request, and everything after it, waits in the channel's input.
         Duration wait{Duration::zero()};
-        /// Not admitted, and the log need not be told again.
+        /// Not admitted, and already reported to the log.
         bool is_known{false};
     };
-    /// A request for a new channel or, as `is_renewal`, for a new token of one that is open. What
-    /// would have to wait for more than `longest` is not to be admitted.
+    /// Decides about a request for a new channel or, with `is_renewal`, for a new token of an open
+    /// one. It must not admit a request that would wait for longer than `longest`.
     [[nodiscard]] virtual Admission admit(bool is_renewal, Duration longest, TimePoint now) = 0;
-    /// What was admitted was refused, or the channel has ended without a message that shows that
-    /// the peer has its keys: an overheard request that is sent again opens a channel, too.
+    /// An admitted request was refused, or the channel has ended without a message that proves that
+    /// the peer has its keys: a recorded request that is sent again opens a channel, too.
     virtual void failed(TimePoint now) = 0;
-    /// The first such message came over a new channel.
+    /// The first such message arrived on a new channel.
     virtual void worked() = 0;
 };
 

@@ -8,9 +8,9 @@
 
 namespace busbar::channel {
 
-/// Whether a client may accept `chain` as that of the server at `endpoint_url` (Part 4, 6.1.3): the
-/// validator of `environment`, which must not be null, decides. The certificate must name the URL's
-/// host and, unless that is empty, `server_uri`.
+/// Checks whether a client may accept `chain` as that of the server at `endpoint_url` (Part 4,
+/// 6.1.3): the validator of `environment`, which must not be null, decides. The certificate must
+/// name the URL's host and, unless that is empty, `server_uri`.
 [[nodiscard]] BUSBAR_API Checked<void> validate_server(const ChannelEnvironment& environment,
                                                        const crypto::CertificateChain& chain,
                                                        const crypto::SecurityPolicy& policy,

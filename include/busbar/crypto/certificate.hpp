@@ -20,10 +20,10 @@ namespace busbar::crypto {
 /// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
 class BUSBAR_API Certificate {
 public:
-    /// Exactly one DER certificate of at most 16 KiB, whose key is valid and has at most 8192 bits;
-    /// Bad_CertificateInvalid for anything else.
+    /// Parses exactly one DER certificate of at most 16 KiB, whose key is valid and has at most
+    /// 8192 bits; Bad_CertificateInvalid for anything else.
     [[nodiscard]] static Result<Certificate> parse(std::span<const std::byte> der);
-    /// PEM or DER, as files have it.
+    /// Parses PEM or DER, as in files.
     [[nodiscard]] static Result<Certificate> parse_file(std::span<const std::byte> contents);
 
     [[nodiscard]] std::span<const std::byte> der() const { return *der_; }
@@ -33,8 +33,8 @@ public:
     [[nodiscard]] std::string thumbprint_text() const;
     /// "CN=Name, O=..." for people.
     [[nodiscard]] std::string subject() const;
-    /// The URI of subjectAltName, as it stands there; empty if there is none or more than one (Part
-    /// 6, 6.2.2). Use `printable` to show it to people.
+    /// The URI of subjectAltName, unchanged; empty if there is none or more than one (Part 6,
+    /// 6.2.2). Use `printable` to show it to people.
     [[nodiscard]] std::string application_uri() const;
     /// DNS names and IP addresses of subjectAltName.
     [[nodiscard]] std::vector<std::string> host_names() const;
@@ -66,28 +66,29 @@ inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 
 /// Splits concatenated DER certificates. Bad_CertificateInvalid if there is none, if something else
 /// is among them, or if they are more than max_chain_length or larger than max_chain_size.
-/// Those that are among `known` are taken from there and not parsed once more.
+/// Certificates that are among `known` are copied from there instead of being parsed.
 [[nodiscard]] BUSBAR_API Result<CertificateChain>
 parse_chain(std::span<const std::byte> der, std::span<const Certificate> known = {});
 
-/// The certificates of peers that came last: who comes again is not parsed again, which takes
-/// OpenSSL as long as a private key takes for a signature. One thread.
+/// Keeps the latest certificates of peers, so that those of a returning peer need not be parsed
+/// again: parsing takes OpenSSL as long as a signature with a private key. One thread.
 class BUSBAR_API KnownCertificates {
 public:
     static constexpr std::size_t max_count = 16;
-    /// Larger ones are not kept. Bytes of DER.
+    /// Maximum size of a certificate that is kept, in bytes of DER.
     static constexpr std::size_t max_size = 4'096;
 
     [[nodiscard]] std::span<const Certificate> certificates() const { return certificates_; }
-    /// Keeps those of a chain, in the place of those that were kept first; what is there already
-    /// counts as new. Only what is trusted should be kept, or strangers displace it.
+    /// Keeps the certificates of a chain in place of the oldest ones; those that are kept already
+    /// count as new. Keep only trusted ones, or unknown peers displace them.
     void keep(const CertificateChain& chain);
 
 private:
     std::vector<Certificate> certificates_; // the oldest first
 };
 
-/// A thumbprint, or the beginning of one, as people write it, spelled as thumbprint_text() does.
+/// Returns a thumbprint, or the beginning of one, as people write it, in the spelling of
+/// thumbprint_text().
 [[nodiscard]] BUSBAR_API std::string spelled_thumbprint(std::string_view text);
 
 } // namespace busbar::crypto

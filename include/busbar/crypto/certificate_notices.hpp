@@ -12,33 +12,33 @@
 
 namespace busbar::crypto {
 
-/// What an operator should know about a certificate that is in use.
+/// A finding about a certificate in use that an operator should know.
 struct CertificateNotice {
     enum class Kind : std::uint8_t { NotYetValid, ExpiresSoon, Expired, HostNotNamed };
 
     Kind kind;
-    /// What was found and what to do about it.
+    /// Says what was found and what to do about it.
     std::string text;
-    /// Stays the same as long as the matter does, even if `text` counts days.
+    /// Identifies the notice: stays the same even if `text` counts days.
     std::string matter;
 
     friend bool operator==(const CertificateNotice&, const CertificateNotice&) = default;
 };
 
-/// A certificate that expires within this many days is worth a notice.
+/// A certificate that expires within this many days gets a notice.
 inline constexpr std::int64_t expiry_notice_days = 30;
 
-/// The notices at `now`, in the order of their kinds, at most one of each. `hosts` are the names
-/// and addresses by which clients reach this machine. Those that the certificate does not name
-/// share one notice: clients refuse to connect by them (Part 4, 6.1.3).
+/// Returns the notices at `now`, in the order of their kinds, at most one of each. `hosts` are the
+/// names and addresses by which clients reach this machine. Those that the certificate does not
+/// name share one notice: clients refuse to connect by them (Part 4, 6.1.3).
 [[nodiscard]] BUSBAR_API std::vector<CertificateNotice>
 certificate_notices(const Certificate& certificate, DateTime now,
                     std::span<const std::string> hosts);
 
-/// Whether the certificate names a host or address (Part 6, 6.2.2).
+/// Returns whether the certificate names a host or address (Part 6, 6.2.2).
 [[nodiscard]] BUSBAR_API bool names_host(const Certificate& certificate, const std::string& host);
 
-/// Writes notices to a log: each when it comes up, and again once a day. An expired certificate is
+/// Writes notices to a log: each one when it arises and then once a day. An expired certificate is
 /// an error, everything else a warning. One thread at a time.
 class BUSBAR_API CertificateWatch {
 public:
@@ -46,7 +46,7 @@ public:
     explicit CertificateWatch(LogSink& log) : log_{&log} {}
 
     /// Call it at the time that the last call returned, and whenever the certificate or the hosts
-    /// change. Returns when to look again: in a day, or earlier if something comes up before.
+    /// change. Returns the time of the next check: in a day, or earlier if a notice arises before.
     [[nodiscard]] DateTime check(const Certificate& certificate, DateTime now,
                                  std::span<const std::string> hosts);
 

@@ -8,7 +8,7 @@
 
 namespace busbar::crypto {
 
-/// SHA-256 (FIPS 180-4).
+/// Computes SHA-256 (FIPS 180-4).
 [[nodiscard]] BUSBAR_API std::array<std::byte, 32> sha256(std::span<const std::byte> bytes);
 
 } // namespace busbar::crypto

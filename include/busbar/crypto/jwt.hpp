@@ -18,7 +18,7 @@
 
 struct evp_pkey_st;
 
-/// JSON Web Tokens (RFC 7519) as issued user tokens (Part 6, 6.5.2). Any thread.
+/// JSON Web Tokens (RFC 7519) as issued user tokens (Part 6, 6.5.2). Called from any thread.
 namespace busbar::crypto {
 
 /// JWS algorithms (RFC 7518, 3.1). There is no "none", and there are no others.
@@ -30,15 +30,15 @@ enum class JwtAlgorithm : std::uint8_t { RS256, PS256, ES256, HS256 };
 /// another algorithm is refused, whatever key it names (RFC 8725, 3.1). Immutable; copies share.
 class BUSBAR_API JwtKey {
 public:
-    /// The public key of an RSA (2048 bits or more) or P-256 certificate or PEM public key.
-    /// Bad_ConfigurationError if it is none, or not one for the algorithm. `id` is the `kid` that
-    /// tokens name it by; empty if they do not.
+    /// Takes the public key of an RSA (2048 bits or more) or P-256 certificate or PEM public key.
+    /// Bad_ConfigurationError if it is something else, or not a key for the algorithm. `id` is the
+    /// `kid` that tokens name it by; empty if they do not.
     [[nodiscard]] static Result<JwtKey>
     from_public_key(JwtAlgorithm algorithm, std::span<const std::byte> pem, std::string id = {});
     [[nodiscard]] static Result<JwtKey>
     from_certificate(JwtAlgorithm algorithm, const Certificate& certificate, std::string id = {});
-    /// HS256, with a secret of 32 bytes or more. Whoever can verify such tokens can also make them,
-    /// which Part 6, 6.5.2.3 does not provide for: for closed plants only.
+    /// Uses HS256 with a secret of 32 bytes or more. A party that can verify such tokens can also
+    /// create them, which Part 6, 6.5.2.3 does not provide for: for closed plants only.
     [[nodiscard]] static Result<JwtKey> from_shared_secret(std::span<const std::byte> secret,
                                                            std::string id = {});
 
@@ -56,15 +56,16 @@ private:
     std::shared_ptr<const Secret> secret_;
 };
 
-/// Which tokens are accepted.
+/// The rules that a token must fulfil.
 struct JwtRules {
     /// At most max_jwt_keys are tried for one token.
     std::vector<JwtKey> keys;
-    /// The `iss` that a token must have. Empty: the tokens of these keys have none.
+    /// The `iss` that a token must have. If empty, tokens must have none.
     std::string issuer;
-    /// What `aud` must be or contain: the resourceId. Empty: the server's ApplicationUri.
+    /// The value that `aud` must have or contain: the resourceId. If empty, the server's
+    /// ApplicationUri.
     std::string audience;
-    /// How far the issuer's clock may be off.
+    /// Maximum error of the issuer's clock.
     std::chrono::seconds clock_skew{60};
     /// A token that is valid for longer than this from now on is refused.
     std::chrono::seconds max_lifetime{std::chrono::hours{24}};
@@ -74,25 +75,26 @@ inline constexpr std::size_t max_jwt_size = 8'192; // bytes
 inline constexpr std::size_t max_jwt_keys = 8;
 inline constexpr std::size_t max_jwt_roles = 64;
 
-/// What a verified token says (Part 6, Table 56).
+/// The content of a verified token (Part 6, Table 56).
 struct JwtClaims {
     std::string subject; // `sub`
     std::string issuer;  // `iss`
-    std::string name;    // of a person, for people
-    /// Names, as they stand there: roles of Part 18 or the issuer's own.
+    std::string name;    // a person's name, for display
+    /// Names as in the token: roles of Part 18 or the issuer's own.
     std::vector<std::string> roles;
-    DateTime issued_at; // null if it is not there
+    DateTime issued_at; // null if missing
     DateTime expires;
 };
 
-/// The claims of a token in JWS Compact Serialization, whose signature one of the keys must verify
-/// and which must be meant for `rules.audience` (`application_uri` if that is empty) and valid at
-/// `now`. `sub`, `aud` and `exp` must be there (Part 6, 6.5.2.3); `nbf` and `iat` count if they
-/// are.
+/// Returns the claims of a token in JWS Compact Serialization. One of the keys must verify its
+/// signature, and it must be meant for `rules.audience` (`application_uri` if that is empty) and
+/// valid at `now`. `sub`, `aud` and `exp` are mandatory (Part 6, 6.5.2.3); `nbf` and `iat` are
+/// checked if present.
 ///
-/// Bad_IdentityTokenInvalid for what is no such token, Bad_IdentityTokenRejected for one that is
-/// not accepted here or now. The refusal says why and contains nothing of the token but printable
-/// claims. Claims are not looked at before the signature is verified. Bounded work for any text.
+/// Bad_IdentityTokenInvalid for anything that is not such a token, Bad_IdentityTokenRejected for
+/// one that is not accepted here or now. The refusal says why and contains nothing of the token
+/// except printable claims. Claims are not read before the signature is verified. Bounded work for
+/// any text.
 [[nodiscard]] BUSBAR_API Checked<JwtClaims> verify_jwt(std::string_view token,
                                                        const JwtRules& rules,
                                                        std::string_view application_uri,

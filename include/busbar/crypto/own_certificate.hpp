@@ -25,61 +25,64 @@ struct OwnCertificate {
     PrivateKey key;
 };
 
-/// What a certificate that the application makes for itself says, or asks a CA for.
+/// The content of a certificate that the application creates for itself or requests from a CA.
 struct OwnCertificateSettings {
-    /// `valid_from` is ignored: it is the time of making less a day, since clocks differ.
-    /// `valid_days` count from the time of making.
+    /// `valid_from` is ignored: it is the time of creation less a day, since clocks differ.
+    /// `valid_days` count from the time of creation.
     CertificateSubject subject;
     /// 2048 to 4096.
     std::uint32_t key_bits{2048};
 };
 
-/// Where an application keeps its certificate and key (layout of Part 12, F.1), in a Storage:
+/// Keeps an application's certificate and key (layout of Part 12, F.1) in a Storage:
 ///
-///     own/certs/own.der         the certificate, behind it those that signed it, as on the wire
+///     own/certs/own.der         the certificate, followed by those that signed it, as on the wire
 ///     own/private/own.pem       its key, readable by its owner only
 ///     own/private/pending.pem   a key that waits for its certificate
-///     own/replaced/             what was replaced, by thumbprint; nothing here is ever deleted
+///     own/replaced/             replaced files, by thumbprint; nothing here is ever deleted
 ///
-/// No certificate or key is overwritten before it lies in own/replaced too, but a pending key.
-/// After a power cut at any moment the old certificate with the old key is in force, or the new one
-/// with the new key: own.der is replaced in one step, which decides; the key is own.pem or
-/// pending.pem, whichever belongs to it. The next call finishes what was begun.
+/// No certificate or key, except a pending key, is overwritten before it is in own/replaced too.
+/// After a power failure at any moment either the old certificate with the old key is in force, or
+/// the new one with the new key: own.der is replaced in one step, which decides; the key is own.pem
+/// or pending.pem, whichever belongs to it. The next call finishes what was begun.
 ///
-/// What cannot be read or does not fit together is refused and left as it is. Refusals name the
-/// file, what was found and what was expected; they never hold a part of a key.
+/// Files that cannot be read or do not fit together are refused and left as they are. Refusals name
+/// the file, what was found and what was expected; they never contain a part of a key.
 ///
-/// Files that others put there may be PEM or DER; keys with a passphrase are to be installed. One
-/// process, one thread at a time. All functions block on the storage; making a key takes seconds.
+/// Files that others put there may be PEM or DER; keys with a passphrase must be installed. One
+/// process, one thread at a time. All functions block on the storage; generating a key takes
+/// seconds.
 class BUSBAR_API OwnCertificateStore {
 public:
-    /// A new key pair for the request, or that of the certificate in force.
+    /// The key of a request: a new key pair, or that of the certificate in force.
     enum class RequestKey : std::uint8_t { New, Present };
 
-    /// The root of `storage`, which must outlive this object, as must `log`. Unless that is null,
-    /// it is told CertificateUpdated of every certificate that a member puts in force itself.
+    /// The store is the root of `storage`, which must outlive this object, as must `log`. If `log`
+    /// is not null, it gets CertificateUpdated for every certificate that a member puts in force
+    /// itself.
     explicit OwnCertificateStore(Storage& storage, LogSink* log = nullptr);
 
-    /// The certificate and key in force; nothing if neither is there. Refused if the certificate
-    /// does not name `application_uri` (Part 6, 6.2.2), unless that is empty.
+    /// Returns the certificate and key in force; nothing if neither exists. Refused if the
+    /// certificate does not name `application_uri` (Part 6, 6.2.2), unless that is empty.
     [[nodiscard]] Checked<std::optional<OwnCertificate>>
     load(std::string_view application_uri = {}) const;
-    /// The same; a self-signed certificate is made if there is none, with the pending key if there
-    /// is one.
+    /// Loads likewise; creates a self-signed certificate if there is none, with the pending key if
+    /// there is one.
     [[nodiscard]] Checked<OwnCertificate> load_or_create(const OwnCertificateSettings& settings,
                                                          DateTime now) const;
-    /// A new key and a new self-signed certificate instead of what is there, in whatever state that
-    /// is. A pending key is discarded (Part 12, 7.10.10). Peers have to trust the new certificate.
+    /// Creates a new key and a new self-signed certificate and replaces the present ones, in
+    /// whatever state these are. A pending key is discarded (Part 12, 7.10.10). Peers have to trust
+    /// the new certificate.
     [[nodiscard]] Checked<OwnCertificate> regenerate(const OwnCertificateSettings& settings,
                                                      DateTime now) const;
 
-    /// A certificate request in DER. A new key becomes the pending one, instead of an earlier one
-    /// (Part 12, 7.10.10), and waits across restarts.
+    /// Creates a certificate request in DER. A new key becomes the pending one, replacing an
+    /// earlier one (Part 12, 7.10.10), and survives restarts.
     [[nodiscard]] Checked<std::vector<std::byte>>
     create_signing_request(const OwnCertificateSettings& settings, RequestKey key) const;
-    /// Puts what a CA issued in force: PEM or DER, with the certificates that signed it in any
-    /// order. Refused if no certificate belongs to the pending or the present key or if the one
-    /// that does names another ApplicationUri. Trust and time are not checked.
+    /// Puts a certificate that a CA issued in force: PEM or DER, with the certificates that signed
+    /// it in any order. Refused if no certificate belongs to the pending or the present key, or if
+    /// the one that does names another ApplicationUri. Trust and time are not checked.
     [[nodiscard]] Checked<OwnCertificate> take_in(std::span<const std::byte> certificates,
                                                   std::string_view application_uri) const;
     /// Puts a certificate and a key from elsewhere in force: read_pkcs12, or read_certificates and
@@ -87,14 +90,14 @@ public:
     [[nodiscard]] Checked<OwnCertificate> install(const OwnCertificate& own,
                                                   std::string_view application_uri) const;
 
-    // The same in two steps, as a part of a transaction on the same storage.
+    // The same in two steps, as part of a transaction on the same storage.
 
-    /// What take_in would put in force. Changes nothing but what prepare() of the other members
-    /// does.
+    /// Returns what take_in would put in force. Changes nothing except what prepare() of the other
+    /// members does.
     [[nodiscard]] Checked<OwnCertificate> match(std::span<const std::byte> certificates,
                                                 std::string_view application_uri) const;
-    /// Lays down in `change` what puts `own`, with its leaf in front, in force: then it is what
-    /// load() gives. Refused as install() does.
+    /// Adds to `change` the steps that put `own`, with its leaf first, in force: load() returns it
+    /// after the commit. Refused as install() does.
     [[nodiscard]] Checked<void> stage(const OwnCertificate& own, std::string_view application_uri,
                                       FileTransaction& change) const;
 
@@ -106,8 +109,8 @@ private:
     LogSink* log_;
 };
 
-/// The certificates of a PEM file, or concatenated DER, in their order: max_chain_length at most,
-/// of max_chain_size together.
+/// Reads the certificates of a PEM file, or concatenated DER, in their order: at most
+/// max_chain_length, of max_chain_size together.
 [[nodiscard]] BUSBAR_API Checked<std::vector<Certificate>>
 read_certificates(std::span<const std::byte> contents);
 

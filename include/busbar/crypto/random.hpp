@@ -8,7 +8,7 @@
 
 namespace busbar::crypto {
 
-/// Where nonces, tokens and ids come from; injected so that a test can repeat a run.
+/// The source of nonces, tokens and ids; injected so that a test can repeat a run.
 class BUSBAR_API Random {
 public:
     Random() = default;
@@ -20,13 +20,13 @@ public:
     [[nodiscard]] virtual Result<void> fill(std::span<std::byte> bytes) = 0;
 };
 
-/// OpenSSL's generator. Any thread.
+/// OpenSSL's generator. Called from any thread.
 class BUSBAR_API SystemRandom final : public Random {
 public:
     [[nodiscard]] Result<void> fill(std::span<std::byte> bytes) override;
 };
 
-/// Stirs bytes into OpenSSL's generator, whatever they are; it is never less random for that.
+/// Mixes bytes into OpenSSL's generator; they never make it less random, whatever they are.
 BUSBAR_API void add_entropy(std::span<const std::byte> bytes);
 
 } // namespace busbar::crypto

@@ -24,13 +24,14 @@ class BUSBAR_API RevocationList {
 public:
     static constexpr std::size_t max_size = 1'048'576; // bytes of DER
 
-    /// Exactly one DER list of at most max_size bytes; Bad_CertificateInvalid for anything else.
+    /// Parses exactly one DER list of at most max_size bytes; Bad_CertificateInvalid for anything
+    /// else.
     [[nodiscard]] static Result<RevocationList> parse(std::span<const std::byte> der);
-    /// PEM or DER, as files have it.
+    /// Parses PEM or DER, as in files.
     [[nodiscard]] static Result<RevocationList> parse_file(std::span<const std::byte> contents);
 
     [[nodiscard]] std::span<const std::byte> der() const { return *der_; }
-    /// SHA-1 of the DER form in upper-case hexadecimal, to name files by.
+    /// SHA-1 of the DER form in upper-case hexadecimal, for file names.
     [[nodiscard]] std::string thumbprint_text() const;
     /// The issuer's name for people: "CN=Name, O=...".
     [[nodiscard]] std::string issuer() const;
@@ -39,17 +40,17 @@ public:
     [[nodiscard]] DateTime next_update() const;
     /// Number of revoked certificates.
     [[nodiscard]] std::size_t size() const;
-    /// False for delta lists, partial and indirect lists and those with critical extensions that
-    /// are not known: they say too little about a certificate (RFC 5280, 5.2).
+    /// False for delta lists, partial and indirect lists and those with unknown critical
+    /// extensions: they say too little about a certificate (RFC 5280, 5.2).
     [[nodiscard]] bool is_complete() const { return is_complete_; }
 
-    /// Whether the list claims to be of this issuer; costs nothing and proves nothing.
+    /// Returns whether the list names this issuer; costs nothing and proves nothing.
     [[nodiscard]] bool names_issuer(const Certificate& issuer) const;
-    /// Whether `issuer` signed the list and may (keyUsage cRLSign, unless there is no keyUsage).
-    /// One RSA verification.
+    /// Returns whether `issuer` signed the list and may do so (keyUsage cRLSign, unless there is no
+    /// keyUsage). One RSA verification.
     [[nodiscard]] bool is_signed_by(const Certificate& issuer) const;
-    /// When the certificate, which must be of the list's issuer, was revoked; nullopt if it was
-    /// not. Searches in logarithmic time.
+    /// The time at which the certificate, which must be of the list's issuer, was revoked; nullopt
+    /// if it was not. Searches in logarithmic time.
     [[nodiscard]] std::optional<DateTime> revoked_at(const Certificate& certificate) const;
 
     [[nodiscard]] X509_crl_st* native() const { return crl_.get(); }

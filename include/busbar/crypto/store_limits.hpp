@@ -5,26 +5,26 @@
 
 namespace busbar::crypto {
 
-/// What happens to a certificate that is not trusted when the rejected list is full.
+/// The treatment of a certificate that is not trusted when the rejected list is full.
 enum class RejectedFull : std::uint8_t {
-    OldestOut, // it takes the place of the one that lies there longest
+    OldestOut, // it replaces the one that has been there longest
     Discard,   // it is not saved
 };
 
-/// How much a CertificateStore holds and reads. What lies on the disk beyond a limit does not
-/// count, and the log says so once.
+/// Limits what a CertificateStore holds and reads. Files beyond a limit are ignored, and the log
+/// says so once.
 struct StoreLimits {
     /// Certificates in each of the trusted and the issuers list.
     std::size_t max_certificates{256};
-    /// Revocation lists in each of them.
+    /// Revocation lists in each of these lists.
     std::size_t max_revocation_lists{256};
     std::size_t max_rejected{100};
     RejectedFull when_rejected_is_full{RejectedFull::OldestOut};
     /// Certificates that are not trusted and are saved, discarded and logged within one minute:
-    /// strangers must not wear out a flash disk. Those of one network have a quarter of it.
+    /// unknown peers must not wear out a flash disk. Those of one network may use a quarter of it.
     std::size_t max_rejected_per_minute{10};
 
-    // Of one folder: names that are looked at, bytes of a file, and bytes of all files together.
+    // Limits of one folder: names that are read, bytes of a file, and bytes of all files together.
 
     std::size_t max_files{1'000};
     std::size_t max_certificate_file_size{65'536};
@@ -33,7 +33,7 @@ struct StoreLimits {
 };
 
 /// NJ501 and NX102 (their OPC UA manual, 1-2-2): 32 trusted, 32 CA and 32 rejected certificates.
-/// When the last are full, a further one is discarded until somebody deletes one.
+/// When the rejected list is full, further ones are discarded until one is deleted.
 [[nodiscard]] constexpr StoreLimits nj501_store_limits()
 {
     StoreLimits limits;
@@ -49,7 +49,7 @@ struct StoreLimits {
     return nj501_store_limits();
 }
 
-/// RD81OPC96: 32 of each. Its manual does not say what happens to one more.
+/// RD81OPC96: 32 of each. Its manual does not say what happens to the next one.
 [[nodiscard]] constexpr StoreLimits rd81opc96_store_limits()
 {
     StoreLimits limits = nj501_store_limits();

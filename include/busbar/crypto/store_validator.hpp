@@ -9,11 +9,11 @@
 
 namespace busbar::crypto {
 
-/// Decides by the lists of a store, as they are on the disk at that moment (see check_chain for the
-/// rules). The certificate of a peer that is not trusted, whose issuers are unknown, or that was
-/// revoked is saved in `rejected`, for the administrator to look at and perhaps to move.
+/// Decides by the present lists of a store on the disk (see check_chain for the rules). The
+/// certificate of a peer that is not trusted, whose issuers are unknown, or that was revoked is
+/// saved in `rejected`, for the administrator to examine and perhaps to move.
 ///
-/// The caller logs the refusal; what a setting let pass is logged here. One thread at a time, as
+/// The caller logs the refusal; suppressed failures are logged here. One thread at a time, as for
 /// the store.
 class BUSBAR_API StoreValidator final : public CertificateValidator {
 public:
@@ -22,7 +22,7 @@ public:
 
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
                                          const ValidationContext& context) override;
-    /// What failed in the last validate() and was let pass by a setting.
+    /// The failures in the last validate() that a setting suppressed.
     [[nodiscard]] const std::vector<Refusal>& suppressed() const { return suppressed_; }
 
 private:

@@ -25,12 +25,13 @@ struct SymmetricKeys {
                                                            std::span<const std::byte> secret,
                                                            std::span<const std::byte> seed);
 
-/// AES-CBC and the policy's HMAC with prepared keys: a chunk costs its bytes and no key schedule.
-/// Move-only, one thread at a time. It allocates nothing itself after create(); OpenSSL 3.0 makes
-/// two small digest contexts for each signature.
+/// Performs AES-CBC and the policy's HMAC with prepared keys: a chunk costs its bytes and no key
+/// schedule. Move-only, one thread at a time. It allocates nothing itself after create(); OpenSSL
+/// 3.0 creates two small digest contexts for each signature.
 class BUSBAR_API SymmetricCipher {
 public:
-    /// Bad_SecurityChecksFailed if the keys are not of the policy's sizes, as with policy None.
+    /// Returns Bad_SecurityChecksFailed if the keys do not have the policy's sizes, as with policy
+    /// None.
     [[nodiscard]] static Result<SymmetricCipher> create(const SecurityPolicy& policy,
                                                         const SymmetricKeys& keys);
     SymmetricCipher(SymmetricCipher&&) noexcept;
@@ -42,7 +43,7 @@ public:
     /// True if `signature` is that of `data`; compared in constant time.
     [[nodiscard]] bool verify(std::span<const std::byte> data,
                               std::span<const std::byte> signature);
-    /// In place. False unless the size is a multiple of the block size.
+    /// Encrypts in place. False unless the size is a multiple of the block size.
     [[nodiscard]] bool encrypt(std::span<std::byte> data);
     [[nodiscard]] bool decrypt(std::span<std::byte> data);
 

@@ -12,24 +12,24 @@
 
 namespace busbar::crypto {
 
-/// Tells of certificates of others, such as clients in `trusted`, that have expired (seed 000,
-/// 5-1-1): of each once, as long as it stays in its list. One thread at a time.
+/// Reports expired certificates of others, such as clients in `trusted` (manual of variables mode,
+/// 5-1-1): each once, as long as it stays in its list. One thread at a time.
 class BUSBAR_API TrustedCertificateWatch {
 public:
-    /// `log` must outlive this object. `list_name` is that of the StoreList: "trusted".
+    /// `log` must outlive this object. `list_name` is the StoreList's name: "trusted".
     TrustedCertificateWatch(LogSink& log, std::string list_name)
         : log_{&log}, list_name_{std::move(list_name)}
     {
     }
 
-    /// Call it with all of the list, when that changes and at the time that the last call returned:
-    /// when the next one expires, or in a day.
+    /// Call it with the whole list, when the list changes and at the time that the last call
+    /// returned: when the next certificate expires, or in a day.
     [[nodiscard]] DateTime check(std::span<const Certificate> certificates, DateTime now);
 
 private:
     LogSink* log_;
     std::string list_name_;
-    std::vector<Certificate> told_; // of those in the list
+    std::vector<Certificate> told_; // certificates of the list
 };
 
 } // namespace busbar::crypto

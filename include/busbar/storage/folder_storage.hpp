@@ -7,21 +7,24 @@
 
 namespace busbar::storage {
 
-/// A folder of a POSIX system. Folders may be links; what lists files skips links by their kind.
+/// A folder of a POSIX system. Folders may be links; callers that list files skip links by their
+/// kind.
 ///
-/// A file is written under a temporary name beside its own, which stays behind if the writer dies:
-/// "name.PID-N.busbar-new". Such files are never listed or read. Other processes may use the same
-/// folder: remove_unfinished spares what somebody is about to write, where the medium has locks.
+/// A file is written under a temporary name next to its own, "name.PID-N.busbar-new", which remains
+/// if the writer dies. Such files are never listed or read. Other processes may use the same
+/// folder: remove_unfinished spares files that are being written, if the medium has locks.
 ///
-/// Any thread. NotFound of a whole folder means Away if the root itself is gone.
+/// Called from any thread. NotFound of a whole folder means Away if the root itself is missing.
 class BUSBAR_API FolderStorage final : public Storage {
 public:
     enum class Root : std::uint8_t {
-        Made,   // with the first folder in it, if it is not there
-        Medium, // comes and goes: while it is not there all is Away, but make_folder("") makes it
+        Made,   // created with the first folder in it, if it does not exist
+        Medium, // comes and goes: while it is missing all calls fail with Away, except that
+                // make_folder("") creates it
     };
 
-    /// Nothing is touched; make_folder("") makes the folder. Empty: the working folder.
+    /// Changes nothing on the medium; make_folder("") creates the folder. If empty, it is the
+    /// working folder.
     explicit FolderStorage(std::string folder, Root root = Root::Made);
 
     Stored<StorageEntry> entry(std::string_view name) override;
@@ -44,7 +47,7 @@ public:
     [[nodiscard]] std::string place(std::string_view name) const override;
 
 private:
-    /// NotFound is Away if there is no root.
+    /// Turns NotFound into Away if the root is missing.
     [[nodiscard]] StorageError checked(StorageError error) const;
 
     std::string root_;

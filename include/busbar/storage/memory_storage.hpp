@@ -12,40 +12,41 @@
 
 namespace busbar::storage {
 
-/// Files in memory, for tests: a medium that fails when it is told to.
+/// Files in memory, for tests: a medium that fails on request.
 ///
-/// Each byte that is written is a step, and so is each other change. One thread.
+/// Each written byte is a step, and so is each other change. Used by one thread.
 class BUSBAR_API MemoryStorage final : public Storage {
 public:
-    /// What `modified` and `touched` are from now on.
+    /// Sets the time of `modified` and `touched` for later changes.
     void set_time(DateTime now) { now_ = now; }
 
     // Faults.
 
-    /// Bytes that all files may have together; Full beyond.
+    /// Limits the bytes of all files together; Full beyond.
     void set_capacity(std::uint64_t bytes) { capacity_ = bytes; }
-    /// Nothing can be changed: Protected.
+    /// Makes all changes fail with Protected.
     void set_protected(bool is_protected) { is_protected_ = is_protected; }
-    /// Nothing can be read or changed: Away.
+    /// Makes all reads and changes fail with Away.
     void set_away(bool is_away) { is_away_ = is_away; }
-    /// So many steps from now the power goes: every call fails with Away, until restore_power().
+    /// Cuts the power after this many more steps: every call fails with Away until restore_power().
     void cut_power_after(std::size_t steps);
     void restore_power();
-    /// What a power cut takes of each file that append_unsynced has added to since its last sync():
-    /// all but the first `kept` bytes of that.
+    /// Makes a power failure take all but the first `kept` bytes that append_unsynced has added to
+    /// each file since its last sync().
     void lose_unsynced(std::size_t kept);
-    /// The change that is made so many steps from now fails, once.
+    /// Makes the change after this many more steps fail, once.
     void fail_once_after(std::size_t steps, StorageError error);
-    /// Steps since the beginning.
+    /// Number of steps since construction.
     [[nodiscard]] std::size_t steps() const { return steps_; }
-    /// How often a file was read.
+    /// Number of file reads.
     [[nodiscard]] std::size_t reads() const { return reads_; }
 
     /// The names of all files, for a test to compare.
     [[nodiscard]] std::vector<std::string> names() const;
-    /// Names of files that a power cut left half replaced, until remove_unfinished. They take room.
+    /// Names of files whose replacement a power failure interrupted, until remove_unfinished. They
+    /// take space.
     [[nodiscard]] std::vector<std::string> unfinished() const;
-    /// Others than its owner may read it. False for a file that is not there.
+    /// True if other users than its owner may read it. False for a missing file.
     [[nodiscard]] bool is_open_to_others(std::string_view name) const;
     void open_to_others(std::string_view name);
 
@@ -75,7 +76,7 @@ private:
         std::vector<std::byte> bytes;
         DateTime modified;
         std::uint64_t version{0};
-        std::size_t unsynced{0}; // bytes at the end that a power cut may take
+        std::size_t unsynced{0}; // bytes at the end that a power failure may take
     };
     using Items = std::map<std::string, Item, std::less<>>;
 
@@ -84,18 +85,18 @@ private:
     [[nodiscard]] bool is_folder(std::string_view name) const;
     [[nodiscard]] bool has_children(std::string_view name) const;
     [[nodiscard]] std::uint64_t used() const;
-    /// How many of so many bytes are written before the power goes or something fails.
+    /// Returns how many of `count` bytes are written before the power or the medium fails.
     [[nodiscard]] std::size_t take_bytes(std::size_t count);
     [[nodiscard]] Stored<void> take_step();
     [[nodiscard]] Stored<void> add(std::string_view name, std::span<const std::byte> bytes,
                                    FileAccess access, bool is_synced);
     [[nodiscard]] StorageEntry entry_of(std::string_view name, const Item& item) const;
     void touch(Item& item);
-    /// A name has come into its folder, or gone.
+    /// Updates the folder's time after a name came or went.
     void touch_folder_of(std::string_view name);
 
     Items items_;
-    /// What is there of each, in bytes.
+    /// Bytes of each unfinished file that are on the medium.
     std::map<std::string, std::size_t, std::less<>> unfinished_;
     DateTime now_;
     std::uint64_t capacity_{UINT64_MAX};
@@ -106,7 +107,8 @@ private:
     std::size_t reads_{0};
     std::uint64_t versions_{0};
     std::size_t end_{SIZE_MAX};
-    std::optional<StorageError> error_; // at the end, instead of darkness
+    std::optional<StorageError>
+        error_; // what happens after the last step, instead of a power failure
 };
 
 } // namespace busbar::storage
