@@ -7,7 +7,7 @@
 #include <busbar/model/units.hpp>
 #include <busbar/types/ids.hpp>
 
-/// Variables of Data Access (Part 8, 5.3) in one call each:
+/// Adds Variables of Data Access (Part 8, 5.3) in one call each:
 ///
 ///     AnalogItem level;
 ///     level.variable.data_type = NodeId{0, id::Double};
@@ -15,33 +15,33 @@
 ///     level.engineering_units = engineering_units("CMT");
 ///     add_analog_item(space, node, level);
 ///
-/// Each creates an instance of its VariableType (instance.hpp has the errors and where the
-/// Properties' NodeIds come from) and gives the Properties their values. `variable` says what a
-/// Variable always has; its type_definition is not looked at, and a null data_type and a value_rank
-/// of -2 in it stand for what the function says. They need a namespace 0 that has the types:
-/// Bad_TypeDefinitionInvalid if not.
+/// Each function creates an instance of its VariableType (instance.hpp describes the errors and the
+/// NodeIds of the Properties) and gives the Properties their values. `variable` has the usual
+/// attributes; its type_definition is ignored, and a null data_type and a value_rank of -2 are
+/// replaced as the function describes. Namespace 0 must have the types: else
+/// Bad_TypeDefinitionInvalid.
 namespace busbar::model {
 
-/// What every DataItemType has (Part 8, 5.3.1.2).
+/// The common properties of every DataItemType (Part 8, 5.3.1.2).
 struct DataItem {
     NewVariable variable;
-    /// How the value is computed, as text; null: the Property is left out.
+    /// Describes how the value is computed; if null, the Property is left out.
     String definition;
     std::optional<double> value_precision;
 };
 
 /// AnalogItemType, AnalogUnitType or AnalogUnitRangeType (Part 8, 5.3.2).
 struct AnalogItem : DataItem {
-    /// Required, except by AnalogUnitType.
+    /// Required, except for AnalogUnitType.
     std::optional<Range> eu_range;
-    /// Required, except by AnalogItemType.
+    /// Required, except for AnalogItemType.
     std::optional<EUInformation> engineering_units;
     std::optional<Range> instrument_range;
     NodeId type{0, id::AnalogItemType};
 };
 
-/// Bad_NodeAttributesInvalid for a DataType that is no Number, for a range whose low is above its
-/// high, and if a Property that `type` requires is missing.
+/// Returns Bad_NodeAttributesInvalid for a DataType that is not a Number, for a range whose low
+/// exceeds its high, and if a Property that `type` requires is missing.
 BUSBAR_API Result<NodeIndex> add_analog_item(AddressSpace& space, const NewNode& node,
                                              const AnalogItem& item);
 
@@ -72,20 +72,21 @@ struct MultiStateValueItem : DataItem {
 BUSBAR_API Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
                                                    const MultiStateValueItem& item);
 
-/// Gives the Variable a value, and its ValueAsText the text that EnumValues has for it, or a null
+/// Sets the Variable's value, and its ValueAsText to the text that EnumValues has for it, or a null
 /// text if there is none. Bad_TypeMismatch as AddressSpace::set_value; Bad_NotFound if the Variable
 /// does not have the Properties.
 BUSBAR_API Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
 
-/// Bad_OutOfRange for a value that a Variable of MultiStateDiscreteType has no EnumString for, or
-/// one of MultiStateValueDiscreteType no EnumValue (Part 8, 5.3.3.3 and 5.3.3.4). Good for any
-/// other Variable, and while the Property has no value.
+/// Returns Bad_OutOfRange for a value that a Variable of MultiStateDiscreteType has no EnumString
+/// for, or one of MultiStateValueDiscreteType no EnumValue (Part 8, 5.3.3.3 and 5.3.3.4). Good for
+/// any other Variable, and while the Property has no value.
 [[nodiscard]] BUSBAR_API StatusCode check_state(const SpaceReader& space, NodeIndex variable,
                                                 const Variant& value);
-/// Sets ValueAsText to what EnumValues has for the Variable's present value, if it has them.
+/// Sets ValueAsText to the text that EnumValues has for the Variable's present value, if it has
+/// both.
 BUSBAR_API void update_value_as_text(AddressSpace& space, NodeIndex variable);
 
-/// What the ArrayItemTypes have in common (Part 8, 5.3.4.2).
+/// The common properties of the ArrayItemTypes (Part 8, 5.3.4.2).
 struct ArrayItem : DataItem {
     Range eu_range;
     EUInformation engineering_units;
@@ -95,13 +96,13 @@ struct ArrayItem : DataItem {
     /// One axis for YArrayItemType and XYArrayItemType, two for ImageItemType, three for
     /// CubeItemType (x, y, z); for NDimensionArrayItemType any number, which is then the ValueRank.
     Array<AxisInformation> axes;
-    /// Any concrete subtype of ArrayItemType that Part 8 has.
+    /// Any concrete subtype of ArrayItemType in Part 8.
     NodeId type{0, id::YArrayItemType};
 };
 
-/// The ValueRank follows from the type; the DataType of an XYArrayItemType is XVType.
-/// Bad_NodeAttributesInvalid if the number of axes does not fit the type, or the low of a range is
-/// above its high.
+/// Adds an array item. The ValueRank follows from the type; the DataType of an XYArrayItemType is
+/// XVType. Bad_NodeAttributesInvalid if the number of axes does not fit the type, or the low of a
+/// range exceeds its high.
 BUSBAR_API Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node,
                                             const ArrayItem& item);
 

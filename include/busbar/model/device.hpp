@@ -14,13 +14,13 @@
 ///     nameplate.serial_number = "4711";
 ///     add_device(space, press, press_type, nameplate);
 ///
-/// All of it answers Bad_TypeDefinitionInvalid if the AddressSpace has no nodes of DI; other errors
-/// and the NodeIds of what is created are those of instance.hpp.
+/// All functions return Bad_TypeDefinitionInvalid if the AddressSpace has no nodes of DI; other
+/// errors and the NodeIds of created nodes are those of instance.hpp.
 namespace busbar::model {
 
 inline constexpr std::string_view di_uri = "http://opcfoundation.org/UA/DI/";
 
-/// Nodes of DI by their number.
+/// Numbers of nodes of DI.
 namespace di_id {
 inline constexpr std::uint32_t TopologyElementType = 1001;
 inline constexpr std::uint32_t DeviceType = 1002;
@@ -28,18 +28,18 @@ inline constexpr std::uint32_t FunctionalGroupType = 1005;
 inline constexpr std::uint32_t DeviceSet = 5001;
 } // namespace di_id
 
-/// The Properties of a DeviceType (Part 100, 4.5.2). Those up to revision_counter are always there;
-/// the others are if their text is not null.
+/// The Properties of a DeviceType (Part 100, 4.5.2). Those up to revision_counter always exist; the
+/// others if their text is not null.
 struct Nameplate {
     LocalizedText manufacturer;
     LocalizedText model;
     String hardware_revision;
     String software_revision;
     String device_revision;
-    /// Where the manual is, a path or an URL.
+    /// The location of the manual, a path or an URL.
     String device_manual;
     String serial_number;
-    /// How often the configuration of the device was changed; -1 if that is not counted.
+    /// Number of changes of the device's configuration; -1 if they are not counted.
     std::int32_t revision_counter{-1};
     String manufacturer_uri;
     String product_code;
@@ -47,11 +47,11 @@ struct Nameplate {
     String device_class;
 };
 
-/// The node of DI with that number, no_node if there is none.
+/// Returns the node of DI with this number, no_node if there is none.
 [[nodiscard]] BUSBAR_API NodeIndex find_di(const SpaceReader& space, std::uint32_t number);
 
-/// Creates a device of `type`, a concrete subtype of DeviceType. Without a parent it goes to the
-/// DeviceSet.
+/// Creates a device of `type`, a concrete subtype of DeviceType. Without a parent it is added to
+/// the DeviceSet.
 BUSBAR_API Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeIndex type,
                                         const Nameplate& nameplate, InstanceOptions options = {});
 
@@ -59,8 +59,8 @@ BUSBAR_API Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeI
 BUSBAR_API Result<NodeIndex> add_functional_group(AddressSpace& space, NodeIndex parent,
                                                   const QualifiedName& name);
 
-/// Creates a parameter in the device's ParameterSet, which is made if need be. `group`, unless it
-/// is no_node, organizes it (Part 100, 4.3).
+/// Creates a parameter in the device's ParameterSet, which is created if necessary. `group`, unless
+/// it is no_node, organizes it (Part 100, 4.3).
 BUSBAR_API Result<NodeIndex> add_parameter(AddressSpace& space, NodeIndex device, NodeIndex group,
                                            const QualifiedName& name, const NewVariable& variable);
 

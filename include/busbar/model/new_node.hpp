@@ -8,11 +8,11 @@
 #include <busbar/model/node.hpp>
 #include <busbar/types/ids.hpp>
 
-/// What AddressSpace::add_... takes. The AddressSpace copies what it keeps: strings may be
-/// borrowed.
+/// The arguments of AddressSpace::add_... The AddressSpace copies what it keeps, so that strings
+/// may be borrowed.
 namespace busbar::model {
 
-/// What clients may do with the Value of a Variable: bits of AccessLevelType (Part 3, 8.57), which
+/// The access of clients to the Value of a Variable: bits of AccessLevelType (Part 3, 8.57), which
 /// | joins. `Access{bits}` has those of a Byte.
 enum class Access : std::uint8_t {
     None = 0,
@@ -36,15 +36,15 @@ enum class Access : std::uint8_t {
     return Access{static_cast<std::uint8_t>(static_cast<unsigned>(a) & static_cast<unsigned>(b))};
 }
 
-/// What every new node has, of whatever NodeClass.
+/// The attributes of every new node, of any NodeClass.
 struct NewNode {
-    /// Null: a numeric id that is free in the BrowseName's namespace.
+    /// If null, an unused numeric id in the BrowseName's namespace.
     NodeId id;
     QualifiedName browse_name;
-    /// The source of the hierarchical reference to the new node. Of a type: its supertype.
+    /// The source of the hierarchical reference to the new node; for a type, its supertype.
     NodeIndex parent{no_node};
-    /// Null: HasSubtype for a type, HasComponent for a Method, for others Organizes below a folder
-    /// or a View and else HasComponent.
+    /// If null, HasSubtype for a type, HasComponent for a Method, for others Organizes below a
+    /// folder or a View and else HasComponent.
     NodeId reference_type;
     /// A null text stands for the BrowseName.
     LocalizedText display_name;
@@ -56,21 +56,21 @@ struct NewVariable {
     std::int32_t value_rank{-1};
     Array<std::uint32_t> array_dimensions;
     Access access_level{Access::Read};
-    /// Only the bits that `access_level` has count.
+    /// Bits that `access_level` does not have are ignored.
     Access user_access_level{Access::All};
     /// Milliseconds; -1 for indeterminate (Part 3, 5.6.2).
     double minimum_sampling_interval{0};
     bool historizing{false};
     std::uint32_t source{no_source};
     std::uint64_t handle{0};
-    /// The value of a Variable without source.
+    /// The value of a Variable without a source.
     Variant value;
-    /// BaseDataVariableType; add_property has PropertyType.
+    /// The default is BaseDataVariableType; add_property uses PropertyType.
     NodeId type_definition{0, id::BaseDataVariableType};
 };
 
-/// The Value of a new Variable and what serves it. A data source makes one
-/// (server::DataSource::variable); one that is made of a value alone has the AddressSpace keep it.
+/// The Value of a new Variable and the source that serves it. A data source creates one
+/// (server::DataSource::variable); if it is made of a value alone, the AddressSpace keeps it.
 struct BoundValue {
     template <typename T>
     requires std::convertible_to<T, Variant> BoundValue(T of) : value{std::move(of)} {}
@@ -80,11 +80,11 @@ struct BoundValue {
     }
 
     /// Gives the Variable its DataType, ValueRank and ArrayDimensions: an array may become shorter,
-    /// not longer, unless it is empty. A null value gives none.
+    /// not longer, unless it is empty. A null value sets none of them.
     Variant value;
-    /// Not null: the DataType, for an enumeration, say, whose values are of type Int32.
+    /// If not null, the DataType, for example of an enumeration whose values are of type Int32.
     NodeId data_type;
-    /// As in NewVariable.
+    /// The same as in NewVariable.
     std::uint32_t source{no_source};
     std::uint64_t handle{0};
 };
@@ -96,8 +96,8 @@ struct NewObject {
 
 struct NewMethod {
     bool executable{true};
-    /// What the properties InputArguments and OutputArguments say (Part 3, 5.7.2); there is none
-    /// for a list that is empty.
+    /// The values of the properties InputArguments and OutputArguments (Part 3, 5.7.2); an empty
+    /// list has no property.
     Array<Argument> input_arguments;
     Array<Argument> output_arguments;
     std::uint32_t source{no_source};

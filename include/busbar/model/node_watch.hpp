@@ -12,27 +12,28 @@ namespace detail {
 class WatchTable;
 } // namespace detail
 
-/// What is watched of a node. Its removal is told in any case.
+/// The aspect of a node that is watched. Its removal is reported in any case.
 enum class NodeAspect : std::uint8_t {
-    /// Nothing but its removal.
+    /// Only its removal.
     Existence,
-    /// What answers for it and who may use it: data source and handle, access levels, NodeAccess,
-    /// the AccessRestrictions of its namespace.
+    /// Its data source and handle, and access to it: access levels, NodeAccess, the
+    /// AccessRestrictions of its namespace.
     Binding,
-    /// Which references it has, forward and inverse, as far as they are kept.
+    /// Its references, forward and inverse, as far as they are kept.
     References,
-    /// Where its references lie: positions of a ReferenceCursor lead elsewhere afterwards. This is
-    /// rare: what is added comes last, and what is removed leaves its place free for a while.
+    /// The positions of its references: those of a ReferenceCursor are invalid afterwards. This is
+    /// rare: a new reference comes last, and a removed one leaves its place free for a while.
     ReferencePositions,
 };
 
-/// Waits for one change of one node: derive from it to be told. While it watches it takes memory in
-/// the AddressSpace (node_watch_memory); if a peer can cause watches, charge the peer for them.
+/// Waits for one change of one node: derive from it to be notified. While it watches it takes
+/// memory in the AddressSpace (node_watch_memory); if a peer can cause watches, charge the peer for
+/// them.
 ///
-/// SpaceJournal::watch starts it. It ends once it has told of a change, when it is stopped,
-/// destroyed or started again, and when the AddressSpace is destroyed or assigned to, of which it
-/// does not tell. If the AddressSpace is moved, the watch goes with its nodes. To be used only by
-/// the thread that changes the AddressSpace.
+/// SpaceJournal::watch starts it. It ends once it has reported a change, when it is stopped,
+/// destroyed or started again, and when the AddressSpace is destroyed or assigned to, which it does
+/// not report. If the AddressSpace is moved, the watch goes with its nodes. To be used only by the
+/// thread that changes the AddressSpace.
 class BUSBAR_API NodeWatch {
 public:
     NodeWatch() = default;
@@ -53,14 +54,15 @@ private:
     virtual void node_changed(NodeIndex node, bool is_removed) = 0;
 
     detail::WatchTable* table_{nullptr};
-    /// What leads to this one: the pointer in the table or in the watch before.
+    /// The pointer to this watch, in the table or in the watch before.
     NodeWatch** link_{nullptr};
     NodeWatch* next_{nullptr};
     NodeIndex node_{no_node};
     NodeAspect aspect_{NodeAspect::Existence};
 };
 
-/// How many bytes a watch takes in the AddressSpace besides its own object; an upper estimate.
+/// Upper estimate of the memory that a watch takes in the AddressSpace in addition to its own
+/// object, in bytes.
 inline constexpr std::size_t node_watch_memory = 64;
 
 } // namespace busbar::model

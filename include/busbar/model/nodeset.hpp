@@ -14,29 +14,30 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/nodeset_types.hpp>
 
-/// NodeSet2 files (Part 6, Annex F) at run time. In the target busbar::nodeset, which needs
-/// pugixml; a server whose nodes are constant data alone links busbar::model without it.
+/// Reads and writes NodeSet2 files (Part 6, Annex F) at run time. It is in the target
+/// busbar::nodeset, which needs pugixml; a server with constant nodes only links busbar::model
+/// without it.
 namespace busbar::model {
 
 /// One file, or a text in memory with a name for messages.
 struct NodeSetSource {
-    /// The path, unless there is a text.
+    /// The path, or a name for messages if there is a text.
     std::string name;
     std::optional<std::string> text{};
 };
 
-/// What was loaded.
+/// The result of loading.
 struct NodeSetSummary {
     std::size_t node_count{0};
-    /// Nodes of namespace 0 that the files have and the AddressSpace had already.
+    /// Number of nodes of namespace 0 that the files have and the AddressSpace had already.
     std::size_t skipped_count{0};
-    /// Indices of the namespaces that got nodes.
+    /// Indices of the namespaces that received nodes.
     std::vector<std::uint16_t> namespaces;
-    /// What is wrong but no error: references that are not hierarchical and lead nowhere, which
+    /// Defects that are not errors: references that are not hierarchical and lead nowhere, which
     /// were left out, and values that do not fit their Variable's DataType, which were kept. At
     /// most NodeSetLimits::max_errors.
     std::vector<Problem> notes;
-    /// What write_nodeset needs beside the AddressSpace.
+    /// The extras that write_nodeset needs in addition to the AddressSpace.
     NodeSetExtras extras;
 };
 
@@ -44,22 +45,22 @@ struct NodeSetSummary {
 /// to one another; one file may have several namespaces, which are added as needed.
 ///
 /// Every type, target of a hierarchical reference, type definition and DataType must be in the
-/// files or in `space`; so must every RequiredModel, in the version that is asked for or a later
-/// one (Part 6, F.5). XML with a DOCTYPE is refused. Larger models than the default `limits` allow
-/// want limits_for_large_models().
+/// files or in `space`; so must every RequiredModel, in the required version or a later one (Part
+/// 6, F.5). XML with a DOCTYPE is refused. Models that exceed the default `limits` need
+/// limits_for_large_models().
 ///
-/// With problems, of which there is at least one then, `space` is as it was before. `where` of each
-/// has the file, the line and the node as the file writes it, as far as they are known:
-/// "tags.xml:17: ns=1;i=5".
+/// If it returns problems, at least one, `space` is as it was before. `where` of each has the file,
+/// the line and the node as the file writes it, as far as they are known: "tags.xml:17: ns=1;i=5".
 [[nodiscard]] BUSBAR_API Expected<NodeSetSummary, std::vector<Problem>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits = {});
 
-/// The nodes of these namespaces as one NodeSet2 file, which load_nodesets reads as the same nodes.
+/// Writes the nodes of these namespaces as one NodeSet2 file, which load_nodesets reads as the same
+/// nodes.
 ///
 /// References to nodes of other namespaces are written too, unless the model of the other namespace
 /// requires one that is written: they are in the file of that other model. Structures whose
-/// DataType is not known are written as bytes. Bad_NotFound for an index without a namespace.
+/// DataType is unknown are written as bytes. Bad_NotFound for an index without a namespace.
 [[nodiscard]] BUSBAR_API Result<std::string>
 write_nodeset(const SpaceReader& space, std::span<const std::uint16_t> namespaces,
               const NodeSetExtras& extras = {});

@@ -13,36 +13,36 @@ namespace busbar::model {
 
 /// Limits of NodeSet2 files, which come from users.
 ///
-/// A load takes 2.5 to 3 kB of memory for each node of its files, most of which is free again when
-/// it is done: half a gigabyte for a file of 64 MB. For larger ones see limits_for_large_models.
+/// Loading takes 2.5 to 3 kB of memory for each node of the files, most of which is free again
+/// afterwards: half a gigabyte for a file of 64 MB. For larger ones see limits_for_large_models.
 struct NodeSetLimits {
     std::size_t max_file_size{64U << 20U};
     std::size_t max_nodes{1'000'000};
     std::size_t max_references{8'000'000};
     std::size_t max_aliases{100'000};
-    /// Also models, and models that are required.
+    /// Applies also to models, and to required models.
     std::size_t max_namespaces{1'000};
     std::size_t max_fields{4'096};
-    /// Of one DisplayName, Description or InverseName.
+    /// Locales of one DisplayName, Description or InverseName.
     std::size_t max_locales{100};
     /// Levels of elements in a <Value>.
     std::size_t max_value_depth{64};
     /// Elements below all <Value>s of a file.
     std::size_t max_value_elements{4'000'000};
-    /// Fields of the structures in all values, with those that a file leaves out.
+    /// Fields of the structures in all values, including those that a file leaves out.
     std::size_t max_value_fields{4'000'000};
-    /// Bytes of XML that are kept as they are: <Extensions>, XmlElements and the like.
+    /// Bytes of XML that are kept unchanged: <Extensions>, XmlElements and the like.
     std::size_t max_kept_xml{64U << 20U};
     /// Levels of HasSubtype above a type.
     std::size_t max_type_levels{100};
-    /// How many errors, and how many notes, of one load are kept.
+    /// Maximum number of errors, and of notes, that one load reports.
     std::size_t max_errors{100};
-    /// Takes a RequiredModel of an older version than the one that is asked for.
+    /// Accepts a RequiredModel in an older version than the required one.
     bool accepts_older_models{false};
 };
 
-/// For files that may be large, such as the variables of a plant: four million nodes, 1 GB a file.
-/// A million Variables are 350 MB of XML and take 2.7 GB while they are loaded.
+/// Limits for files that may be large, such as the variables of a plant: four million nodes, 1 GB a
+/// file. A million Variables are 350 MB of XML and take 2.7 GB while they are loaded.
 [[nodiscard]] constexpr NodeSetLimits limits_for_large_models()
 {
     NodeSetLimits limits;
@@ -63,7 +63,7 @@ struct NodeSetPermission {
     friend bool operator==(const NodeSetPermission&, const NodeSetPermission&) = default;
 };
 
-/// An XML attribute as the file has it.
+/// An XML attribute as in the file.
 struct NodeSetAttribute {
     std::string name;
     std::string value;
@@ -71,9 +71,9 @@ struct NodeSetAttribute {
     friend bool operator==(const NodeSetAttribute&, const NodeSetAttribute&) = default;
 };
 
-/// Of one node. Namespace indices are those of the server.
+/// The extras of one node. Namespace indices are those of the server.
 struct NodeSetNodeExtras {
-    /// SymbolicName, ReleaseStatus and whatever else is no attribute of the AddressSpace.
+    /// SymbolicName, ReleaseStatus and all others that are not attributes of the AddressSpace.
     std::vector<NodeSetAttribute> attributes;
     /// <Category>, <Documentation> and <Extensions>, as XML.
     std::string elements;
@@ -92,13 +92,13 @@ struct NodeSetModel {
     std::string version;
     std::string model_version;
     std::string publication_date;
-    /// XmlSchemaUri, AccessRestrictions and what later versions add.
+    /// XmlSchemaUri, AccessRestrictions and attributes of later versions.
     std::vector<NodeSetAttribute> attributes;
-    /// What `attributes` say of it, for the nodes that have none of their own.
+    /// The AccessRestrictions in `attributes`, for the nodes that have none of their own.
     std::optional<std::uint16_t> access_restrictions;
     std::vector<NodeSetPermission> role_permissions;
     std::vector<NodeSetModel> required;
-    /// Where the file has it; not part of comparisons.
+    /// The file that has it; not part of comparisons.
     std::uint32_t file{0};
     std::uint32_t line{0};
 
@@ -110,13 +110,13 @@ struct NodeSetModel {
     }
 };
 
-/// What NodeSet2 files have and an AddressSpace has no place for (Part 6, Annex F): the loader
-/// returns it and the writer puts it back.
+/// The contents of NodeSet2 files that an AddressSpace does not keep (Part 6, Annex F): the loader
+/// returns them and the writer writes them back.
 struct NodeSetExtras {
     std::vector<NodeSetModel> models;
-    /// Only nodes that have something.
+    /// Only nodes that have extras.
     std::unordered_map<NodeId, NodeSetNodeExtras> nodes;
-    /// What is in the <Extensions> of each file, as XML, by the URI of the file's first model.
+    /// The content of <Extensions> of each file, as XML, by the URI of the file's first model.
     std::unordered_map<std::string, std::string> file_extensions;
 
     friend bool operator==(const NodeSetExtras&, const NodeSetExtras&) = default;

@@ -6,8 +6,8 @@
 #include <busbar/core/api.hpp>
 #include <busbar/model/device.hpp>
 
-/// The parts of an IEC 61131-3 controller as OPC 30000 shows them: a Configuration has Resources,
-/// these have Tasks and Programs, which have FunctionBlocks and Variables.
+/// Adds the parts of an IEC 61131-3 controller as OPC 30000 shows them: a Configuration has
+/// Resources, these have Tasks and Programs, which have FunctionBlocks and Variables.
 ///
 ///     const auto plc = add_ctrl_configuration(space, node).value();
 ///     const auto cpu = add_ctrl_resource(space, plc, {ns, "Cpu"}, nameplate).value();
@@ -17,14 +17,14 @@
 ///     add_pou_variable(space, main_type, PouVariable::Input, {ns, "Start"}, start);
 ///     const auto main = add_program(space, cpu, {ns, "Main1"}, main_type, fast).value();
 ///
-/// Names the nodes of PLCopen and DI that must be in the AddressSpace: busbar::plcopen::nodes() or
-/// the NodeSet2 files; Bad_TypeDefinitionInvalid if they are not or a node is of another type than
-/// is said. Other errors and the NodeIds of what is created are those of instance.hpp.
+/// The nodes of PLCopen and DI must be in the AddressSpace: busbar::plcopen::nodes() or the
+/// NodeSet2 files; Bad_TypeDefinitionInvalid if they are not, or if an argument is a node of
+/// another type. Other errors and the NodeIds of created nodes are those of instance.hpp.
 namespace busbar::model {
 
 inline constexpr std::string_view plcopen_uri = "http://PLCopen.org/OpcUa/IEC61131-3/";
 
-/// Nodes of PLCopen by their number.
+/// Numbers of nodes of PLCopen.
 namespace plcopen_id {
 inline constexpr std::uint32_t CtrlConfigurationType = 1001;
 inline constexpr std::uint32_t CtrlResourceType = 1002;
@@ -50,50 +50,52 @@ enum class PouVariable : std::uint32_t {
 
 struct CtrlTask {
     std::uint32_t priority{0};
-    /// As IEC 61131-3 writes it, "T#10ms", and the trigger of a task that is run by an event. Null:
-    /// the Property is left out.
+    /// The interval as IEC 61131-3 writes it, "T#10ms", and the trigger of a task that is run by an
+    /// event. If null, the Property is left out.
     String interval;
     String single;
 };
 
-/// The node of PLCopen with that number, no_node if there is none.
+/// Returns the node of PLCopen with this number, no_node if there is none.
 [[nodiscard]] BUSBAR_API NodeIndex find_plcopen(const SpaceReader& space, std::uint32_t number);
 
-/// The controller as a whole, a TopologyElement; without a parent in the DeviceSet.
+/// Adds the controller as a whole, a TopologyElement; without a parent in the DeviceSet.
 BUSBAR_API Result<NodeIndex> add_ctrl_configuration(AddressSpace& space, NewNode node,
                                                     const InstanceOptions& options = {});
-/// Something that runs programs, a device below the configuration's Resources.
+/// Adds a resource, which runs programs: a device below the configuration's Resources.
 BUSBAR_API Result<NodeIndex> add_ctrl_resource(AddressSpace& space, NodeIndex configuration,
                                                const QualifiedName& name,
                                                const Nameplate& nameplate,
                                                const InstanceOptions& options = {});
-/// Below the resource's Tasks.
+/// Adds a task below the resource's Tasks.
 BUSBAR_API Result<NodeIndex> add_ctrl_task(AddressSpace& space, NodeIndex resource,
                                            const QualifiedName& name, const CtrlTask& task);
 
-/// A type of programs or of function blocks, with a NodeId that is a number.
+/// Adds a type of programs or of function blocks, with a numeric NodeId.
 BUSBAR_API Result<NodeIndex> add_program_type(AddressSpace& space, const QualifiedName& name);
 BUSBAR_API Result<NodeIndex> add_function_block_type(AddressSpace& space,
                                                      const QualifiedName& name);
 
-/// Declares a Variable of a program or function block. One that a type has is Mandatory: instances
-/// made later have it too.
+/// Declares a Variable of a program or function block. In a type it is Mandatory: instances that
+/// are created later have it too.
 BUSBAR_API Result<NodeIndex> add_pou_variable(AddressSpace& space, NodeIndex unit,
                                               PouVariable section, const QualifiedName& name,
                                               const NewVariable& variable);
-/// Makes the unit use a global Variable that exists.
+/// Makes the unit use an existing global Variable.
 BUSBAR_API Result<void> add_external_variable(AddressSpace& space, NodeIndex unit,
                                               NodeIndex global);
 
-/// A program below the resource's Programs; `task`, unless it is no_node, runs it.
+/// Adds a program below the resource's Programs; `task`, unless it is no_node, runs it.
 BUSBAR_API Result<NodeIndex> add_program(AddressSpace& space, NodeIndex resource,
                                          const QualifiedName& name, NodeIndex type,
                                          NodeIndex task = no_node);
-/// A function block that is a local variable of a program or function block; Mandatory in a type.
+/// Adds a function block that is a local variable of a program or function block; Mandatory in a
+/// type.
 BUSBAR_API Result<NodeIndex> add_function_block(AddressSpace& space, NodeIndex unit,
                                                 const QualifiedName& name, NodeIndex type);
 
-/// A Variable in the GlobalVars of a configuration or resource, which are made if need be.
+/// Adds a Variable to the GlobalVars of a configuration or resource, which are created if
+/// necessary.
 BUSBAR_API Result<NodeIndex> add_global_variable(AddressSpace& space, NodeIndex owner,
                                                  const QualifiedName& name,
                                                  const NewVariable& variable);

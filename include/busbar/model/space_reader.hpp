@@ -32,9 +32,9 @@ class BUSBAR_API ReferenceCursor {
 public:
     /// The next reference, or nothing at the end.
     [[nodiscard]] std::optional<Reference> next();
-    /// How many references were passed; SpaceReader::references continues from there.
+    /// Number of references that were passed; SpaceReader::references continues from there.
     [[nodiscard]] std::size_t position() const { return position_; }
-    /// An upper bound of how many references follow.
+    /// Upper bound of the number of references that follow.
     [[nodiscard]] std::size_t at_most() const { return end_ - position_; }
 
 private:
@@ -50,11 +50,11 @@ private:
     std::size_t end_{0};
 };
 
-/// The reading half of an AddressSpace: what nodes there are, what they have and what they refer
-/// to. Code that changes nothing takes a `const SpaceReader&`.
+/// The reading half of an AddressSpace: its nodes, their attributes and references. Code that
+/// changes nothing takes a `const SpaceReader&`.
 ///
 /// Strings in results are borrowed from the AddressSpace and valid until the node they belong to is
-/// removed. A function that takes a NodeIndex takes only that of an existing node unless it says
+/// removed. A function that takes a NodeIndex takes only that of an existing node unless stated
 /// otherwise. Any number of threads may read while none changes the AddressSpace.
 class BUSBAR_API SpaceReader {
 public:
@@ -72,24 +72,25 @@ public:
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     [[nodiscard]] NodeIndex find(std::uint32_t namespace0_id) const;
     static constexpr std::size_t fetched_together = 32;
-    /// For who is about to call find() for many nodes: has what it needs of the first
-    /// `fetched_together` brought near together, which takes as long as waiting for one. None may
-    /// be null; ids of no node are allowed.
+    /// Prefetches what find() needs for the first `fetched_together` of these nodes, all at once,
+    /// which takes as long as waiting for one. No pointer may be null; ids of missing nodes are
+    /// allowed.
     void fetch_nodes(std::span<const NodeId* const> ids) const;
-    /// Puts into `found`, which has a place for each, what find() says; so many together are found
-    /// faster than one by one. None may be null.
+    /// Stores the result of find() for each id in `found`, which has the same size; faster than one
+    /// by one. No pointer may be null.
     void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
-    /// The node of the handle, no_node if it was removed.
+    /// Returns the node of the handle, no_node if it was removed.
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;
-    /// Puts into `found`, which has a place for each, what resolve() says, faster than one by one.
+    /// Stores the result of resolve() for each handle in `found`, which has the same size; faster
+    /// than one by one.
     void resolve_nodes(std::span<const NodeHandle> handles, std::span<NodeIndex> found) const;
     /// True for the index of an existing node; takes any number.
     [[nodiscard]] bool exists(NodeIndex node) const;
-    /// True for a node of the constant ones, which are used where they lie.
+    /// True for a constant node, which is used in place.
     [[nodiscard]] bool is_constant(NodeIndex node) const;
     [[nodiscard]] std::size_t node_count() const;
-    /// How many dynamic nodes were ever added, also by calls that failed; wraps around.
+    /// Number of dynamic nodes that were ever added, also by calls that failed; wraps around.
     [[nodiscard]] std::uint32_t addition_count() const;
     /// Calls `visit` for each node.
     void for_each(FunctionRef<void(NodeIndex)> visit) const;
@@ -100,89 +101,94 @@ public:
     [[nodiscard]] NodeId node_id(NodeIndex node) const;
     [[nodiscard]] QualifiedName browse_name(NodeIndex node) const;
     [[nodiscard]] LocalizedText display_name(NodeIndex node) const;
-    /// Of a Variable or VariableType; for others the defaults.
+    /// Returns the attributes of a Variable or VariableType; for others the defaults.
     [[nodiscard]] VariableAttributes variable(NodeIndex node) const;
-    /// Of a Method; for others the defaults.
+    /// Returns the attributes of a Method; for others the defaults.
     [[nodiscard]] MethodAttributes method(NodeIndex node) const;
-    /// Null if the node has none of these; valid until they are changed.
+    /// Returns null if the node has none of these; valid until they are changed.
     [[nodiscard]] const NodeAccess* node_access(NodeIndex node) const;
-    /// The AccessRestrictions that count for the node: its own or those of its namespace (Part 3,
-    /// 5.2.11). The server enforces them.
+    /// Returns the AccessRestrictions that apply to the node: its own or those of its namespace
+    /// (Part 3, 5.2.11). The server enforces them.
     [[nodiscard]] std::uint16_t access_restrictions(NodeIndex node) const;
-    /// The RolePermissions that count for the node: its own or those of its namespace (Part 3,
-    /// 5.2.9); null if there are none. Valid until they are changed. The server enforces them.
+    /// Returns the RolePermissions that apply to the node: its own or those of its namespace (Part
+    /// 3, 5.2.9); null if there are none. Valid until they are changed. The server enforces them.
     [[nodiscard]] const Array<RolePermissionType>* role_permissions(NodeIndex node) const;
-    /// What set_namespace_permissions and set_namespace_restrictions gave a namespace.
+    /// Return what set_namespace_permissions and set_namespace_restrictions set for a namespace.
     [[nodiscard]] Array<RolePermissionType>
     namespace_permissions(std::uint16_t namespace_index) const;
     [[nodiscard]] std::uint16_t namespace_restrictions(std::uint16_t namespace_index) const;
-    /// The NodeId of a Variable's DataType even if that node is left out of a small namespace 0.
+    /// Returns the NodeId of a Variable's DataType even if that node is missing in a small
+    /// namespace 0.
     [[nodiscard]] NodeId data_type_id(NodeIndex node) const;
-    /// Any attribute but Value and UserRolePermissions, whoever asks: UserWriteMask is that of
-    /// nobody, 0. Bad_AttributeIdInvalid if the node has none such.
+    /// Returns any attribute except Value and UserRolePermissions, for no particular user:
+    /// UserWriteMask is 0. Bad_AttributeIdInvalid if the node does not have it.
     [[nodiscard]] Result<Variant> attribute(NodeIndex node, AttributeId id) const;
     /// True if nodes of the class have the attribute, mandatory or optional.
     [[nodiscard]] static bool has_attribute(NodeClass node_class, AttributeId id);
-    /// The value of a Variable or VariableType without source; null if it was never given one.
+    /// Returns the value of a Variable or VariableType without a source; null if none was ever set.
     /// Structures stay encoded unless `types` is given and knows them.
     [[nodiscard]] Variant value(NodeIndex node, const binary::TypeRegistry* types = nullptr) const;
-    /// The same with the status and source timestamp that set_data_value gave it.
+    /// Returns the value with the status and source timestamp of set_data_value.
     [[nodiscard]] DataValue data_value(NodeIndex node) const;
 
     // Texts in several locales (Part 4, 5.4): of DisplayName, Description, InverseName, and of a
     // Value that is one LocalizedText.
 
-    /// Makes `text`, which the attribute has, the one that comes first in `locales`; else it stays.
-    /// Borrowed until the attribute changes. 16 locales and 100 texts take a few microseconds.
+    /// Replaces `text`, the attribute's own, by the one that comes first in `locales`, if there is
+    /// one. Borrowed until the attribute changes. 16 locales and 100 texts take a few microseconds.
     void translate(NodeIndex node, AttributeId attribute, std::span<const std::string> locales,
                    LocalizedText& text) const;
-    /// All texts of the attribute, the first one first; of each locale one.
+    /// Returns all texts of the attribute, the first one first; one for each locale.
     [[nodiscard]] std::vector<LocalizedText> texts(NodeIndex node, AttributeId attribute) const;
     [[nodiscard]] bool has_further_texts(NodeIndex node) const;
-    /// Locales that further texts have or had, each once; valid until a text is added.
+    /// Returns the locales that further texts have or had, each once; valid until a text is added.
     [[nodiscard]] std::span<const std::string> further_locales() const;
 
     // References and types.
 
-    /// Calls `visit` for the node and all that remove() takes along, parents first, until it
-    /// returns false.
+    /// Calls `visit` for the node and all nodes that remove() would remove with it, parents first,
+    /// until it returns false.
     void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
-    /// The first instance of an ObjectType or VariableType itself, not of its subtypes, from index
-    /// `from` on; no_node if there is none. Looks at every node and counts `visits` down for each;
-    /// stops when that is 0. `from` becomes the index to go on with, no_node at the end.
+    /// Returns the first instance of an ObjectType or VariableType itself, not of its subtypes,
+    /// from index `from` on; no_node if there is none. Looks at every node and counts `visits` down
+    /// for each; stops when that is 0. `from` becomes the index to continue with, no_node at the
+    /// end.
     [[nodiscard]] NodeIndex next_instance(NodeIndex type, NodeIndex& from,
                                           std::size_t& visits) const;
     /// A number that changes whenever a type is added; types are never removed.
     [[nodiscard]] std::uint64_t type_count() const;
-    /// The target of HasTypeDefinition of an Object or Variable, else no_node.
+    /// Returns the target of HasTypeDefinition of an Object or Variable, else no_node.
     [[nodiscard]] NodeIndex type_definition(NodeIndex node) const;
-    /// The IsAbstract attribute of a type.
+    /// Returns the IsAbstract attribute of a type.
     [[nodiscard]] bool is_abstract(NodeIndex type) const;
-    /// The type above, no_node for one that has none.
+    /// Returns the supertype, no_node if there is none.
     [[nodiscard]] NodeIndex supertype(NodeIndex type) const;
-    /// True if `type` is `supertype` or below it along HasSubtype; false if either is no type or
-    /// no_node. Takes constant time.
+    /// True if `type` is `supertype` or below it along HasSubtype; false if either is not a type or
+    /// is no_node. Takes constant time.
     [[nodiscard]] bool is_subtype_of(NodeIndex type, NodeIndex supertype) const;
-    /// As above for a type of namespace 0 by its number.
+    /// Compares as above, with a type of namespace 0 by its number.
     [[nodiscard]] bool is_subtype_of(NodeIndex type, std::uint32_t supertype) const;
     /// Calls `visit` for each forward target by a hierarchical reference of `type` (or of a
-    /// subtype) whose BrowseName is `name`, until it returns false. Does not scan the children
-    /// that were added with `parent` as their parent. Gives how many references it looked at.
+    /// subtype) whose BrowseName is `name`, until it returns false. Does not scan the children that
+    /// were added with `parent` as their parent. Returns the number of references that it looked
+    /// at.
     std::size_t for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
                                const QualifiedName& name, FunctionRef<bool(NodeIndex)> visit) const;
 
-    /// The built-in type that encodes values of the DataType: Int32 for an enumeration,
+    /// Returns the built-in type that encodes values of the DataType: Int32 for an enumeration,
     /// ExtensionObject for a structure, Variant for the abstract BaseDataType, Number, Integer and
-    /// UInteger; Null if it is no DataType.
+    /// UInteger; Null if it is not a DataType.
     [[nodiscard]] BuiltInType built_in_type_of(NodeIndex data_type) const;
-    /// One bit for each BuiltInType that a value of the DataType may have; bit 0: also no value.
+    /// Returns one bit for each BuiltInType that a value of the DataType may have; bit 0 means that
+    /// it may be null.
     [[nodiscard]] std::uint32_t built_in_types_of(NodeIndex data_type) const;
-    /// The DataType that the value itself shows: of an array of structures that of the first;
-    /// no_node if the value is null.
+    /// Returns the DataType of the value itself: for an array of structures that of the first
+    /// element; no_node if the value is null.
     [[nodiscard]] NodeIndex type_of_value(const Variant& value) const;
-    /// Good, or Bad_TypeMismatch if `value` cannot be the Value of a Variable of these attributes
-    /// (Part 4, 5.11.4; Part 3, 5.6.2). A scalar ByteString may stand for an array of Byte.
+    /// Returns Good, or Bad_TypeMismatch if `value` cannot be the Value of a Variable with these
+    /// attributes (Part 4, 5.11.4; Part 3, 5.6.2). A scalar ByteString may stand for an array of
+    /// Byte.
     [[nodiscard]] StatusCode check_value(const Variant& value, NodeIndex data_type,
                                          std::int32_t value_rank,
                                          std::span<const std::uint32_t> array_dimensions) const;

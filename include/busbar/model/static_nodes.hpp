@@ -5,11 +5,11 @@
 #include <span>
 #include <string_view>
 
-/// Nodes of one namespace as constant data, as busbar-generate writes them.
+/// The nodes of one namespace as constant data, as busbar-generate writes them.
 ///
-/// Nothing in the tables is a pointer, so that they lie in read-only memory and cost no time at
-/// start. Nodes, texts and values are named by index or offset. The nodes that are types come
-/// first, each directly before its subtypes: the subtypes of a type are one interval.
+/// The tables contain no pointers, so that they are in read-only memory and cost no time at start.
+/// Nodes, texts and values are named by index or offset. The nodes that are types come first, each
+/// directly before its subtypes: the subtypes of a type are one interval.
 namespace busbar::model {
 
 /// A piece of StaticNodes::text, or of another table.
@@ -18,10 +18,10 @@ struct StaticText {
     std::uint32_t size{0};
 };
 
-/// What StaticIdentifier::value means.
+/// The meaning of StaticIdentifier::value.
 enum class StaticIdKind : std::uint8_t { Numeric, Text };
 
-/// A NodeId: a number, or the index of the entry of `texts` with what NodeId::parse reads, without
+/// A NodeId: a number, or the index of the entry of `texts` that NodeId::parse reads, without
 /// namespace.
 struct StaticIdentifier {
     std::uint32_t value{0};
@@ -40,11 +40,11 @@ inline constexpr std::uint8_t historizing = 16;
 struct StaticNode {
     StaticIdentifier id;
     StaticText browse_name;
-    /// In `references`; those of a node end where those of the next one begin.
+    /// Index in `references`; those of a node end where those of the next one begin.
     std::uint32_t first_reference{0};
-    /// Of a Variable or VariableType its entry of `variables`; of a ReferenceType the entry of
-    /// `texts` with its InverseName, of a DataType the entry of `texts` that says where in
-    /// `values` its DataTypeDefinition is; no_details if it has none.
+    /// For a Variable or VariableType the index of its entry in `variables`; for a ReferenceType
+    /// the entry of `texts` with its InverseName, for a DataType the entry of `texts` that locates
+    /// its DataTypeDefinition in `values`; no_details if it has none.
     std::uint32_t details{0};
     std::uint16_t browse_namespace{0};
     /// The value of NodeClass.
@@ -56,12 +56,12 @@ struct StaticNode {
 inline constexpr std::uint32_t no_details = UINT32_MAX;
 
 struct StaticVariable {
-    /// A node, or past the last node an entry of `externals`.
+    /// Index of a node, or past the last node of an entry of `externals`.
     std::uint32_t data_type{0};
     std::int32_t value_rank{-1};
-    /// In `dimensions`.
+    /// A range of `dimensions`.
     StaticText array_dimensions;
-    /// In `values`: an encoded Variant; of no size when there is none.
+    /// A range of `values`: an encoded Variant; empty if there is none.
     StaticText value;
     double minimum_sampling_interval{0};
     std::uint8_t access_level{0};
@@ -89,7 +89,7 @@ struct StaticAccess {
     std::uint32_t more_access_levels{0};
     std::uint16_t restrictions{0};
     bool has_restrictions{false};
-    /// In `values`: an encoded Variant with an array of RolePermissionType; of no size when there
+    /// A range of `values`: an encoded Variant with an array of RolePermissionType; empty if there
     /// is none.
     StaticText role_permissions;
 };
@@ -117,16 +117,16 @@ private:
     std::uint32_t bits_{0};
 };
 
-/// What is known of a type: nodes [own index, last] are the type and its subtypes.
+/// Describes a type: nodes [own index, last] are the type and its subtypes.
 struct StaticType {
     std::uint32_t last{0};
-    /// Of a DataType: the id of its built-in type; 26, 27 and 28 for Number, Integer, UInteger.
+    /// For a DataType the id of its built-in type; 26, 27 and 28 for Number, Integer, UInteger.
     std::uint8_t built_in{0};
 };
 
-/// Everything that was generated for one namespace. The spans are of constant data.
+/// All tables that were generated for one namespace. The spans are of constant data.
 struct StaticNodes {
-    /// Index 0 is that of OPC UA itself; other indices in these tables are into this list.
+    /// Index 0 is that of OPC UA itself; other indices in these tables refer to this list.
     std::span<const StaticText> namespaces;
     std::span<const StaticNode> nodes;
     /// The first nodes, which are types.
@@ -143,15 +143,16 @@ struct StaticNodes {
     std::span<const std::uint32_t> dimensions;
     std::string_view text;
     std::string_view values;
-    /// Open addressing by static_slot of the numeric ids in namespace 0: node index + 1, 0 for a
-    /// free slot. The size is a power of two; empty for a namespace whose nodes get copied.
+    /// A hash table with open addressing by static_slot of the numeric ids in namespace 0: node
+    /// index + 1, 0 for a free slot. The size is a power of two; empty for a namespace whose nodes
+    /// are copied.
     std::span<const std::uint16_t> slots;
     std::span<const StaticAccess> access{};
     /// The AccessRestrictions of nodes of this namespace that have none of their own.
     std::uint16_t restrictions{0};
 };
 
-/// Where the search for a numeric id begins.
+/// Returns the slot where the search for a numeric id begins.
 [[nodiscard]] constexpr std::size_t static_slot(std::uint32_t id, std::size_t slot_count)
 {
     const std::uint32_t mixed = id * 2'654'435'769U;

@@ -19,7 +19,7 @@ struct Unit {
     std::string_view name;
 };
 
-/// The UnitId of a common code; -1 for a text that cannot be one.
+/// Returns the UnitId of a common code; -1 for a text that is not a valid code.
 [[nodiscard]] constexpr std::int32_t unit_id(std::string_view common_code)
 {
     if (common_code.empty() || common_code.size() > 3) {
@@ -38,10 +38,10 @@ struct Unit {
 /// The units that controllers use most.
 [[nodiscard]] BUSBAR_API std::span<const Unit> common_units();
 
-/// The value of EngineeringUnits for one of common_units(). Any other common code gives its UnitId,
-/// with the code as its symbol; what cannot be a code gives UnitId -1.
+/// Returns the EngineeringUnits value for one of common_units(). Any other common code yields its
+/// UnitId, with the code as its symbol; an invalid code yields UnitId -1.
 [[nodiscard]] BUSBAR_API EUInformation engineering_units(std::string_view common_code);
-/// The same for a unit that is not in the list.
+/// Returns the same for a unit that is not in the list.
 [[nodiscard]] BUSBAR_API EUInformation engineering_units(const Unit& unit);
 
 } // namespace busbar::model
