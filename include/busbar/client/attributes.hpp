@@ -13,12 +13,12 @@
 namespace busbar::client {
 
 struct ReadSettings {
-    /// How old values may be (Part 4, 5.11.2); zero: as new as possible.
+    /// Maximum age of values (Part 4, 5.11.2); zero: as new as possible.
     Duration max_age{0};
     TimestampsToReturn timestamps{TimestampsToReturn::Both};
 };
 
-/// Reads attributes (Part 4, 5.11.2). `done` gets a DataValue for each item in their order; the
+/// Reads attributes (Part 4, 5.11.2). `done` gets a DataValue for each item in the same order; the
 /// items of a failed request have its status.
 BUSBAR_API Operation read(Requester& requester, std::vector<ReadValueId> items,
                           std::function<void(std::vector<DataValue>)> done,
@@ -29,18 +29,18 @@ BUSBAR_API Operation write(Requester& requester, std::vector<WriteValue> items,
                            std::function<void(std::vector<StatusCode>)> done,
                            const ServiceOptions& options = {});
 
-/// As ExplainedCall, of one value.
+/// The result of one value, as ExplainedCall.
 struct ExplainedWrite {
     StatusCode status_code;
     std::string additional_info;
 };
 
-/// The same, and asks for the additionalInfo (Part 4, 7.12).
+/// Writes likewise, and requests the additionalInfo (Part 4, 7.12).
 BUSBAR_API Operation write_explained(Requester& requester, std::vector<WriteValue> items,
                                      std::function<void(std::vector<ExplainedWrite>)> done,
                                      const ServiceOptions& options = {});
 
-/// One attribute of one node as read() and write() take it.
+/// Returns one attribute of one node in the form that read() and write() take.
 [[nodiscard]] BUSBAR_API ReadValueId attribute_of(NodeId node,
                                                   AttributeId attribute = AttributeId::Value,
                                                   std::string_view index_range = {});
@@ -48,7 +48,8 @@ BUSBAR_API Operation write_explained(Requester& requester, std::vector<WriteValu
                                               AttributeId attribute = AttributeId::Value,
                                               std::string_view index_range = {});
 
-/// Reads the same attribute of each node. An address that names no node has its status.
+/// Reads the same attribute of each node. An address that could not be resolved gets the status of
+/// that.
 BUSBAR_API Operation read(Requester& requester, std::vector<NodeAddress> nodes,
                           std::function<void(std::vector<DataValue>)> done,
                           AttributeId attribute = AttributeId::Value, ReadSettings settings = {},

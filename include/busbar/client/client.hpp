@@ -19,9 +19,9 @@
 
 namespace busbar::client {
 
-/// When a lost connection is tried again: after `first`, then after `factor` times as long each
-/// time, up to `longest`, each shortened at random by up to a fifth, so that the clients of a plant
-/// do not all come back at once.
+/// The delays before a lost connection is tried again: first `first`, then `factor` times as long
+/// each time, up to `longest`, each shortened at random by up to a fifth, so that the clients of a
+/// plant do not all return at once.
 struct ReconnectPolicy {
     bool is_enabled{true};
     Duration first{std::chrono::seconds{1}};
@@ -32,7 +32,7 @@ struct ReconnectPolicy {
 };
 
 struct ClientConfig {
-    /// opc.tcp://host:port/path, of the server or one of its discovery endpoints.
+    /// opc.tcp://host:port/path, of the server or of one of its discovery endpoints.
     std::string endpoint_url;
     SecurityWishes security;
     UserIdentity identity;
@@ -40,39 +40,41 @@ struct ClientConfig {
     std::string application_name{"Busbar client"};
     std::string session_name{"Busbar"};
     Duration session_timeout{std::chrono::minutes{1}};
-    /// LocaleIds that texts are wanted in, the best first (Part 4, 5.4); none: as the server likes.
+    /// LocaleIds of texts in order of preference (Part 4, 5.4); if empty, the server chooses.
     std::vector<std::string> locale_ids;
     Duration request_timeout{std::chrono::seconds{10}};
-    /// For one attempt, from asking for a connection to a session.
+    /// Limits one attempt, from ordering a connection to a session.
     Duration connect_timeout{std::chrono::seconds{20}};
-    /// How long the server may take to end the connection over which endpoints were asked for,
+    /// The time that the server has to end the connection over which endpoints were requested,
     /// before the next one is opened: a server with few connections refuses it until then.
     Duration peer_close_timeout{std::chrono::seconds{1}};
-    /// Server_State is read when nothing was heard for this long, or for a third of the session's
-    /// timeout; after two such reads without an answer the connection is given up. Zero: never, and
-    /// a session without requests times out.
+    /// Server_State is read when the server has been silent for this long, or for a third of the
+    /// session's timeout; after two such reads without an answer the connection is given up. Zero:
+    /// never, and a session without requests times out.
     Duration keep_alive_interval{std::chrono::seconds{5}};
     ReconnectPolicy reconnect;
     Duration channel_lifetime{std::chrono::hours{1}};
     channel::TransportLimits transport;
-    /// Of a response.
+    /// Limits of a response.
     binary::DecodeLimits decode{response_limits};
-    /// Generated structures beside those of namespace 0, a table for each namespace: values of them
-    /// in responses and notifications are objects of their C++ types. Found by their namespace URI
-    /// in the server's NamespaceArray, whatever the index is there.
+    /// Generated structures in addition to those of namespace 0, a table for each namespace: their
+    /// values in responses and notifications are objects of their C++ types. Found by their
+    /// namespace URI in the server's NamespaceArray, whatever the index is there.
     std::vector<binary::TypeRegistry::Table> types;
     SubscriberLimits subscriptions;
-    /// How many requests may wait or be under way together; one more is Bad_TooManyOperations.
+    /// Maximum number of requests that wait or are under way; further ones fail with
+    /// Bad_TooManyOperations.
     std::size_t max_requests{10'000};
-    /// Entries that are kept of the server's NamespaceArray and of its ServerArray.
+    /// Maximum number of entries that are kept of the server's NamespaceArray and of its
+    /// ServerArray.
     std::size_t max_server_names{10'000};
-    /// Not empty: only a server with this ApplicationUri is accepted.
+    /// If not empty, only a server with this ApplicationUri is accepted.
     std::string server_uri;
-    /// False for FindServers, GetEndpoints and RegisterServer, which need no session. Where
-    /// security.allows_none is set too, the channel is opened without security and without asking
-    /// for endpoints.
+    /// False for FindServers, GetEndpoints and RegisterServer, which need no session. If
+    /// security.allows_none is set too, the channel is opened without security and without
+    /// requesting endpoints.
     bool wants_session{true};
-    /// Endpoints are asked for even so: security is better than none where the server has any.
+    /// Requests endpoints even so: security is better than none if the server has any.
     bool asks_for_endpoints{false};
     /// The server connects to us (Part 6, 7.1.2.6).
     bool is_reverse{false};
@@ -82,22 +84,22 @@ enum class ClientState : std::uint8_t {
     Waiting,     // for the next attempt, or for the first call of connect()
     Connecting,  // a transport was ordered
     Discovering, // GetEndpoints over a channel without security
-    Opening,     // the channel, the session, what the server is able to do
+    Opening,     // the channel and the session, and reading the server's capabilities
     Ready,
     Closing,
     Closed, // by close(), or for good
 };
 
-/// What whoever drives a Client has to do with its transport. One at a time: the next Open comes
-/// when disconnected() has confirmed a Drop, or two seconds later; whatever is left of the old
-/// connection is then to be closed at once.
+/// An order for the owner of a Client about its transport. One at a time: the next Open comes when
+/// disconnected() has confirmed a Drop, or two seconds later; the rest of the old connection must
+/// then be closed at once.
 struct TransportOrder {
     enum class Kind : std::uint8_t {
         Open, // connect to `url`, or wait for a ReverseHello if the configuration says so
-        Drop, // send what output() still has, then let the connection go
+        Drop, // send the rest of output(), then close the connection
     };
     Kind kind{Kind::Open};
-    /// Identifies the attempt; what is told of older ones is ignored.
+    /// Identifies the attempt; reports about older ones are ignored.
     std::uint64_t id{0};
     std::string url{};
     /// Drop: call disconnected() only when the server has ended the connection, too, preferably
@@ -106,13 +108,13 @@ struct TransportOrder {
 };
 
 /// A client that stays connected to one server: finds the best endpoint, opens channel and session,
-/// keeps them alive, and has them again when they are lost, Subscriptions included.
+/// keeps them alive, and restores them when they are lost, Subscriptions included.
 ///
-/// Sans-I/O and polled. Bytes, time and what became of transports go in; bytes, orders and the next
-/// deadline come out. After any other call poll() until it is false, then look at next_order(),
-/// output() and next_deadline(); while poll() is true, read no more from the peer. Handlers run in
-/// poll() only, and poll() does a bounded piece of work, so that a PLC task can step a Client in
-/// its cycle. One thread; the net layer has drivers.
+/// Sans-I/O and polled. Bytes, time and the results of orders go in; bytes, orders and the next
+/// deadline come out. After any other call poll() until it returns false, then look at
+/// next_order(), output() and next_deadline(); while poll() returns true, read no more from the
+/// peer. Handlers run in poll() only, and poll() does a bounded piece of work, so that a PLC task
+/// can step a Client in its cycle. One thread; the net layer has drivers.
 ///
 /// Handlers may use the Client, but neither poll() nor destroy it.
 class BUSBAR_API Client final : public Requester {
@@ -122,34 +124,35 @@ public:
     /// Drops everything at once; handlers are not called any more.
     ~Client() override;
 
-    /// From now on the Client wants to be connected, also after Closed.
+    /// From now on the Client tries to be connected, also after Closed.
     void connect(TimePoint now);
     /// Closes session and channel, and deletes Subscriptions at the server or leaves them to a
     /// client that will take them over. Requests end with Bad_ConnectionClosed. The state is
-    /// Closing until the transport is gone.
+    /// Closing until the transport is closed.
     void close(TimePoint now, bool deletes_subscriptions = true);
 
     [[nodiscard]] ClientState state() const;
-    /// Why the Client is not Ready: the last failure; Good before the first and after
+    /// The reason why the Client is not Ready: the last failure; Good before the first and after
     /// close().
     [[nodiscard]] StatusCode last_error() const;
     /// The endpoint that is used or will be tried next; null while none is chosen.
     [[nodiscard]] const EndpointDescription* endpoint() const;
     /// Called in poll() for each change of state, with the failure that caused it, or Good.
-    /// Waiting: it will be tried again. Closed: it will not, because another attempt cannot mend
-    /// the failure or there were too many.
+    /// Waiting: the Client will try again. Closed: it will not, because another attempt cannot help
+    /// or there were too many.
     void on_state(std::function<void(ClientState, StatusCode)> handler);
     [[nodiscard]] Subscriptions& subscriptions();
     /// RevisedSessionTimeout, which the session is kept alive within; zero while not Ready.
     [[nodiscard]] Duration session_timeout() const;
     /// Gives the session to another user, who keeps its Subscriptions (Part 4, 5.7.3.1). `done` is
-    /// told in poll(): Good; why the server refuses him or has no token policy for him, and the old
-    /// one stays; Bad_ConnectionClosed if that was lost meanwhile: whose it was is then taken up
-    /// again. Waiting or Closed: the next session, a new one, is his, Good_CompletesAsynchronously.
-    /// Else, and while another change is under way: Bad_InvalidState.
+    /// called in poll(): with Good; with the reason why the server refuses the user or has no token
+    /// policy for him, and the session keeps its user; with Bad_ConnectionClosed if the connection
+    /// was lost meanwhile, and the next one resumes the session with the user that it had. While
+    /// Waiting or Closed the next session, a new one, belongs to him, and the result is
+    /// Good_CompletesAsynchronously. In other states, and during another change: Bad_InvalidState.
     void change_user(UserIdentity identity, std::function<void(StatusCode)> done);
 
-    // Requester
+    // Requester.
     void cancel(RequestId id) override;
     [[nodiscard]] const ServerInfo& server() const override;
     [[nodiscard]] TimePoint now() const override;
@@ -157,20 +160,20 @@ public:
     [[nodiscard]] const binary::TypeRegistry& types() const override;
     [[nodiscard]] LogSink* log() const override;
 
-    // For who drives it.
+    // Called by the code that drives it.
 
     [[nodiscard]] std::optional<TransportOrder> next_order();
     void connected(std::uint64_t order, TimePoint now);
-    /// The attempt failed, or the connection is gone.
+    /// Reports that the attempt failed, or that the connection is closed.
     void disconnected(std::uint64_t order, StatusCode why, TimePoint now);
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;
-    /// Only takes the time; poll() does what is due.
+    /// Only stores the time; poll() does what is due.
     void handle_deadline(TimePoint now);
-    /// Handles at most `max_steps` things that happened, such as a response, and calls their
-    /// handlers. True if there is more to do.
+    /// Handles at most `max_steps` occurrences, such as a response, and calls their handlers. True
+    /// if there is more to do.
     bool poll(TimePoint now, std::size_t max_steps = 1'000);
 
 private:

@@ -7,10 +7,10 @@
 
 namespace busbar::client {
 
-/// Whether a Client can do what `config` says in `environment`, whatever its server is like: the
-/// first problem that is found, or none. `where` is a field of the ClientConfig ("endpoint_url",
-/// "security.policies") or of the environment ("environment.validator"). A Client tells its log the
-/// same and does not connect; Client::last_error() has the status.
+/// Checks whether a Client can do what `config` says in `environment`, whatever its server is like:
+/// returns the first problem, or none. `where` is a field of the ClientConfig ("endpoint_url",
+/// "security.policies") or of the environment ("environment.validator"). A Client reports the same
+/// to its log and does not connect; Client::last_error() has the status.
 [[nodiscard]] BUSBAR_API Configured<void>
 check_config(const ClientConfig& config, const channel::ChannelEnvironment& environment);
 

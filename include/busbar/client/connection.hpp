@@ -20,11 +20,11 @@
 
 namespace busbar::client {
 
-/// A session as another connection can take it over (Part 4, 5.7.3).
+/// A session in the form in which another connection can resume it (Part 4, 5.7.3).
 struct SessionTicket {
     NodeId session_id;
     NodeId authentication_token;
-    /// The last one, which the next proofs are made with.
+    /// The last nonce, which the next proofs are made with.
     ByteString server_nonce;
     /// RevisedSessionTimeout, held within sensible bounds whatever the server said.
     std::chrono::milliseconds timeout{0};
@@ -36,54 +36,53 @@ struct ConnectionConfig {
     std::string application_uri{"urn:busbar:client"};
     std::string session_name{"Busbar"};
     UserIdentity identity;
-    /// What the identity is sent with; none: the best that CreateSession's endpoints have for it.
+    /// The token policy that the identity is sent with; if none, the best one in CreateSession's
+    /// endpoints.
     std::optional<UserTokenPolicy> token_policy;
-    /// What GetEndpoints gave, which CreateSession has to repeat; null: there is nothing to
-    /// compare.
+    /// The result of GetEndpoints, which CreateSession must repeat; if null, nothing is compared.
     Array<EndpointDescription> discovered_endpoints;
-    /// A session of an earlier connection: it is activated again and, where the server does not
-    /// let us, another one created.
+    /// A session of an earlier connection: it is activated again and, if the server refuses that,
+    /// another one is created.
     std::optional<SessionTicket> resumed_session;
     std::chrono::milliseconds session_timeout{60'000};
-    /// LocaleIds that the session would have texts in, the best first (Part 4, 5.4).
+    /// LocaleIds of the session's texts in order of preference (Part 4, 5.4).
     std::vector<std::string> locale_ids;
-    /// After this time an open request is given up with Bad_Timeout, unless it has a timeout of its
-    /// own.
+    /// An open request ends with Bad_Timeout after this time, unless it has a timeout of its own.
     std::chrono::milliseconds request_timeout{10'000};
     /// False for FindServers and GetEndpoints, which need no session.
     bool wants_session{true};
-    /// What responses may contain.
+    /// Limits of responses.
     binary::DecodeLimits limits{response_limits};
 };
 
-/// What happened on a client.
+/// An occurrence on a client's connection.
 struct ConnectionEvent {
     enum class Kind : std::uint8_t {
         Ready,    // the session is activated, or the channel open if no session is wanted
         Response, // to the request with `handle`
-        Closed,   // nothing more will come
+        Closed,   // the last event
     };
     Kind kind{Kind::Closed};
     std::uint32_t handle{0};
-    /// Response: the ServiceResult, or Bad_Timeout, Bad_SecureChannelClosed if none came.
-    /// Closed: why.
+    /// Response: the ServiceResult, or Bad_Timeout, Bad_SecureChannelClosed if none came. Closed:
+    /// the reason.
     StatusCode status;
     /// Response: NodeId of the encoding and the structure; empty if none came.
     std::vector<std::byte> body;
-    /// Response: what send_encoded() was given with the request.
+    /// Response: the context that send_encoded() was given with the request.
     std::uint64_t context{0};
 
-    /// The response as a T, whose strings borrow from this event. Bad_DecodingError if it is none,
-    /// the ServiceResult if that is bad. `types` has the structures of namespace 0 and others, by
-    /// the server's namespace indices.
+    /// Returns the response as a T, whose strings borrow from this event. Bad_DecodingError if it
+    /// is another type, the ServiceResult if that is bad. `types` has the structures of namespace 0
+    /// and others, by the server's namespace indices.
     template <typename T>
     [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = response_limits,
                                      const binary::TypeRegistry& types = standard_types()) const;
 };
 
 /// A client on one connection to a server: opens the channel, creates and activates a session,
-/// sends requests and matches their responses. Sans-I/O, in the shape of the channel. A connection
-/// that is lost ends it; Client makes new ones.
+/// sends requests and matches their responses. Sans-I/O, in the shape of the channel. It ends when
+/// the connection is lost; Client creates new ones.
 class BUSBAR_API Connection {
 public:
     /// `environment` must outlive the Connection.
@@ -101,29 +100,28 @@ public:
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const;
 
-    /// Sends `request`, whose header is filled in here, and gives the handle that its Response will
-    /// carry. Any number may be under way. It is given up `timeout` after the time that feed() or
-    /// handle_deadline() was given last; zero: as configured.
+    /// Sends `request`, whose header is filled in here, and returns the handle that its Response
+    /// will have. Any number may be under way. It ends `timeout` after the time of the last feed()
+    /// or handle_deadline(); zero: as configured.
     template <typename Request>
     [[nodiscard]] Result<std::uint32_t> send(Request&& request, Duration timeout = {});
-    /// The same for a request that `encode` writes with the header that it is given; its Response
-    /// brings `context` back.
+    /// Sends a request that `encode` writes with the given header; its Response returns `context`.
     [[nodiscard]] Result<std::uint32_t>
     send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
                  Duration timeout = {}, std::uint64_t context = 0);
-    /// Opens a session over a channel that was opened without one; Ready comes a second time. Of
-    /// `config` counts what is not of the channel. Bad_InvalidState if it is not Ready, or has a
-    /// session.
+    /// Opens a session over a channel that was opened without one; Ready comes a second time. The
+    /// parts of `config` that concern the channel are ignored. Bad_InvalidState if it is not Ready,
+    /// or has a session.
     [[nodiscard]] Result<void> open_session(ConnectionConfig config);
-    /// Forgets a request: no Response event will come for it. Where it is under way in a session
-    /// the server is told, once, so that it does not work for nobody (Part 4, 5.7.5).
+    /// Forgets a request: no Response event will come for it. If it is under way in a session the
+    /// server is told, once, so that it does not work in vain (Part 4, 5.7.5).
     void cancel(std::uint32_t handle);
-    /// The same without a word to the server.
+    /// Forgets a request without telling the server.
     void forget(std::uint32_t handle);
     /// Gives the session, which is Ready, to another user (Part 4, 5.7.3.1). A Response with the
-    /// handle says what became of it; that of the session stays if it is bad. Bad_InvalidState
-    /// without a session or while another change is under way; Bad_IdentityTokenRejected if the
-    /// server has no token policy for such a user, unless `token_policy` is given.
+    /// handle has the result; if it is bad, the session keeps its user. Bad_InvalidState without a
+    /// session or during another change; Bad_IdentityTokenRejected if the server has no token
+    /// policy for such a user, unless `token_policy` is given.
     [[nodiscard]] Result<std::uint32_t> change_user(UserIdentity identity,
                                                     std::optional<UserTokenPolicy> token_policy);
     /// Closes session and channel (Part 4, 5.7.4 and 5.6.3), with or without the Subscriptions.
@@ -131,13 +129,13 @@ public:
     /// Closes the channel and leaves the session to the server, for another connection.
     void leave();
 
-    /// What the server offered in CreateSession.
+    /// The endpoints that the server returned in CreateSession.
     [[nodiscard]] const Array<EndpointDescription>& endpoints() const;
     /// The session once Ready; its authentication token is null if there is none.
     [[nodiscard]] const SessionTicket& session() const;
-    /// True if that is the resumed session of the configuration.
+    /// True if it is the resumed session of the configuration.
     [[nodiscard]] bool is_resumed() const;
-    /// The URL of our Hello; with is_reverse, the one that the server named.
+    /// The URL in our Hello; with is_reverse, the one in the server's ReverseHello.
     [[nodiscard]] const std::string& endpoint_url() const;
 
 private:

@@ -14,14 +14,14 @@
 /// server is reached; the answer may depend on it.
 namespace busbar::client {
 
-/// FindServers (Part 4, 5.5.2). `server_uris` empty: all servers that it knows.
+/// FindServers (Part 4, 5.5.2). If `server_uris` is empty, all servers that it knows.
 BUSBAR_API RequestId find_servers(Requester& requester, std::string_view url,
                                   Requester::Handler<std::vector<ApplicationDescription>> done,
                                   const std::vector<std::string>& server_uris = {},
                                   RequestOptions options = {});
 
 /// FindServersOnNetwork (Part 4, 5.5.3): the servers with all of `capabilities` that a discovery
-/// server knows from the network, at most `most`, 0 for all, behind the record `after`.
+/// server knows from the network, at most `most`, 0 for all, with records after `after`.
 BUSBAR_API RequestId find_servers_on_network(Requester& requester,
                                              Requester::Handler<FindServersOnNetworkResponse> done,
                                              const std::vector<std::string>& capabilities = {},

@@ -8,8 +8,8 @@
 #include <busbar/types/node_management.hpp>
 
 /// The NodeManagement Service Set (Part 4, 5.8). `done` gets a result for each item. Nothing is
-/// done twice: only what the server cannot have begun is sent again. Parts of a list that is split
-/// are sent one after the other, so that a node can be the parent of a later one.
+/// done twice: only requests that the server cannot have begun are sent again. Parts of a list that
+/// is split are sent one after the other, so that a node can be the parent of a later one.
 namespace busbar::client {
 
 BUSBAR_API Operation add_nodes(Requester& requester, std::vector<AddNodesItem> items,

@@ -10,24 +10,23 @@
 
 namespace busbar::client {
 
-/// Passes each text on once, so that what is tried again and again does not fill the log. Any
-/// thread.
+/// Passes each text on once, so that repeated attempts do not fill the log. Called from any thread.
 class BUSBAR_API OnceLog final : public LogSink {
 public:
-    /// How many texts are told apart; further new ones are dropped until forget().
+    /// Maximum number of texts that are remembered; further new ones are dropped until forget().
     static constexpr std::size_t max_texts = 64;
 
     /// `log` must outlive the object.
     explicit OnceLog(LogSink& log) : log_{&log} {}
 
     void write(LogLevel level, std::string_view source, std::string_view text) override;
-    /// Something has changed: everything may be logged again.
+    /// Allows all texts to be logged again, since something has changed.
     void forget();
 
 private:
     LogSink* log_;
     std::mutex mutex_;
-    /// Hashes: texts of a peer may be long.
+    /// Hashes, since texts of a peer may be long.
     std::vector<std::size_t> told_;
 };
 

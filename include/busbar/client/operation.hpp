@@ -9,14 +9,14 @@
 
 namespace busbar::client {
 
-/// How a service over a list of items is carried out. It is sent in as few requests as the
+/// Says how a service over a list of items is carried out. It is sent in as few requests as the
 /// server's OperationLimits allow; a request that is refused for its size is sent again in halves.
 struct ServiceOptions {
-    /// For each request.
+    /// Options of each request.
     RequestOptions request;
-    /// The most items of one request, whatever the server allows.
+    /// Maximum number of items in one request, even if the server allows more.
     std::uint32_t max_items_per_request{10'000};
-    /// How many requests of one operation may be under way.
+    /// Maximum number of requests of one operation that are under way.
     std::uint32_t max_parallel{4};
 
     ServiceOptions() = default;
@@ -37,15 +37,15 @@ public:
 } // namespace detail
 
 /// A service that is under way, in one request or more. Drop it if you do not want to cancel. Its
-/// handler is called once, never from within the function that began it. Safe to keep after the end
-/// of the operation and of the Requester.
+/// handler is called once, never from within the function that started it. Safe to keep after the
+/// end of the operation and of the Requester.
 class Operation {
 public:
     Operation() = default;
     explicit Operation(std::weak_ptr<detail::OperationState> state) : state_{std::move(state)} {}
 
-    /// The handler will not be called; what the server keeps for the operation is released.
-    /// Nothing happens if the operation is over.
+    /// Prevents the call of the handler and releases what the server keeps for the operation. Does
+    /// nothing if the operation is over.
     void cancel()
     {
         if (const auto state = std::exchange(state_, {}).lock()) {

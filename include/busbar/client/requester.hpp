@@ -17,8 +17,8 @@
 
 namespace busbar::client {
 
-/// How much one request may carry; 0: as much as fits (Part 5, 6.3.11). A service with more work to
-/// do sends several requests.
+/// Limits of one request; 0: as much as fits (Part 5, 6.3.11). A service with more work sends
+/// several requests.
 struct ServerOperationLimits {
     std::uint32_t max_nodes_per_read{0};
     std::uint32_t max_nodes_per_write{0};
@@ -32,16 +32,16 @@ struct ServerOperationLimits {
     friend bool operator==(const ServerOperationLimits&, const ServerOperationLimits&) = default;
 };
 
-/// What a client knows of the server its session is with; read again with every new session.
+/// The client's knowledge of the session's server; read again with every new session.
 struct ServerInfo {
-    /// Server_NamespaceArray and Server_ServerArray (Part 5, 6.3.1). Own their strings.
+    /// Server_NamespaceArray and Server_ServerArray (Part 5, 6.3.1). They own their strings.
     std::vector<std::string> namespaces;
     std::vector<std::string> servers;
     ServerOperationLimits operation_limits;
     /// Grows by one whenever something above has changed.
     std::uint64_t revision{0};
 
-    /// As it was read last, which happens when the server has been silent.
+    /// The last state that was read, which happens when the server has been silent.
     ServerState state{ServerState::Running};
     std::uint32_t seconds_till_shutdown{0};
 };
@@ -49,20 +49,20 @@ struct ServerInfo {
 using RequestId = std::uint64_t;
 
 struct RequestOptions {
-    /// After this time the request ends with Bad_Timeout; zero: as the client is configured.
+    /// The request ends with Bad_Timeout after this time; zero: as the client is configured.
     Duration timeout{0};
-    /// Without a session the request waits for one, at most for its timeout; false: it ends at once
-    /// with Bad_ServerNotConnected.
+    /// Without a session the request waits for one, at most for its timeout; if false, it ends at
+    /// once with Bad_ServerNotConnected.
     bool waits_for_session{true};
     /// RequestHeader.returnDiagnostics (Part 4, 7.32).
     std::uint32_t return_diagnostics{0};
 };
 
-/// The body of a response: NodeId of its encoding and the structure.
+/// The body of a response: NodeId of the encoding and the structure.
 struct ResponseBody {
     std::vector<std::byte> bytes;
 
-    /// As a T that owns its strings; Bad_DecodingError if it is none, Bad_OutOfMemory.
+    /// Decodes a T that owns its strings; Bad_DecodingError if it is another type, Bad_OutOfMemory.
     template <typename T>
     [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits,
                                     const binary::TypeRegistry& types = standard_types()) const
@@ -74,14 +74,15 @@ struct ResponseBody {
     }
 };
 
-/// Sends requests within a session and passes their responses on: what everything above a
-/// connection is written against, be it the Client or a test's stand-in. One thread.
+/// Sends requests within a session and passes their responses on. Everything above a connection is
+/// written against it, so that a test can replace the Client. One thread.
 class BUSBAR_API Requester {
 public:
-    /// Called once for each request, never from within call(), but not after cancel(). It may make
-    /// requests and cancel others; what it throws is logged. What it gets is the response, the
-    /// ServiceResult if that is bad, or why there is none: Bad_Timeout, Bad_ConnectionClosed,
-    /// Bad_ServerNotConnected, Bad_EncodingLimitsExceeded, Bad_TooManyOperations, Bad_OutOfMemory.
+    /// Called once for each request, never from within call(), and not after cancel(). It may make
+    /// requests and cancel others; what it throws is logged. It gets the response, the
+    /// ServiceResult if that is bad, or the reason why there is no response: Bad_Timeout,
+    /// Bad_ConnectionClosed, Bad_ServerNotConnected, Bad_EncodingLimitsExceeded,
+    /// Bad_TooManyOperations, Bad_OutOfMemory.
     template <typename Response>
     using Handler = std::function<void(Result<Response>)>;
 
@@ -90,7 +91,8 @@ public:
     Requester& operator=(const Requester&) = delete;
     virtual ~Requester() = default;
 
-    /// Sends `request`, whose header is filled in when it goes out. Response is its response.
+    /// Sends `request`, whose header is filled in when it goes out. `Response` is the type of its
+    /// response.
     template <typename Response, typename Request>
     RequestId call(Request request, Handler<Response> handler, RequestOptions options = {})
     {
@@ -108,20 +110,20 @@ public:
             },
             options);
     }
-    /// Forgets the request: its handler is not called, a late response is dropped.
+    /// Forgets the request: its handler is not called, and a late response is dropped.
     virtual void cancel(RequestId id) = 0;
 
     [[nodiscard]] virtual const ServerInfo& server() const = 0;
-    /// The time of the call under way.
+    /// The time of the present call.
     [[nodiscard]] virtual TimePoint now() const = 0;
     [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
-    /// The structures that responses are decoded with: those of namespace 0 at least.
+    /// The structures that responses are decoded with: at least those of namespace 0.
     [[nodiscard]] virtual const binary::TypeRegistry& types() const { return standard_types(); }
-    /// Is told what handlers throw; null for nobody.
+    /// Receives exceptions of handlers; may be null.
     [[nodiscard]] virtual LogSink* log() const { return nullptr; }
 
 protected:
-    /// Writes the request with the header that is given; may be called later.
+    /// Writes the request with the given header; may be called later.
     using Encode = std::function<void(binary::Writer&, const RequestHeader&)>;
 
     virtual RequestId start(Encode encode, Handler<ResponseBody> handler,

@@ -13,8 +13,9 @@ namespace busbar::client {
 /// The structures of namespace 0.
 [[nodiscard]] BUSBAR_API const binary::TypeRegistry& standard_types();
 
-/// The body of a response, NodeId of its encoding and the structure, as a T; Bad_DecodingError if
-/// it is none. Structures in it that `types` does not have are kept as bytes.
+/// Decodes the body of a response, NodeId of the encoding and the structure, as a T;
+/// Bad_DecodingError if it is another type. Structures in it that `types` does not have are kept as
+/// bytes.
 template <typename T>
 [[nodiscard]] Result<T> decode_response(std::span<const std::byte> body, binary::Strings strings,
                                         const binary::DecodeLimits& limits,

@@ -17,7 +17,7 @@
 namespace busbar::client {
 
 /// Handles of this client, valid for the life of the Subscriptions object; the server's ids change
-/// when a Subscription has to be made anew.
+/// when a Subscription has to be created again.
 using SubscriptionHandle = std::uint32_t;
 using ItemHandle = std::uint32_t;
 
@@ -40,12 +40,12 @@ struct ItemSettings {
     bool discard_oldest{true};
     MonitoringMode mode{MonitoringMode::Reporting};
     TimestampsToReturn timestamps{TimestampsToReturn::Both};
-    /// DataChangeFilter or EventFilter, or null. An EventFilter asks for events: the attribute is
+    /// DataChangeFilter or EventFilter, or null. An EventFilter requests events: the attribute is
     /// EventNotifier then.
     ExtensionObject filter;
 };
 
-/// What the server made of an item.
+/// The revised settings of an item.
 struct ItemStatus {
     StatusCode status;
     double revised_sampling_interval{0};
@@ -56,8 +56,8 @@ struct ItemStatus {
 struct DataChange {
     ItemHandle item;
     DataValue value;
-    /// Not a notification, but what a Read after a Gap gave: the value at that moment, whatever the
-    /// filter and the sampling interval would have made of it, or why it cannot be read.
+    /// Not a notification but the result of a Read after a Gap: the value at that moment,
+    /// regardless of filter and sampling interval, or the reason why it cannot be read.
     bool is_read_again{false};
 };
 struct EventArrived {
@@ -66,70 +66,73 @@ struct EventArrived {
     Array<Variant> fields;
 };
 
-/// Something was lost, or may have been: a Gap has nothing that the server still had. Changes and
-/// events that lie in it are never reported.
+/// Notifications were lost, or may have been: everything that the server still had is recovered
+/// before a Gap is reported. Changes and events within a Gap are never reported.
 ///
 /// Present values are: a data item that reports and has had no notification since gets one soon
-/// after the Gap, even if it is the value that was reported last. In a Subscription that was made
-/// anew all items begin with one. In one that goes on the server is asked for them (Part 4, 6.7):
-/// by the Method ResendData, which repeats the values of the other items as well, or, where that is
-/// not available, by Read (is_read_again). Items that are only sampled for a trigger are not asked
-/// for, and what a filter calculates, as an AggregateFilter does, is not read: these wait for the
+/// after the Gap, even if it is the value that was reported last. In a Subscription that was
+/// created again all items begin with one. In one that continues the server is asked for them (Part
+/// 4, 6.7): by the Method ResendData, which repeats the values of the other items as well, or, if
+/// that is not available, by Read (is_read_again). Items that are only sampled for a trigger are
+/// not requested, and calculated values, as of an AggregateFilter, are not read: these wait for the
 /// next notification.
 struct Gap {
-    /// All of its items.
+    /// The Subscription whose items all have the Gap.
     SubscriptionHandle subscription;
-    /// The last moment that notifications are complete for, and the first one again; the server's
-    /// publish time or, without one, the time of its response. Null if there was none.
+    /// The last moment for which notifications are complete, and the first one after the Gap; the
+    /// server's publish time or, without one, the time of its response. Null if there was none.
     DateTime from;
     DateTime to;
     /// Bad_MessageNotAvailable: notifications that the server no longer has.
     /// Bad_SequenceNumberUnknown: its sequence numbers leap. Bad_DecodingError: a part of a message
-    /// that is no notification. Bad_NoSubscription: it was polled. Anything else is why the
-    /// Subscription had to be made anew: Bad_SubscriptionIdInvalid, Bad_Timeout (its lifetime),
-    /// Good_SubscriptionTransferred (to somebody else), or why a transfer was refused.
+    /// that is not a notification. Bad_NoSubscription: it was polled. Any other code is the reason
+    /// why the Subscription had to be created again: Bad_SubscriptionIdInvalid, Bad_Timeout (its
+    /// lifetime), Good_SubscriptionTransferred (to another client), or why a transfer was refused.
     StatusCode reason;
 };
 
-/// How a Subscription gets its values now.
+/// The present source of a Subscription's values.
 enum class DeliveryMode : std::uint8_t {
     None,       // no session, or not created yet
     Publishing, // as Part 4 has it
     Polling,    // the server has no Subscriptions: items are read at their sampling interval
 };
 
-/// What the user is told. All are called in poll() of the Client, on its thread; spans are valid
-/// during the call. Empty functions are skipped; what one throws is logged. They may use
+/// The handlers of a Subscription. All are called in poll() of the Client, on its thread; spans are
+/// valid during the call. Empty functions are skipped; exceptions are logged. They may use
 /// Subscriptions freely, and remove what they are called for, but not destroy it.
 struct SubscriptionHandlers {
     std::function<void(std::span<const DataChange>)> on_data;
     std::function<void(std::span<const EventArrived>)> on_events;
-    /// Created or changed, or why not; also if the links of a triggering item were refused.
+    /// Created or changed, or the reason of a failure; also if the links of a triggering item were
+    /// refused.
     std::function<void(ItemHandle, const ItemStatus&)> on_item;
     std::function<void(const Gap&)> on_gap;
-    /// Created or changed, with what the server revised, or not: why (Bad_ codes).
+    /// Created or changed, with the revised settings, or the reason of a failure (Bad_ codes).
     std::function<void(StatusCode, DeliveryMode, const CreateSubscriptionResponse&)> on_status;
 };
 
-/// Limits of what one client keeps; past them Bad_TooManySubscriptions, Bad_TooManyMonitoredItems.
+/// Limits of what one client keeps; beyond them Bad_TooManySubscriptions,
+/// Bad_TooManyMonitoredItems.
 struct SubscriberLimits {
     std::size_t max_subscriptions{100};
     std::size_t max_items{1'000'000};
-    /// Publish requests under way, and how many the user's Subscriptions add to that (Part 4,
-    /// 5.14.5): one more than there are Subscriptions, at least two, at most this.
+    /// The maximum number of Publish requests under way (Part 4, 5.14.5): one more than there are
+    /// Subscriptions, at least two, at most this.
     std::size_t max_publish_requests{10};
     /// Sequence numbers that wait for their Republish; a message further ahead is a Gap.
     std::size_t max_missing{1'000};
 };
 
-/// The Subscriptions that a user wants, and what it takes to have them whatever happens to the
-/// server: what is wanted is kept here and brought to every session.
+/// Keeps the Subscriptions that a user wants, whatever happens to the server: their settings are
+/// kept here and restored in every session.
 ///
-/// After a session that was resumed, what is missing is fetched by Republish. After a new session:
-/// TransferSubscriptions and Republish; where that is refused, the Subscription is made anew with
-/// its items. Where the server has no Subscription service set, items are polled by Read. Whatever
-/// could not be recovered is a Gap. Driven by the Client that owns it. Only this object makes the
-/// session's Publish requests: a Subscription that answers one and is unknown here is deleted.
+/// After a session was resumed, missing notifications are fetched by Republish. After a new session
+/// it uses TransferSubscriptions and Republish; if that is refused, the Subscription is created
+/// again with its items. If the server has no Subscription service set, items are polled by Read.
+/// Anything that could not be recovered is a Gap. Driven by the Client that owns it. Only this
+/// object makes the session's Publish requests: an unknown Subscription that answers one is
+/// deleted.
 class BUSBAR_API Subscriptions {
 public:
     explicit Subscriptions(Requester& requester, SubscriberLimits limits = {});
@@ -137,28 +140,29 @@ public:
     Subscriptions& operator=(const Subscriptions&) = delete;
     ~Subscriptions();
 
-    // The user's wishes. They never wait: they are carried out when a session allows it, and a
-    // handler tells what became of them.
+    // The user's requests. They never wait: they are carried out when a session allows it, and a
+    // handler reports the result.
 
     [[nodiscard]] Result<SubscriptionHandle> create(SubscriptionSettings settings,
                                                     SubscriptionHandlers handlers);
     Result<void> modify(SubscriptionHandle subscription, SubscriptionSettings settings);
     Result<void> remove(SubscriptionHandle subscription);
-    /// In the order of `items`; all of them or none. Bad_TimestampsToReturnInvalid,
-    /// Bad_MonitoringModeInvalid.
+    /// Adds all items or none; the handles are in the order of `items`.
+    /// Bad_TimestampsToReturnInvalid, Bad_MonitoringModeInvalid.
     [[nodiscard]] Result<std::vector<ItemHandle>> add_items(SubscriptionHandle subscription,
                                                             std::vector<ItemSettings> items);
-    /// Everything but the node and the attribute (Part 4, 5.13.3).
+    /// Changes everything except the node and the attribute (Part 4, 5.13.3).
     Result<void> modify_items(std::span<const ItemHandle> items, const ItemSettings& settings);
     Result<void> remove_items(std::span<const ItemHandle> items);
-    /// Part 4, 5.13.5; kept and repeated like the items. `links` are all that it has from now on.
+    /// Sets the links (Part 4, 5.13.5); kept and repeated like the items. `links` replaces all
+    /// previous ones.
     Result<void> set_triggering(ItemHandle trigger, std::vector<ItemHandle> links);
 
     [[nodiscard]] DeliveryMode mode(SubscriptionHandle subscription) const;
-    /// The server's id of it; 0 while there is none.
+    /// The server's id of the Subscription; 0 while there is none.
     [[nodiscard]] std::uint32_t server_id(SubscriptionHandle subscription) const;
 
-    // The life of the session, told by the Client.
+    // The life of the session, reported by the Client.
 
     enum class SessionStart : std::uint8_t {
         Resumed, // the same session on a new channel

@@ -12,22 +12,22 @@
 #include <busbar/core/api.hpp>
 #include <busbar/types/method.hpp>
 
-/// Writing and calling with texts, for command lines and scripts: the server is asked for the types
+/// Writes and calls with texts, for command lines and scripts: the server is asked for the types
 /// first. The TypeCache must outlive the operations.
 namespace busbar::client {
 
-/// Why something could not be done with a text.
+/// The reason why a text could not be used.
 struct AccessError {
     StatusCode status;
-    /// What failed, printable: "value: expected a Byte, 0 to 255, found \"300\"".
+    /// The printable reason: "value: expected a Byte, 0 to 255, found \"300\"".
     std::string message;
 };
 
 template <typename T>
 using Accessed = Expected<T, AccessError>;
 
-/// How to read the text of a value with that DataType and ValueRank. Bad_DataTypeIdUnknown if the
-/// DataType is neither built in nor among the types.
+/// Returns how to read the text of a value with this DataType and ValueRank. Bad_DataTypeIdUnknown
+/// if the DataType is neither built in nor among the types.
 [[nodiscard]] BUSBAR_API Result<ValueType>
 value_type_of(const NodeId& data_type, std::int32_t value_rank, const binary::DynamicTypes& types);
 
@@ -37,8 +37,8 @@ BUSBAR_API Operation write_text(Requester& requester, TypeCache& types, const No
                                 const ServiceOptions& options = {});
 
 /// Reads the InputArguments of a Method and calls it with a text for each. A bad status of the call
-/// is an error, with a note of the argument that the server refused. Nothing is called if there are
-/// more or fewer texts than the Method has arguments.
+/// is an error, which names the argument that the server refused. The Method is not called if the
+/// number of texts differs from that of its arguments.
 BUSBAR_API Operation call_text(Requester& requester, TypeCache& types, const NodeAddress& object,
                                const NodeAddress& method, std::vector<std::string> arguments,
                                std::function<void(Accessed<CallMethodResult>)> done,

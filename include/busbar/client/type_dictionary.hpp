@@ -16,12 +16,12 @@ namespace busbar::client {
 
 /// Limits of a dictionary, which may come from a hostile server.
 struct DictionaryLimits {
-    /// Of the XML.
+    /// Bytes of the XML.
     std::size_t max_bytes{2'000'000};
     std::size_t max_types{5'000};
-    /// Of one structure, with bits and lengths.
+    /// Fields of one structure, including bits and lengths.
     std::size_t max_fields{1'000};
-    /// Of one enumeration.
+    /// Values of one enumeration.
     std::size_t max_values{10'000};
     /// Bytes of a name.
     std::size_t max_name_length{512};
@@ -41,7 +41,7 @@ struct DictionaryField {
     bool is_optional{false};
 };
 
-/// A type as OPC UA has them: lengths, switches and bits of the dictionary have become arrays,
+/// A type in the terms of OPC UA: lengths, switches and bits of the dictionary have become arrays,
 /// unions and optional fields (Part 6, 5.2.5 to 5.2.8).
 struct DictionaryType {
     enum class Kind : std::uint8_t { Structure, Union, Enumeration, Number };
@@ -49,13 +49,13 @@ struct DictionaryType {
     std::string name;
     Kind kind{Kind::Structure};
     std::vector<DictionaryField> fields;
-    /// A Structure's values begin with an EncodingMask.
+    /// For a Structure: values begin with an EncodingMask.
     bool has_mask{false};
-    /// Of an Enumeration.
+    /// The values of an Enumeration.
     std::vector<std::pair<std::int64_t, std::string>> values;
-    /// Of a Number, which is unsigned: 8, 16, 32 or 64.
+    /// The size of a Number, which is unsigned: 8, 16, 32 or 64.
     unsigned bits{0};
-    /// Why values cannot be told from the description; empty if they can.
+    /// The reason why values cannot be decoded by the description; empty if they can.
     std::string reason;
 };
 
@@ -64,8 +64,8 @@ struct TypeDictionary {
     std::vector<DictionaryType> types;
 };
 
-/// Reads a dictionary, an XML document. Refuses what is no dictionary, has a DOCTYPE or exceeds a
-/// limit; a type that OPC UA Binary cannot have is there with its reason.
+/// Reads a dictionary, an XML document. Refuses a document that is not a dictionary, has a DOCTYPE
+/// or exceeds a limit; a type that OPC UA Binary cannot have is listed with its reason.
 using DictionaryParser = Checked<TypeDictionary> (*)(std::span<const std::byte> xml,
                                                      const DictionaryLimits& limits);
 

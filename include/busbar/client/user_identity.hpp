@@ -10,7 +10,7 @@
 
 namespace busbar::client {
 
-/// Whom a session is for (Part 4, 7.40).
+/// The user of a session (Part 4, 7.40).
 struct AnonymousUser {};
 struct NamedUser {
     std::string user_name;
@@ -21,7 +21,7 @@ struct CertificateUser {
     crypto::Certificate certificate;
     std::shared_ptr<const crypto::PrivateKey> key;
 };
-/// A token that somebody else issued, such as a JWT (Part 6, 6.5.2).
+/// A token that another party issued, such as a JWT (Part 6, 6.5.2).
 struct IssuedUser {
     std::string token;
     /// IssuedTokenType of the token policy; the default is JWT.

@@ -13,34 +13,35 @@
 namespace busbar::client {
 
 struct TextOptions {
-    /// Structures whose encoding is among these are printed with their fields.
+    /// Structures with one of these encodings are printed with their fields.
     const binary::DynamicTypes* types{nullptr};
-    /// The DataType of the value if it is known: enumerations have names then.
+    /// The DataType of the value if it is known, so that enumerations have names.
     const binary::DynamicType* type{nullptr};
     binary::TextLimits limits;
 };
 
-/// As binary::to_text, with the structures and names that are known. Safe to print on a terminal.
+/// Prints as binary::to_text, with the structures and names that are known. Safe to print on a
+/// terminal.
 [[nodiscard]] BUSBAR_API std::string to_text(const Variant& value, const TextOptions& options = {});
-/// "21.5", and where they say something, status and time:
-/// "21.5 (Uncertain_LastUsableValue, 2026-11-21T06:00:00Z)".
+/// Returns "21.5", and with status and time if they are meaningful: "21.5
+/// (Uncertain_LastUsableValue, 2026-11-21T06:00:00Z)".
 [[nodiscard]] BUSBAR_API std::string to_text(const DataValue& value,
                                              const TextOptions& options = {});
 
-/// How a text is to be read: what the attributes DataType and ValueRank of a Variable say.
+/// Says how a text is read: the attributes DataType and ValueRank of a Variable.
 struct ValueType {
-    /// Variant: any type. The text names it, "Int16:5", or it follows from the text's form.
+    /// Variant means any type. The text names it, "Int16:5", or it follows from the text's form.
     BuiltInType built_in{BuiltInType::Variant};
     /// Part 3, 5.6.2: -1 a scalar, 1 an array, more a matrix, 0 an array or matrix, -2 anything,
     /// -3 a scalar or array.
     std::int32_t value_rank{-1};
     /// The names of an enumeration, or the fields of a structure; null for a built-in type.
     const binary::DynamicType* type{nullptr};
-    /// For structures that name their type, as to_json writes them.
+    /// For structures that name their type, in the form of to_json.
     const binary::DynamicTypes* types{nullptr};
 };
 
-/// Why a text cannot be read as a value of a type.
+/// The reason why a text cannot be read as a value of a type.
 struct ValueError {
     /// "expected a Byte, 0 to 255, found 300"; printable.
     std::string message;

@@ -16,25 +16,25 @@ struct BrowseLimits {
     /// References of one node, and of all nodes of one operation.
     std::size_t max_references_per_node{100'000};
     std::size_t max_references{1'000'000};
-    /// How many answers in a row may have no reference, with which a server says that there is
-    /// more.
+    /// Maximum number of successive answers without a reference by which a server says that there
+    /// are more.
     std::uint32_t max_empty_answers{10};
-    /// RequestedMaxReferencesPerNode (Part 4, 5.9.2); 0: as many as the server likes.
+    /// RequestedMaxReferencesPerNode (Part 4, 5.9.2); 0: the server chooses.
     std::uint32_t references_per_answer{0};
 };
 
-/// Browses nodes (Part 4, 5.9.2) and goes on with BrowseNext until there is no more. `done` gets
-/// a result for each node, without continuation points. If a limit or a failure ended it, the
-/// status is Uncertain_NotAllNodesAvailable and there are the references that came before.
+/// Browses nodes (Part 4, 5.9.2) and continues with BrowseNext until there are no more references.
+/// `done` gets a result for each node, without continuation points. If a limit or a failure ended
+/// it, the status is Uncertain_NotAllNodesAvailable and the result has the references so far.
 ///
-/// Where the server has too few continuation points, nodes wait for others. Continuation points
-/// that are not used up are released, also after cancel().
+/// If the server has too few continuation points, nodes wait for others. Unused continuation points
+/// are released, also after cancel().
 BUSBAR_API Operation browse(Requester& requester, std::vector<BrowseDescription> nodes,
                             std::function<void(std::vector<BrowseResult>)> done,
                             BrowseLimits limits = {}, const ServiceOptions& options = {});
 
-/// What browse() takes for the forward hierarchical references of a node, with everything there is
-/// to know of their targets.
+/// Returns the argument of browse() for the forward hierarchical references of a node, with all
+/// information about their targets.
 [[nodiscard]] BUSBAR_API BrowseDescription children_of(NodeId node);
 
 struct TreeLimits {
@@ -49,21 +49,22 @@ struct TreeNode {
     /// The index of the node at which it was found first; no_parent for a root.
     std::size_t parent{no_parent};
     std::size_t depth{0};
-    /// How it was found; of a root only the node_id.
+    /// The reference by which it was found; for a root only the node_id.
     ReferenceDescription reference;
-    /// The result of browsing it; Good if it was not tried, since it is a node of another server.
+    /// The result of browsing it; Good if it was not browsed because it is a node of another
+    /// server.
     StatusCode status;
 };
 
 struct BrowsedTree {
     /// Parents before their children, level by level; each node once.
     std::vector<TreeNode> nodes;
-    /// False if a limit or a failure kept something out.
+    /// False if a limit or a failure left something out.
     bool is_complete{true};
 };
 
 /// Browses from `roots` downwards, along the references that `how` names; its node_id is not used.
-/// Nodes of other servers are listed, not entered.
+/// Nodes of other servers are listed, not browsed.
 BUSBAR_API Operation browse_tree(Requester& requester, std::vector<NodeId> roots,
                                  const BrowseDescription& how,
                                  std::function<void(BrowsedTree)> done, TreeLimits limits = {},
@@ -79,7 +80,7 @@ BUSBAR_API Operation register_nodes(Requester& requester, std::vector<NodeId> no
                                     std::function<void(std::vector<Result<NodeId>>)> done,
                                     const ServiceOptions& options = {});
 
-/// UnregisterNodes (Part 4, 5.9.6). Unknown ids are no error.
+/// UnregisterNodes (Part 4, 5.9.6). Unknown ids are not an error.
 BUSBAR_API Operation unregister_nodes(Requester& requester, std::vector<NodeId> nodes,
                                       std::function<void(std::vector<StatusCode>)> done,
                                       const ServiceOptions& options = {});
