@@ -16,7 +16,7 @@
 
 namespace busbar::harness {
 
-/// What a bench is made of.
+/// The settings of a bench.
 struct BenchOptions {
     std::uint64_t seed{World::seed_from_environment()};
     server::ServerConfig server{open_server_config()};
@@ -25,9 +25,9 @@ struct BenchOptions {
     ClientParts client_parts{};
 };
 
-/// A server, a client with a session, and verbs: what a test of a data source or an address space
-/// begins with. The client connects with the first verb that needs it, and again if it has lost its
-/// connection meanwhile. Verbs run the world until they are done. One thread.
+/// A server, a client with a session, and verbs: the beginning of a test of a data source or an
+/// address space. The client connects with the first verb that needs it, and again if it has lost
+/// its connection meanwhile. Verbs run the world until they are done. One thread.
 class BUSBAR_API Bench {
 public:
     explicit Bench(BenchOptions options = {});
@@ -37,7 +37,7 @@ public:
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return client_; }
 
-    /// Makes a data source and adds it to the server. It lives as long as the server needs it,
+    /// Creates a data source and adds it to the server. It lives as long as the server needs it,
     /// which a member of a class derived from Bench would not.
     template <typename Source, typename... Arguments>
     Source& make_source(Arguments&&... arguments)
@@ -58,9 +58,10 @@ public:
     Result<void> connect();
     void run_for(Duration time) { world_.run_for(time); }
 
-    /// The Value attribute with both timestamps; a DataValue with the status if the service fails.
+    /// Reads the Value attribute with both timestamps; a DataValue with the status if the service
+    /// fails.
     [[nodiscard]] DataValue read(const NodeId& node);
-    /// Reads all of them in one request.
+    /// Reads all nodes in one request.
     [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes);
     StatusCode write(const NodeId& node, Variant value);
     [[nodiscard]] Result<CallMethodResult> call(const NodeId& object, const NodeId& method,
@@ -71,7 +72,7 @@ public:
     /// interval of half the client's request_timeout or more.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
                          std::uint32_t queue_size = 100);
-    /// The values of a watched node that have come since the last call; at most the last 100,000.
+    /// The values of a watched node since the last call; at most the last 100,000.
     [[nodiscard]] std::vector<DataValue> values(const NodeId& node);
 
 private:
@@ -89,7 +90,7 @@ private:
     std::vector<std::unique_ptr<server::DataSource>> owned_;
     ServerHost server_;
     ConnectionHost client_;
-    /// By publishing interval, of this connection's session.
+    /// The Subscriptions of this connection's session, by publishing interval.
     std::map<Duration, std::uint32_t> subscriptions_;
     /// The client handle is the index.
     std::vector<Watched> watched_;

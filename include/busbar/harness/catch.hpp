@@ -1,7 +1,7 @@
 #pragma once
 
-// For tests with Catch2, version 2; the library itself does not need it. A test that has the header
-// of Catch2 in another place includes it before this one.
+// For tests with Catch2, version 2; the library itself does not need it. A test whose Catch2 header
+// is elsewhere includes that before this one.
 
 #include <string>
 #include <type_traits>
@@ -46,7 +46,7 @@ struct StringMaker<busbar::DataValue> {
 
 namespace busbar::harness {
 
-/// A DataValue with this value and status Good, whatever its timestamps:
+/// Matches a DataValue with this value and status Good, whatever its timestamps:
 /// CHECK_THAT(read(node), holds(42)).
 class HoldsMatcher final : public Catch::MatcherBase<DataValue> {
 public:
@@ -66,7 +66,7 @@ template <typename T>
     return HoldsMatcher{Variant{std::move(value)}};
 }
 
-/// A DataValue with this status, compared without info bits.
+/// Matches a DataValue with this status, compared without info bits.
 class HasStatusMatcher final : public Catch::MatcherBase<DataValue> {
 public:
     explicit HasStatusMatcher(StatusCode status) : status_{status} {}
@@ -84,7 +84,8 @@ private:
     return HasStatusMatcher{status};
 }
 
-/// A Result that is a value: CHECK_THAT(bench.connect(), succeeds<void>()) shows the status if not.
+/// Matches a Result that has a value: CHECK_THAT(bench.connect(), succeeds<void>()) shows the
+/// status if not.
 template <typename T>
 class SucceedsMatcher final : public Catch::MatcherBase<Result<T>> {
 public:

@@ -8,7 +8,7 @@
 namespace busbar::harness {
 
 /// The randomness of a world: the same numbers on every machine, and a stream for each actor, so
-/// that what one of them draws does not change what the others get.
+/// that numbers drawn by one actor do not change those of the others.
 class Chance {
 public:
     Chance(std::uint64_t seed, std::uint64_t stream)
@@ -25,10 +25,10 @@ public:
         z = (z ^ (z >> 27U)) * 0x94D0'49BB'1331'11EBU;
         return z ^ (z >> 31U);
     }
-    /// 0 to `count` - 1.
+    /// Returns 0 to `count` - 1.
     [[nodiscard]] std::size_t below(std::size_t count) { return next() % count; }
     [[nodiscard]] bool one_in(std::size_t count) { return below(count) == 0; }
-    /// Both included.
+    /// Returns a duration between both, inclusive.
     [[nodiscard]] Duration between(Duration least, Duration most)
     {
         const auto range = static_cast<std::uint64_t>((most - least).count()) + 1;

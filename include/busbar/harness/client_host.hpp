@@ -11,7 +11,8 @@
 
 namespace busbar::harness {
 
-/// For the server of open_server_config(): an anonymous user without security.
+/// Returns the configuration for the server of open_server_config(): an anonymous user without
+/// security.
 [[nodiscard]] BUSBAR_API client::ClientConfig open_client_config();
 
 /// Runs a client::Client in a world: gives it the connections that it orders, a new link for each,
@@ -22,7 +23,7 @@ public:
                         const ClientParts& parts = {});
     ~ClientHost() override;
 
-    /// What is asked of it outside of a run begins with the next run.
+    /// Requests that are made outside of a run begin with the next run.
     [[nodiscard]] client::Client& client()
     {
         touched_.raise();
@@ -37,8 +38,8 @@ public:
     Result<void> connect(Duration limit = std::chrono::minutes{1});
     /// Closes it properly and runs the world until that is done.
     void close(Duration limit = std::chrono::minutes{1});
-    /// Sends a request and runs the world until its response is there; Bad_Timeout if `limit` is
-    /// over first. Not from within a handler.
+    /// Sends a request and runs the world until its response arrives; Bad_Timeout if `limit` is
+    /// over first. Must not be called within a handler.
     template <typename Response, typename Request>
     [[nodiscard]] Result<Response> call(Request request, Duration limit = std::chrono::minutes{1})
     {
@@ -53,7 +54,7 @@ public:
     }
 
 private:
-    // LinkEnd
+    // LinkEnd.
     [[nodiscard]] std::span<const std::byte> output() const override { return client_->output(); }
     void consume(std::size_t size) override { client_->consume(size); }
     void feed(std::span<const std::byte> in) override;

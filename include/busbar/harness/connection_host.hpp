@@ -15,25 +15,27 @@
 
 namespace busbar::harness {
 
-/// What a hosted client needs beside its configuration. Whatever is given must outlive the host.
+/// The parts that a hosted client needs in addition to its configuration. All pointers must outlive
+/// the host.
 struct ClientParts {
-    /// Null: every certificate is accepted.
+    /// If null, every certificate is accepted.
     crypto::CertificateValidator* validator{nullptr};
-    /// Needed for every policy but None.
+    /// Needed for every policy except None.
     const channel::ApplicationIdentity* identity{nullptr};
-    /// Null: the world's.
+    /// If null, the world's log.
     LogSink* log{nullptr};
-    /// What the server takes for the client's address.
+    /// The client's address as the server sees it.
     std::string address{"192.0.2.1"};
-    /// From asking for a connection until it is there, or refused.
+    /// Time from ordering a connection until it is open, or refused.
     Duration connect_time{std::chrono::milliseconds{1}};
 };
 
-/// For the server of open_server_config(): an anonymous user without security.
+/// Returns the configuration for the server of open_server_config(): an anonymous user without
+/// security.
 [[nodiscard]] BUSBAR_API client::ConnectionConfig open_connection_config();
 
-/// Runs a client::Connection in a world: one connection to one server, and another when asked. One
-/// thread; the world must outlive it.
+/// Runs a client::Connection in a world: one connection to one server, and another one on request.
+/// One thread; the world must outlive it.
 class BUSBAR_API ConnectionHost final : private LinkEnd {
 public:
     explicit ConnectionHost(World& world,
@@ -42,34 +44,34 @@ public:
     ~ConnectionHost() override;
 
     /// Connects and opens a session, or only the channel if no session is wanted; an earlier
-    /// connection is dropped without notice. Runs the world until that is done. Bad_Timeout, or
-    /// what the Connection was closed with.
+    /// connection is dropped without notice. Runs the world until that is done. Bad_Timeout, or the
+    /// status that the Connection was closed with.
     Result<void> open(Duration limit = std::chrono::minutes{1});
     /// Closes the session and the connection properly.
     void close();
     /// Leaves without notice: the server keeps the session until it times out.
     void drop();
     [[nodiscard]] bool is_ready() const { return is_ready_; }
-    /// Why the last connection ended; nothing while it lasts.
+    /// The reason why the last connection ended; nothing while it is open.
     [[nodiscard]] std::optional<StatusCode> closed_by() const { return closed_by_; }
-    /// Only while there is one.
+    /// Only while there is a connection.
     [[nodiscard]] client::Connection& connection() { return *connection_; }
 
-    /// Sends a request and runs the world until its response is there. The response owns its
+    /// Sends a request and runs the world until its response arrives. The response owns its
     /// strings. Fails with the ServiceResult if that is bad, Bad_Timeout if `limit` is over first,
-    /// Bad_ConnectionClosed if the connection is lost, Bad_NotConnected without one. Not from
-    /// within a handler.
+    /// Bad_ConnectionClosed if the connection is lost, Bad_NotConnected without one. Must not be
+    /// called within a handler.
     template <typename Response, typename Request>
     [[nodiscard]] Result<Response> call(Request request, Duration limit = std::chrono::minutes{1});
     /// Sends a request; `then` gets what call() would return, once, while the world runs. It may
-    /// send others.
+    /// send further requests.
     template <typename Response, typename Request>
     void send(Request request, std::function<void(Result<Response>)> then);
 
 private:
     using Handler = std::function<void(Result<client::ResponseBody>)>;
 
-    // LinkEnd
+    // LinkEnd.
     [[nodiscard]] std::span<const std::byte> output() const override
     {
         return connection_->output();
@@ -79,7 +81,7 @@ private:
     void link_lost() override { end(status::Bad_ConnectionClosed); }
 
     void connect();
-    /// Tells the Connection the time, from which it counts the time of a request.
+    /// Passes the time to the Connection, from which it counts the time of a request.
     void tell_time();
     void update();
     void handle(client::ConnectionEvent event);

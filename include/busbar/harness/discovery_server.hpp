@@ -24,11 +24,11 @@ struct DiscoveryServerLimits {
     std::size_t max_text{4'096};
 };
 
-/// Whatever is given must outlive the server.
+/// All pointers must outlive the server.
 struct DiscoveryServerOptions {
     std::string url{"opc.tcp://discovery:4840/UADiscovery"};
     std::string application_uri{"urn:busbar:harness:discovery"};
-    /// The endpoints. FindServers and GetEndpoints are always there without security (Part 4,
+    /// The endpoints. FindServers and GetEndpoints are always available without security (Part 4,
     /// 5.5.1).
     std::vector<channel::SecuritySetting> endpoints{{}};
     /// Accepts registrations over None as well.
@@ -37,39 +37,41 @@ struct DiscoveryServerOptions {
     /// An entry that is not renewed for this long is forgotten (Part 4, 5.5.5.1).
     Duration lifetime{std::chrono::minutes{10}};
     DiscoveryServerLimits limits;
-    /// Null: every certificate is accepted.
+    /// If null, every certificate is accepted.
     crypto::CertificateValidator* validator{nullptr};
-    /// Needed for every policy but None.
+    /// Needed for every policy except None.
     const channel::ApplicationIdentity* identity{nullptr};
 };
 
-/// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, FindServersOnNetwork of
-/// those that gave it an MdnsDiscoveryConfiguration, GetEndpoints, RegisterServer and
-/// RegisterServer2; no mDNS. Other services are answered with Bad_ServiceUnsupported. One thread;
-/// the world must outlive it.
+/// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, FindServersOnNetwork for
+/// those that sent an MdnsDiscoveryConfiguration, GetEndpoints, RegisterServer and RegisterServer2;
+/// no mDNS. Other services are answered with Bad_ServiceUnsupported. One thread; the world must
+/// outlive it.
 class BUSBAR_API DiscoveryServer {
 public:
     struct Entry {
         RegisteredServer server;
-        /// Of RegisterServer2; empty with RegisterServer, whose servers are none of the network's.
+        /// The capabilities of RegisterServer2; empty with RegisterServer, whose servers
+        /// FindServersOnNetwork does not return.
         std::vector<std::string> capabilities{};
         std::string mdns_name{};
-        /// What FindServersOnNetwork calls it by, from 1; 0 with RegisterServer.
+        /// The RecordId in FindServersOnNetwork, from 1; 0 with RegisterServer.
         std::uint32_t record_id{0};
         TimePoint expires_at{no_deadline};
     };
 
     explicit DiscoveryServer(World& world, DiscoveryServerOptions options = {});
 
-    /// Those that are registered now, by their URI.
+    /// The present registrations, by URI.
     [[nodiscard]] const std::map<std::string, Entry, std::less<>>& entries();
     /// Null if it is not registered.
     [[nodiscard]] const Entry* find(std::string_view server_uri);
-    /// Names of all requests that came, in their order.
+    /// Names of all requests that arrived, in their order.
     [[nodiscard]] const std::vector<std::string>& came() const { return server_.came(); }
-    /// How often a request with this name came.
+    /// Number of requests with this name.
     [[nodiscard]] std::size_t count(std::string_view request) const;
-    /// The semaphore files that there are (Part 4, 7.32): entries with one last as long as it.
+    /// The semaphore files that exist (Part 4, 7.32): an entry with a file lasts as long as its
+    /// file.
     [[nodiscard]] std::set<std::string, std::less<>>& semaphore_files() { return files_; }
 
 private:

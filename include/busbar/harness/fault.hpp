@@ -14,16 +14,15 @@
 namespace busbar::harness {
 
 /// The `number`th message of a connection with this name, from 1: a message type ("HEL", "ACK",
-/// "OPN", "MSG", "CLO", "ERR") or, on a channel with policy None, where it can be seen, the name of
-/// the structure it carries ("ReadRequest", "PublishResponse"). Names are counted for themselves,
-/// on each connection, from when the script was played.
+/// "OPN", "MSG", "CLO", "ERR") or, on a channel with policy None, where it is readable, the name of
+/// the structure it carries ("ReadRequest", "PublishResponse"). Each name is counted separately, on
+/// each connection, from the time when the script was played.
 struct Message {
     std::string name;
     std::size_t number{1};
 };
 
-/// One thing that goes wrong, and when; made by the functions in `fault` and narrowed by its
-/// members:
+/// One fault, and when it happens; created by the functions in `fault` and narrowed by its members:
 ///
 ///     fault::cut().after(Message{"PublishResponse", 3})
 ///     fault::corrupt(40).at(Message{"OPN"}).sent_by(Side::Server)
@@ -31,7 +30,7 @@ struct Message {
 ///     fault::jump_clock(6h).after(10s)
 ///
 /// Acts once, on the first connection where its time comes, unless times() says otherwise. Without
-/// a time it acts on the connections that there are or, if there are none, on the next.
+/// a time it acts on the present connections or, if there are none, on the next one.
 struct BUSBAR_API Fault {
     enum class Kind : std::uint8_t {
         Delay,
@@ -46,7 +45,7 @@ struct BUSBAR_API Fault {
     };
     enum class Moment : std::uint8_t { Before, At, After };
 
-    // When.
+    // Time of the fault.
 
     /// Before the message's first byte is sent.
     [[nodiscard]] Fault before(const Message& which) const { return on(Moment::Before, which); }
@@ -61,9 +60,10 @@ struct BUSBAR_API Fault {
     [[nodiscard]] Fault after(Duration delay) const;
     /// Only on the network's `number`th connection, from 1.
     [[nodiscard]] Fault on_connection(std::size_t which) const;
-    /// Only what this side sends. For Hold and HalfOpen: whose bytes are held, or who notices.
+    /// Only what this side sends. For Hold and HalfOpen, the side whose bytes are held, or that
+    /// notices.
     [[nodiscard]] Fault sent_by(Side sender) const;
-    /// How often it acts, on its message and those of the same name that follow; 0: always.
+    /// Number of times it acts, on its message and following ones of the same name; 0: always.
     [[nodiscard]] Fault times(std::size_t number) const;
 
     Kind kind{Kind::Cut};
@@ -74,26 +74,26 @@ struct BUSBAR_API Fault {
     std::optional<Side> side{};
     std::size_t connection{0};
     std::size_t count{1};
-    /// Delay, JumpClock; Hold: how long, 0 for ever.
+    /// For Delay, JumpClock and Hold; for Hold 0 means for ever.
     Duration duration{0};
-    /// Corrupt: which bit of the message's first chunk. Split: the size of pieces.
+    /// For Corrupt the bit of the message's first chunk, for Split the size of pieces.
     std::size_t position{0};
     unsigned bit{0};
-    /// Answer.
+    /// For Answer.
     StatusCode status{};
 
 private:
     [[nodiscard]] Fault on(Moment when, const Message& what) const;
 };
 
-/// What can go wrong.
+/// The faults that can happen.
 namespace fault {
 
 /// The connection is reset; what is under way is lost.
 [[nodiscard]] BUSBAR_API Fault cut();
-/// The message, and all behind it, arrives later.
+/// The message, and everything after it, arrives later.
 [[nodiscard]] BUSBAR_API Fault delay(Duration by);
-/// Bytes are held for this long, or for ever, and nobody is told; from both sides unless sent_by()
+/// Bytes are held for this long, or for ever, and no side is told; from both sides unless sent_by()
 /// says otherwise. The connection stays: what TCP does when a cable is pulled.
 [[nodiscard]] BUSBAR_API Fault hold(Duration time = {});
 /// The connection is gone, but only the client notices it, or the side that sent_by() names.
@@ -107,17 +107,17 @@ namespace fault {
 /// on a channel with policy None, where requests can be read on their way; the sequence numbers of
 /// the following chunks are adjusted, so that neither side notices anything else.
 [[nodiscard]] BUSBAR_API Fault answer(StatusCode status);
-/// The time of day jumps by this much, for everybody in the world.
+/// The time of day jumps by this much, for all actors of the world.
 [[nodiscard]] BUSBAR_API Fault jump_clock(Duration by);
-/// The next connections are refused, as many as the fault's times().
+/// The next connections are refused; the fault's times() is their number.
 [[nodiscard]] BUSBAR_API Fault refuse();
 
 } // namespace fault
 
-/// The fault as a line of text, for reports.
+/// Describes the fault in a line of text, for reports.
 [[nodiscard]] BUSBAR_API std::string describe(const Fault& fault);
 
-/// What goes wrong in a run. Network::play() makes it happen.
+/// The faults of a run. Network::play() makes them happen.
 using FaultScript = std::vector<Fault>;
 
 } // namespace busbar::harness

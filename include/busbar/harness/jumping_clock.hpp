@@ -9,7 +9,7 @@ namespace busbar::harness {
 inline constexpr DateTime first_day = DateTime::from_unix_seconds(1'767'225'600);
 
 /// The time of day of a machine whose clock is set while it runs. The scheduler must outlive it.
-/// The scheduler's thread only.
+/// Used by the scheduler's thread only.
 class BUSBAR_API JumpingClock final : public WallClock {
 public:
     explicit JumpingClock(const Scheduler& scheduler, DateTime begin = first_day)

@@ -37,8 +37,8 @@ public:
     virtual void link_lost() = 0;
 };
 
-/// What a network does to its connections. Shared by all links; may be changed at any time. By
-/// default nothing goes wrong.
+/// The behaviour of a network. Shared by all links; may be changed at any time. By default nothing
+/// goes wrong.
 struct Weather {
     /// The latency of each burst of bytes.
     Duration min_latency{std::chrono::milliseconds{1}};
@@ -47,20 +47,20 @@ struct Weather {
     std::size_t max_piece{SIZE_MAX};
     /// Each burst is cut at two random places, and its parts arrive one after the other.
     bool has_random_cuts{false};
-    /// One in this many bursts of bytes is held up, and at most by how much; 0: none.
+    /// One in this many bursts of bytes is delayed, and the maximum delay; 0: none.
     std::size_t stall_one_in{0};
     Duration max_stall{0};
-    /// How long connections live on average before they are reset; 0: for ever. And whether those
-    /// whose time has come are reset.
+    /// The average life of connections before they are reset, 0: for ever; and whether connections
+    /// that have reached their end are reset.
     Duration mean_life{0};
     bool has_resets{true};
-    /// How long an end may go on without noticing that the other one is gone.
+    /// The maximum time until an end notices that the other one is gone.
     Duration max_notice{0};
 };
 
 class Link;
 
-/// Sees what ends send before it is on its way, and decides what becomes of it. Belongs to one
+/// Sees the bytes of an end before they are on their way, and decides about them. Belongs to one
 /// link.
 class BUSBAR_API LinkFilter {
 public:
@@ -69,11 +69,11 @@ public:
     LinkFilter& operator=(const LinkFilter&) = delete;
     virtual ~LinkFilter() = default;
 
-    /// `from` has sent `bytes`; pass what is to go on its way to Link::send().
+    /// `from` has sent `bytes`; pass those that shall arrive to Link::send().
     virtual void pass(Link& link, Side from, std::span<const std::byte> bytes) = 0;
 };
 
-/// Is told what happens on links.
+/// Is notified of what happens on links.
 class BUSBAR_API LinkObserver {
 public:
     LinkObserver() = default;
@@ -82,36 +82,36 @@ public:
     virtual ~LinkObserver() = default;
 
     virtual void opened(const Link& link) = 0;
-    /// Bytes that `from` has sent reach the other end now.
+    /// Bytes that `from` has sent arrive at the other end now.
     virtual void arrived(const Link& link, Side from, std::span<const std::byte> bytes) = 0;
-    /// `side` is gone, or the link between; the other end, if it is still there, learns of it now.
+    /// `side` is gone, or the link between; the other end, if it still exists, learns of it now.
     virtual void ended(const Link& link, Side side) = 0;
 };
 
-/// A connection as TCP makes it: bytes arrive in order, at some time, in any pieces, and are not
-/// lost as long as it lives. A reset discards everything on its way. One thread; scheduler and
-/// weather must outlive it. Held by shared pointers: what is on its way keeps it alive.
+/// A connection with the properties of TCP: bytes arrive in order, at some time, in any pieces, and
+/// are not lost as long as it lives. A reset discards everything on its way. One thread; scheduler
+/// and weather must outlive it. Held by shared pointers: bytes on their way keep it alive.
 class BUSBAR_API Link : public std::enable_shared_from_this<Link> {
 public:
     Link(Scheduler& scheduler, const Weather& weather, Chance chance);
 
     /// The end must exist until link_lost(), leave() or close(). With both ends attached the link's
-    /// life begins, and with it the time until it dies.
+    /// life begins, and with it the time until it ends.
     void attach(Side side, LinkEnd& end);
-    /// Sends what waits in the end's output; nothing before the other end is there.
+    /// Sends the bytes that wait in the end's output; nothing before the other end is attached.
     void flush(Side side);
     /// The end leaves without notice. The other one learns of it later, if ever.
     void leave(Side side);
     /// The end leaves after the last byte of its output has arrived.
     void close(Side side);
 
-    // What a test may do to it. A link that was cut stays cut.
+    // For tests that disturb the link. A link that was cut stays cut.
 
     /// A reset: nothing arrives any more, and both ends learn of it at once.
     void cut();
-    /// The same, but only `side` learns of it; the other end may send what it likes.
+    /// Cuts likewise, but only `side` learns of it; the other end may continue to send.
     void cut_for(Side side);
-    /// What `from` has sent and sends, its end included, is held until release().
+    /// Holds what `from` has sent and sends, its end included, until release().
     void hold(Side from);
     void release(Side from);
     /// From now on pieces of at most `size` bytes arrive, whatever the weather.
@@ -120,11 +120,11 @@ public:
     /// Call these before there are ends. Both may be null.
     void set_filter(std::unique_ptr<LinkFilter> filter) { filter_ = std::move(filter); }
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
-    /// Puts bytes on their way as if `from` had sent them; they and what follows arrive `delay`
-    /// later than the weather says. For filters.
+    /// Puts bytes on their way as if `from` had sent them; they and the following ones arrive
+    /// `delay` later than the weather says. For filters.
     void send(Side from, std::span<const std::byte> bytes, Duration delay = {});
 
-    /// When the last byte that `from` has sent up to now arrives; in the past if it has.
+    /// The time when the last byte that `from` has sent so far arrives; in the past if it has.
     [[nodiscard]] TimePoint last_arrival(Side from) const
     {
         return ends_[static_cast<std::size_t>(from)].last_arrival;
@@ -138,13 +138,13 @@ private:
         LinkEnd* engine{nullptr};
         bool was_attached{false};
         bool is_gone{false};
-        // What this end sends:
+        // State of what this end sends:
         std::deque<Piece> pieces;
         TimePoint last_arrival{};
         bool is_held{false};
-        /// That have arrived while held.
+        /// Number of pieces that have arrived while held.
         std::size_t due{0};
-        /// It has left while held, behind all of them.
+        /// The end has left while held, after all of them.
         bool is_end_held{false};
     };
 
@@ -155,7 +155,7 @@ private:
     void arrive(Side from);
     void deliver(Side from);
     void reset();
-    /// The other end learns behind the last piece that `side` has left.
+    /// Tells the other end, after the last piece, that `side` has left.
     void tell_of_end(Side side);
     void tell(Side side, Duration delay);
     void tell_now(Side side);
@@ -163,7 +163,7 @@ private:
     Scheduler* scheduler_;
     const Weather* weather_;
     Chance chance_;
-    /// By Side.
+    /// Indexed by Side.
     std::array<End, 2> ends_;
     std::unique_ptr<LinkFilter> filter_;
     std::shared_ptr<LinkObserver> observer_;

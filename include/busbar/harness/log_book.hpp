@@ -9,8 +9,7 @@
 
 namespace busbar::harness {
 
-/// Keeps what was logged, one line each, up to a size; what comes after that is dropped. Any
-/// thread.
+/// Keeps the log, one line each, up to a size; later lines are dropped. Called from any thread.
 class BUSBAR_API LogBook final : public LogSink {
 public:
     static constexpr std::size_t max_size = 1U << 20U;

@@ -19,7 +19,7 @@ namespace detail {
 class ActingFaults;
 } // namespace detail
 
-/// Somebody who listens on a network.
+/// Accepts the connections at a listening address of a network.
 class BUSBAR_API Acceptor {
 public:
     Acceptor() = default;
@@ -27,7 +27,7 @@ public:
     Acceptor& operator=(const Acceptor&) = delete;
     virtual ~Acceptor() = default;
 
-    /// Gives the link its server's end; false if there is no room.
+    /// Attaches the server's end to the link; false if there is no room.
     [[nodiscard]] virtual bool accept(const std::shared_ptr<Link>& link,
                                       std::string_view peer_address) = 0;
 };
@@ -40,36 +40,36 @@ public:
     Network(const Network&) = delete;
     Network& operator=(const Network&) = delete;
 
-    /// From now on whoever connects to the host and port of `url` ("opc.tcp://host:port/path")
-    /// comes to `acceptor`, which must outlive the network or be removed by unlisten().
+    /// From now on connections to the host and port of `url` ("opc.tcp://host:port/path") go to
+    /// `acceptor`, which must outlive the network or be removed by unlisten().
     /// Bad_TcpEndpointUrlInvalid.
     Result<void> listen(std::string_view url, Acceptor& acceptor);
-    /// From now on nobody comes to `acceptor`; existing connections stay.
+    /// From now on no connections go to `acceptor`; existing ones stay.
     void unlisten(const Acceptor& acceptor);
 
     /// Connects at once; an engine for which that takes time waits before. `client` must exist as
     /// long as Link::attach says; call Link::flush when it has something to send.
-    /// Bad_ConnectionRejected if nobody listens there, the acceptor has no room, or the connection
+    /// Bad_ConnectionRejected if there is no acceptor, the acceptor has no room, or the connection
     /// is refused.
     [[nodiscard]] Result<std::shared_ptr<Link>>
     connect(std::string_view url, LinkEnd& client, std::string_view client_address = "192.0.2.1");
 
-    /// What the network does to all its connections; changed at any time.
+    /// The behaviour of the network for all its connections; may be changed at any time.
     [[nodiscard]] Weather& weather() { return weather_; }
-    /// Makes the script happen, in addition to those that were played before.
+    /// Plays the script in addition to those that were played before.
     void play(const FaultScript& script);
     void play(const Fault& fault) { play(FaultScript{fault}); }
-    /// The faults of all scripts that have not acted even once, one a line: a test whose fault
-    /// never came proves nothing.
+    /// The faults of all scripts that have never acted, one a line: a test whose fault did not
+    /// happen proves nothing.
     [[nodiscard]] std::string pending_faults() const;
-    /// Sets who is told what happens on all later connections; null for nobody.
+    /// Sets the observer of all later connections; may be null.
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
 
     /// Cuts all connections.
     void cut();
     /// From now on, and until it is called with false, every connection is refused.
     void refuse(bool refuses = true) { refuses_ = refuses; }
-    /// How many connections were made.
+    /// Number of connections so far.
     [[nodiscard]] std::size_t connection_count() const { return connection_count_; }
 
 private:

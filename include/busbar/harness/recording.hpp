@@ -13,7 +13,7 @@
 
 namespace busbar::harness {
 
-/// Limits of what is recorded, and of what is read from a file.
+/// Limits of a recording, and of one that is read from a file.
 struct RecordingLimits {
     std::size_t max_bytes{64U << 20U};
     std::size_t max_entries{1'000'000};
@@ -25,19 +25,20 @@ struct BUSBAR_API Recording {
     enum class Kind : std::uint8_t { Opened, Bytes, Ended };
     struct Entry {
         Kind kind{Kind::Bytes};
-        /// Since the world began; never before the previous entry.
+        /// Time since the world began; never before the previous entry.
         Duration time{0};
-        /// From 1, in the order in which they were opened. Bytes and ends only come after it.
+        /// Number of the connection from 1, in the order of opening. Its bytes and ends follow its
+        /// Opened.
         std::uint32_t connection{0};
-        /// Who has sent the bytes, or who is gone for the other end. Client for Opened.
+        /// The side that has sent the bytes, or that is gone for the other end. Client for Opened.
         Side from{Side::Client};
-        /// Of Bytes: at least one byte.
+        /// For Bytes: at least one byte.
         std::vector<std::byte> bytes{};
 
         friend bool operator==(const Entry&, const Entry&) = default;
     };
 
-    /// Of the world it was made in.
+    /// The seed of the recorded world.
     std::uint64_t seed{0};
     /// False if there was more than the limits allow.
     bool is_complete{true};
@@ -45,18 +46,18 @@ struct BUSBAR_API Recording {
 
     friend bool operator==(const Recording&, const Recording&) = default;
 
-    /// All that `from` has sent on that connection.
+    /// Everything that `from` has sent on this connection.
     [[nodiscard]] std::vector<std::byte> stream(std::uint32_t connection, Side from) const;
 };
 
-/// Writes down what happens on links: see Network::set_observer(). Stops at the limits.
+/// Records what happens on links: see Network::set_observer(). Stops at the limits.
 class BUSBAR_API Recorder final : public LinkObserver {
 public:
     explicit Recorder(std::uint64_t seed, RecordingLimits limits = {});
 
     [[nodiscard]] const Recording& recording() const { return recording_; }
 
-    // LinkObserver
+    // LinkObserver.
     void opened(const Link& link) override;
     void arrived(const Link& link, Side from, std::span<const std::byte> bytes) override;
     void ended(const Link& link, Side side) override;
@@ -71,18 +72,19 @@ private:
     std::uint32_t last_number_{0};
 };
 
-/// A recording as text, to be kept in a file beside a test: a line for the format and its version,
-/// one for the seed, and one for each entry with nanoseconds, connection, "open", ">" (to the
-/// server), "<" or "end", and the bytes in hexadecimal.
+/// Returns a recording as text, to be kept in a file with a test: a line for the format and its
+/// version, one for the seed, and one for each entry with nanoseconds, connection, "open", ">" (to
+/// the server), "<" or "end", and the bytes in hexadecimal.
 [[nodiscard]] BUSBAR_API std::string write_recording(const Recording& recording);
 /// Reads it back. Bad_DecodingError for anything else, Bad_NotSupported for another version,
 /// Bad_EncodingLimitsExceeded past the limits.
 [[nodiscard]] BUSBAR_API Result<Recording> read_recording(std::string_view text,
                                                           const RecordingLimits& limits = {});
 
-/// The recording as a capture file (libpcap's format of microseconds, version 2.4) with Ethernet,
-/// IPv4 and TCP headers around the bytes, the server on `port`: what tshark and Wireshark read, and
-/// decode as OPC UA on port 4840. 1970 is the world's begin.
+/// Returns the recording as a capture file (libpcap's format of microseconds, version 2.4) with
+/// Ethernet, IPv4 and TCP headers around the bytes, the server on `port`: tshark and Wireshark read
+/// it, and decode it as OPC UA on port 4840. Timestamps are 1970 plus the time since the world
+/// began.
 [[nodiscard]] BUSBAR_API std::vector<std::byte> to_pcap(const Recording& recording,
                                                         std::uint16_t port = 4840);
 

@@ -9,7 +9,7 @@ namespace busbar::harness {
 /// Runs a client::Registration with its Client in a world. One thread; the world must outlive it.
 class BUSBAR_API RegistrationHost {
 public:
-    /// `config` as registration_client() makes it.
+    /// `config` comes from registration_client().
     RegistrationHost(World& world, client::ClientConfig config,
                      client::RegistrationSettings settings, ClientParts parts = {});
 
@@ -19,7 +19,7 @@ public:
     [[nodiscard]] const client::Registration& registration() const { return registration_; }
     [[nodiscard]] bool is_registered() const { return registration_.is_registered(); }
     /// Runs the world until the last attempt has succeeded, or has failed if `is_wanted` is false.
-    /// Whether it did.
+    /// Returns whether it did.
     [[nodiscard]] bool await_registered(bool is_wanted, Duration limit);
 
 private:

@@ -11,7 +11,7 @@
 namespace busbar::harness {
 
 /// Plays one side of a recorded connection against an engine, at the recorded times, and compares
-/// what the engine answers with what was recorded.
+/// the engine's answers with the recording.
 ///
 /// Sessions without security are the same byte for byte, in a world with the recording's seed and
 /// the same actors. The weather must have one fixed latency. One thread; the world must outlive it.
@@ -22,22 +22,22 @@ public:
     ~Replay() override;
 
     /// Plays the client: connects at the recorded time, or now if that has passed, and runs the
-    /// world until the side that is played has ended and everything on its way has arrived. Errors
-    /// are those of Network::connect().
+    /// world until the played side has ended and everything on its way has arrived. Errors are
+    /// those of Network::connect().
     Result<void> run(std::string_view url);
     /// Plays the server: a client has connected. Call Network::listen() with this object to make
     /// that possible.
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
-    /// Whether everything has been sent, and as much as was recorded has come.
+    /// True if everything has been sent, and as much has arrived as was recorded.
     [[nodiscard]] bool is_over() const;
 
-    /// Empty if everything that has come so far is what was recorded. Otherwise the first byte that
-    /// differs, and the message that it is in.
+    /// Empty if everything that has arrived so far equals the recording. Otherwise the first byte
+    /// that differs, and the message that contains it.
     [[nodiscard]] std::string difference() const;
 
 private:
-    // LinkEnd
+    // LinkEnd.
     [[nodiscard]] std::span<const std::byte> output() const override { return {}; }
     void consume(std::size_t) override {}
     void feed(std::span<const std::byte> in) override;

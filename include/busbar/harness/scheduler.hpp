@@ -14,9 +14,9 @@ namespace busbar::harness {
 
 class Signal;
 
-/// Virtual time: what is to happen, in the order of its time and, at the same time, in the order in
-/// which it was asked for. Nothing else moves the time, so that the same actions make the same run.
-/// One thread, except for Signal::raise().
+/// Virtual time: actions run in the order of their time and, at the same time, in the order in
+/// which they were scheduled. Nothing else moves the time, so that the same actions make the same
+/// run. One thread, except for Signal::raise().
 class BUSBAR_API Scheduler {
 public:
     using Action = std::function<void()>;
@@ -26,16 +26,17 @@ public:
     void at(TimePoint time, Action action);
     void after(Duration delay, Action action) { at(now_ + delay, std::move(action)); }
 
-    /// Runs everything that is due until then; afterwards it is `end`.
+    /// Runs everything that is due until then; afterwards the time is `end`.
     void run_until(TimePoint end);
     void run_for(Duration time) { run_until(now_ + time); }
-    /// The same, but stops as soon as `condition` holds, which is asked before the first action and
-    /// after each. False, and it is `end`, if it never did.
+    /// Runs likewise, but stops as soon as `condition` holds, which is called before the first
+    /// action and after each. False, with the time at `end`, if it never did.
     bool run_until(FunctionRef<bool()> condition, TimePoint end);
-    /// Runs the next action, whenever that is due; false if there is none.
+    /// Runs the next action, whenever it is due; false if there is none.
     bool step();
-    /// When the next action is due, which may be in the past; no_deadline if there is none. A
-    /// driver in real time waits until then, or for less, and calls run_until() with its clock.
+    /// The time when the next action is due, which may be in the past; no_deadline if there is
+    /// none. A driver in real time waits until then, or for less, and calls run_until() with its
+    /// clock.
     [[nodiscard]] TimePoint next_due() const;
 
 private:
@@ -55,8 +56,8 @@ private:
     std::vector<Signal*> signals_;
 };
 
-/// Does one thing at a time that can be changed. Forgets it when destroyed; that must not be done
-/// by the action itself. The scheduler must outlive it.
+/// Runs one action at a time, whose time can be changed. Cancels it when destroyed, which the
+/// action itself must not do. The scheduler must outlive it.
 class BUSBAR_API Alarm {
 public:
     Alarm(Scheduler& scheduler, Scheduler::Action action);
@@ -65,7 +66,7 @@ public:
     ~Alarm() { cancel(); }
 
     [[nodiscard]] bool is_set() const { return state_->due != no_deadline; }
-    /// Replaces an earlier setting; no_deadline is cancel().
+    /// Replaces an earlier time; no_deadline is cancel().
     void set(TimePoint due);
     void set_after(Duration delay) { set(scheduler_->now() + delay); }
     void cancel() { state_->due = no_deadline; }
@@ -73,7 +74,7 @@ public:
 private:
     struct State {
         TimePoint due{no_deadline};
-        /// When the scheduler asks next.
+        /// The time at which the scheduler calls next.
         TimePoint asked{no_deadline};
         Scheduler::Action action;
     };
@@ -83,9 +84,9 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// Lets other threads, and whoever must not be called back at once, make something happen now:
-/// before the next action, or when the next run begins. Raising it again before that makes no
-/// difference. The action must not destroy it. The scheduler must outlive it.
+/// Lets other threads, and code that must not be called back at once, trigger an action now: before
+/// the next action, or when the next run begins. Raising it again before that makes no difference.
+/// The action must not destroy it. The scheduler must outlive it.
 class BUSBAR_API Signal {
 public:
     Signal(Scheduler& scheduler, Scheduler::Action action);
@@ -93,7 +94,7 @@ public:
     Signal& operator=(const Signal&) = delete;
     ~Signal();
 
-    /// Any thread; neither blocks nor allocates.
+    /// Called from any thread; neither blocks nor allocates.
     void raise() { is_raised_ = true; }
 
 private:

@@ -12,8 +12,8 @@
 namespace busbar::harness {
 
 /// A client that sends what a test wants, in and out of turn. It handles the channel by itself;
-/// sessions and services are up to the test, and so are bytes that are no message. For what a
-/// proper client sends there is ConnectionHost. One thread; the world must outlive it.
+/// sessions and services are up to the test, and so are bytes that are not a message.
+/// ConnectionHost sends what a proper client sends. One thread; the world must outlive it.
 class BUSBAR_API ScriptedClient final : private LinkEnd {
 public:
     /// It connects to `config.endpoint_url`.
@@ -21,10 +21,10 @@ public:
                    const ClientParts& parts = {});
     ~ScriptedClient() override;
 
-    /// Connects and opens the channel; runs the world until it is open. Why it did not open, or
-    /// Bad_Timeout.
+    /// Connects and opens the channel; runs the world until it is open. The error is the reason why
+    /// it did not open, or Bad_Timeout.
     Result<void> open(Duration limit = std::chrono::minutes{1});
-    /// Sends a request as it is, except that a request handle of 0 becomes a new one. Gives its
+    /// Sends a request unchanged, except that a request handle of 0 becomes a new one. Returns its
     /// RequestId; Bad_NotConnected without a channel.
     template <typename Request>
     Result<std::uint32_t> send(Request request)
@@ -37,22 +37,23 @@ public:
     }
     /// Sends bytes past the channel, whole chunks or anything else.
     void send_bytes(std::span<const std::byte> bytes);
-    /// Runs the world until a message comes, whichever: the response, or why it is none: the status
-    /// of a ServiceFault, Bad_UnknownResponse for another structure, Bad_Timeout, or what the
-    /// connection was closed with. What was expected and what came is added to the report.
+    /// Runs the world until a message arrives, and returns the response, or an error: the status of
+    /// a ServiceFault, Bad_UnknownResponse for another structure, Bad_Timeout, or the status that
+    /// the connection was closed with. A mismatch is added to the report.
     template <typename Response>
     [[nodiscard]] Result<Response> expect(Duration limit = std::chrono::minutes{1})
     {
         auto body = await(Response::binary_encoding_id, limit);
         return body ? detail::decode_body<Response>(*body) : fail(body.error());
     }
-    /// Runs the world until the connection is over; what the server said, Good if it said nothing.
+    /// Runs the world until the connection is closed; returns the server's status, Good if it sent
+    /// none.
     [[nodiscard]] Result<StatusCode> expect_close(Duration limit = std::chrono::minutes{1});
-    /// What was expected and did not come, one a line; empty if everything came.
+    /// The expected messages that did not arrive, one a line; empty if all arrived.
     [[nodiscard]] const std::string& report() const { return report_; }
 
 private:
-    // LinkEnd
+    // LinkEnd.
     [[nodiscard]] std::span<const std::byte> output() const override;
     void consume(std::size_t size) override;
     void feed(std::span<const std::byte> in) override;

@@ -21,7 +21,7 @@
 
 namespace busbar::harness {
 
-/// How long a scripted peer takes: `reply(response, after(4ms))`.
+/// The delay of a scripted peer: `reply(response, after(4ms))`.
 struct After {
     Duration delay{0};
 };
@@ -32,7 +32,7 @@ struct After {
 
 namespace detail {
 
-/// One request that a scripted server waits for, and what it does then.
+/// One request that a scripted server waits for, and its reaction.
 struct ScriptStep {
     using Answer = std::function<Result<std::vector<std::byte>>(std::span<const std::byte> request,
                                                                 DateTime now)>;
@@ -40,7 +40,7 @@ struct ScriptStep {
     std::uint32_t encoding_id{0};
     std::string name;
     Duration delay{0};
-    /// The body of the response; null: there is none.
+    /// The body of the response; null if there is none.
     Answer answer;
     /// The connection ends, with an Error message unless this is Good.
     std::optional<StatusCode> end;
@@ -87,15 +87,15 @@ template <typename Structure>
 
 } // namespace detail
 
-/// What a scripted server does when a Request comes; nothing, unless one of these is called.
+/// The reaction of a scripted server to a Request; nothing, unless one of these is called.
 template <typename Request>
 class Expectation {
 public:
     explicit Expectation(detail::ScriptStep& step) : step_{&step} {}
 
     /// Answers with `response`, whose header gets the request's handle and, if it has none, the
-    /// time; or with what a function makes of the request, a ServiceFault if that is a Result that
-    /// failed.
+    /// time; or with the result of a function of the request, a ServiceFault if that is a failed
+    /// Result.
     template <typename Response>
     void reply(Response response, After delay = {})
     {
@@ -148,36 +148,37 @@ private:
     detail::ScriptStep* step_;
 };
 
-/// What a scripted server needs for policies other than None. All of it must outlive the server.
+/// The parts that a scripted server needs for policies other than None. All pointers must outlive
+/// the server.
 struct ScriptedServerParts {
     std::vector<channel::SecuritySetting> allowed{{}};
     crypto::CertificateValidator* validator{nullptr};
     const channel::ApplicationIdentity* identity{nullptr};
 };
 
-/// A server that says what a test wants. The channel's part, OpenSecureChannel and its renewals, it
-/// does by itself; services are what was written down:
+/// A server that answers what a test wants. It handles the channel, OpenSecureChannel and its
+/// renewals, by itself; services follow the script:
 ///
 ///     ScriptedServer server{world, "opc.tcp://server:4840"};
 ///     server.accept_session();
 ///     server.expect<ReadRequest>().reply(response, after(4ms));
 ///
-/// Requests have to come in the order of the expectations, over however many connections. What
-/// comes out of turn is answered with Bad_ServiceUnsupported and reported. One thread; the world
-/// must outlive it.
+/// Requests must arrive in the order of the expectations, over any number of connections. Those out
+/// of turn are answered with Bad_ServiceUnsupported and reported. One thread; the world must
+/// outlive it.
 class BUSBAR_API ScriptedServer final : public Acceptor {
 public:
     ScriptedServer(World& world, std::string_view url, const ScriptedServerParts& parts = {});
     ~ScriptedServer() override;
 
-    /// The next request that has to come, after those that were named before.
+    /// Adds a request that must arrive next, after those that were added before.
     template <typename Request>
     Expectation<Request> expect()
     {
         return Expectation<Request>{add(steps_.emplace_back(), Request::binary_encoding_id)};
     }
-    /// A request that may come at any time and any number of times; considered after the next one
-    /// that has to come.
+    /// Adds a request that may arrive at any time and any number of times; considered after the
+    /// next one that must arrive.
     template <typename Request>
     Expectation<Request> allow()
     {
@@ -188,13 +189,13 @@ public:
     void accept_session();
 
     [[nodiscard]] bool is_done() const { return steps_.empty(); }
-    /// What was expected and did not come, and what came unexpectedly; one a line, empty if
-    /// everything went by the script. At most 100 lines for what came.
+    /// The expected requests that did not arrive, and the unexpected ones that did; one a line,
+    /// empty if everything followed the script. At most 100 lines for unexpected ones.
     [[nodiscard]] std::string report() const;
-    /// Names of all requests that came, in their order, the first 10,000.
+    /// Names of all requests that arrived, in their order, the first 10,000.
     [[nodiscard]] const std::vector<std::string>& came() const { return came_; }
 
-    /// The channel that a request came through; only for functions that make its response.
+    /// The channel of the present request; only for functions that create its response.
     [[nodiscard]] const channel::ServerChannel& channel() const { return *channel_; }
 
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
@@ -204,7 +205,7 @@ private:
     class Peer;
 
     static detail::ScriptStep& add(detail::ScriptStep& step, std::uint32_t encoding_id);
-    /// What is to be done about a request; nothing is known of it if it is out of turn.
+    /// Returns the reaction to a request; nothing if it is out of turn.
     [[nodiscard]] std::optional<detail::ScriptStep> take_step(std::span<const std::byte> body);
 
     World& world_;

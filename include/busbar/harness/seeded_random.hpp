@@ -9,7 +9,7 @@
 
 namespace busbar::harness {
 
-/// Repeats itself from a seed; never for keys that protect anything.
+/// Repeats its numbers from a seed; never for keys that protect anything.
 class BUSBAR_API SeededRandom final : public crypto::Random {
 public:
     explicit SeededRandom(std::uint64_t seed = 1) : engine_{seed} {}

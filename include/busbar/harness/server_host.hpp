@@ -17,8 +17,8 @@
 
 namespace busbar::harness {
 
-/// Is told when the server's own code begins to run and when it has ended: for what a test wants to
-/// happen to the server alone, as memory that runs out. The calls do not nest.
+/// Is notified when the server's own code begins to run and when it has ended: for faults that
+/// shall happen to the server alone, such as memory that runs out. The calls do not nest.
 class BUSBAR_API EngineWatch {
 public:
     EngineWatch() = default;
@@ -30,28 +30,29 @@ public:
     virtual void leave() = 0;
 };
 
-/// What a hosted server needs beside its configuration. Whatever is given must outlive the host.
+/// The parts that a hosted server needs in addition to its configuration. All pointers must outlive
+/// the host.
 struct ServerParts {
-    /// Null: every certificate is accepted.
+    /// If null, every certificate is accepted.
     crypto::CertificateValidator* validator{nullptr};
-    /// Null: there are only anonymous users.
+    /// If null, there are only anonymous users.
     server::UserStore* users{nullptr};
     const server::AccessControl* access{nullptr};
-    /// How much later than it was woken the server looks for what data sources have completed, as
-    /// when threads wait for their turn. One in eight times it is up to the second value.
+    /// The delay from waking the server until it looks for completions of data sources, as when
+    /// threads wait for their turn. One in eight times it is up to the second value.
     Duration wake_delay{0};
     Duration rare_wake_delay{0};
-    /// Of what is not called through ServerHost::server(). What the server calls, as a data source
-    /// or a log, runs inside.
+    /// Observes code that is not called through ServerHost::server(). What the server calls, such
+    /// as a data source or a log, runs inside.
     EngineWatch* watch{nullptr};
 };
 
-/// One endpoint without security, on which everybody may do everything: for tests of something
-/// else.
+/// Returns a configuration with one endpoint without security, on which every user has all rights:
+/// for tests of something else.
 [[nodiscard]] BUSBAR_API server::ServerConfig open_server_config();
 
-/// Users of a test, with passwords that are not hashed, which would take most of a test's time.
-/// Anonymous users may do everything.
+/// Users of a test, with passwords that are not hashed, since hashing would take most of a test's
+/// time. Anonymous users have all rights.
 class BUSBAR_API TestUsers final : public server::UserStore {
 public:
     void add(std::string name, std::string password, server::UserRights rights = {});
@@ -77,22 +78,22 @@ public:
     /// contradicts itself leaves the host without a server: see is_running() and problem().
     explicit ServerHost(World& world, server::ServerConfig config = open_server_config(),
                         const ServerParts& parts = {}, model::AddressSpace address_space = {});
-    /// For links that are made by hand, without a network.
+    /// For links that a test creates itself, without a network.
     ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& log, Chance chance,
                server::ServerConfig config, const ServerParts& parts = {},
                model::AddressSpace address_space = {});
     ~ServerHost() override;
 
     [[nodiscard]] bool is_running() const { return server_ != nullptr; }
-    /// Why there is no server; nothing if there is one.
+    /// The reason why there is no server; nothing if there is one.
     [[nodiscard]] const std::optional<Problem>& problem() const { return problem_; }
-    /// Only if it is_running(). What is changed from outside of a run is noticed at its begin.
+    /// Only if it is_running(). Changes made outside of a run are noticed when the next run begins.
     [[nodiscard]] server::Server& server()
     {
         touched_.raise();
         return *server_;
     }
-    /// Takes a Variable's value from `source`, which may end before the host; its index.
+    /// Adds `source`, which may end before the host, to the server; returns its index.
     std::uint32_t add_source(server::DataSource& source) { return server_->add_source(source); }
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
@@ -103,10 +104,10 @@ private:
 
     void wake() override { woken_.raise(); }
     void await_completions();
-    /// Has the server do something, and looks after it.
+    /// Runs `call` on the server, then settle().
     template <typename Work>
     void work(Work call);
-    /// Looks after what the last call left behind: deadlines, and output of other connections.
+    /// Handles the consequences of the last call: deadlines, and output of other connections.
     void settle();
     void forget_ended();
 

@@ -5,10 +5,10 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/types.hpp>
 
-/// Values as a failing test shows them: one line each, long arrays cut short.
+/// Prints values for failing tests: one line each, long arrays shortened.
 namespace busbar::harness {
 
-/// "Bad_Timeout"; "0x80AB0401" where the code has no name or info bits.
+/// Returns "Bad_Timeout"; "0x80AB0401" if the code has no name or has info bits.
 [[nodiscard]] BUSBAR_API std::string text_of(StatusCode code);
 /// "Int32 42", "String \"abc\"", "Double[3] {1, 2, 3}", "null".
 [[nodiscard]] BUSBAR_API std::string text_of(const Variant& value);

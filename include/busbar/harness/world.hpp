@@ -12,18 +12,18 @@
 
 namespace busbar::harness {
 
-/// Who uses a world's randomness.
+/// The users of a world's randomness.
 enum class Actor : std::uint8_t { Server, Client, Other };
 
 /// Servers, clients and the network between them, in virtual time: a day takes seconds, and the
-/// same seed makes the same things happen. Nothing in it asks a clock, sleeps or opens a port.
+/// same seed makes the same things happen. Nothing in it reads a clock, sleeps or opens a port.
 ///
-/// In real time a world runs as it is. Whoever has a clock and can wait drives it:
+/// A world runs in real time as well, driven by code that has a clock and can wait:
 ///
 ///     world.run_until(TimePoint{elapsed()});   // on one thread, again and again
 ///     wait(min(world.scheduler().next_due() - world.now(), 10ms));
 ///
-/// One thread, and everything that lives in a world goes before it.
+/// One thread; everything that lives in a world must be destroyed before it.
 class BUSBAR_API World {
 public:
     explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day)
@@ -33,10 +33,10 @@ public:
 
     /// The number in the environment's BUSBAR_SEED; 1 if there is none.
     [[nodiscard]] static std::uint64_t seed_from_environment();
-    /// Show it with a test that fails: BUSBAR_SEED replays it.
+    /// Show it when a test fails: BUSBAR_SEED replays it.
     [[nodiscard]] std::uint64_t seed() const { return seed_; }
-    /// Randomness for the next actor of a kind, numbered by kind: the second client gets the same
-    /// in each run, however many servers there are.
+    /// Returns randomness for the next actor of a kind, numbered by kind: the second client gets
+    /// the same in each run, however many servers there are.
     [[nodiscard]] Chance new_chance(Actor kind)
     {
         const auto index = static_cast<std::size_t>(kind);
@@ -46,14 +46,14 @@ public:
     [[nodiscard]] TimePoint now() const { return scheduler_.now(); }
     void run_for(Duration time) { scheduler_.run_for(time); }
     void run_until(TimePoint end) { scheduler_.run_until(end); }
-    /// Runs until `condition`, asked after each thing that happens, holds, or the time is over.
-    /// Whether it holds.
+    /// Runs until `condition`, called after each thing that happens, holds, or the time is over.
+    /// Returns whether it holds.
     [[nodiscard]] bool run_until(FunctionRef<bool()> condition,
                                  Duration limit = std::chrono::minutes{1})
     {
         return scheduler_.run_until(condition, now() + limit);
     }
-    /// Lets one thing happen; false if nothing is left to happen.
+    /// Lets one thing happen; false if there is nothing left.
     bool step() { return scheduler_.step(); }
     /// Sets the time of day, forwards or back; monotonic time goes on.
     void jump_clock(Duration by) { clock_.jump(by); }
@@ -61,7 +61,7 @@ public:
     [[nodiscard]] Scheduler& scheduler() { return scheduler_; }
     [[nodiscard]] const WallClock& clock() const { return clock_; }
     [[nodiscard]] Network& network() { return network_; }
-    /// What all servers and clients in it have logged.
+    /// The log of all its servers and clients.
     [[nodiscard]] LogBook& log() { return log_; }
 
 private:

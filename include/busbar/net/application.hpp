@@ -20,39 +20,41 @@ namespace busbar::net {
 class ServerLoop;
 
 struct ApplicationSettings {
-    /// Globally unique, for this installation; the certificate names it.
+    /// Globally unique for this installation; the certificate contains it.
     std::string uri;
     std::string name;
-    /// For certificates and keys, in the layout of Part 12, F.1; made if it is missing.
+    /// The folder of certificates and keys, in the layout of Part 12, F.1; created if it is
+    /// missing.
     std::string folder;
     /// DNS names and addresses of this machine that a new certificate names.
     std::vector<std::string> host_names{"localhost"};
 };
 
-/// What a program on an operating system needs around its servers and clients: random numbers, the
-/// time of day, its certificate, made when missing, and its trust lists. Nobody is trusted before
-/// somebody moves a certificate from rejected/certs to trusted/certs.
+/// The environment of a program on an operating system, besides its servers and clients: random
+/// numbers, the time of day, its certificate, created if missing, and its trust lists. No peer is
+/// trusted before its certificate is moved from rejected/certs to trusted/certs.
 ///
 /// Used on one thread, that of the servers and clients, which it must outlive.
 class BUSBAR_API Application {
 public:
-    /// May take seconds, for a new key. `log` must outlive the object.
-    /// The problem is one of the folder or of what is in it.
+    /// Opens the application; may take seconds to generate a key. `log` must outlive the object.
+    /// The problem describes the folder or a file in it.
     [[nodiscard]] static Configured<std::unique_ptr<Application>> open(ApplicationSettings settings,
                                                                        LogSink& log);
     Application(const Application&) = delete;
     Application& operator=(const Application&) = delete;
     ~Application();
 
-    /// A secure server with the application's names and certificate, which clients find at
-    /// `endpoint_url`; its port is the one to listen on. The endpoints are those of ServerConfig.
+    /// Returns the configuration of a secure server with the application's names and certificate,
+    /// which clients find at `endpoint_url`; its port is the one to listen on. The endpoints are
+    /// those of ServerConfig.
     [[nodiscard]] server::ServerConfig server_config(std::string endpoint_url) const;
-    /// `loop` wakes the server when its data sources have something. Without users nobody logs in.
+    /// `loop` wakes the server when its data sources have data. Without users no login succeeds.
     [[nodiscard]] server::ServerEnvironment server_environment(ServerLoop& loop,
                                                                server::UserStore* users = nullptr);
-    /// A client with the application's names.
+    /// Returns the configuration of a client with the application's names.
     [[nodiscard]] client::ClientConfig client_config(std::string endpoint_url) const;
-    /// What clients need from outside; valid as long as the Application.
+    /// The environment of clients; valid as long as the Application.
     [[nodiscard]] const channel::ChannelEnvironment& client_environment() const;
 
     [[nodiscard]] crypto::CertificateStore& certificates();

@@ -19,12 +19,12 @@ namespace busbar::net {
 ///     const Result<ReadResponse> response = co_await client.call<ReadResponse>(request,
 ///                                                                 asio::use_awaitable);
 ///
-/// All on the executor, which must be one thread or a strand; but connect(), call() and close() may
-/// be begun on any thread, as asio::use_future needs it, if their handlers have no cancellation
-/// slot. Handlers run later, on the executor or their own; what they throw comes out of its run().
-/// What the Client's own callbacks throw is logged. Errors are values, never exceptions. An
-/// operation that is cancelled, in whatever way, ends with Bad_RequestCancelledByClient; a server
-/// that has its request may still carry it out.
+/// Everything runs on the executor, which must be one thread or a strand; but connect(), call() and
+/// close() may be called on any thread, as asio::use_future needs it, if their handlers have no
+/// cancellation slot. Handlers run later, on the executor or their own; their exceptions come out
+/// of its run(). Exceptions of the Client's own callbacks are logged. Errors are values, never
+/// exceptions. An operation that is cancelled, in whatever way, ends with
+/// Bad_RequestCancelledByClient; a server that has its request may still carry it out.
 class BUSBAR_API AsyncClient {
 public:
     /// `environment`, which must have a log, must outlive the object.
@@ -35,18 +35,19 @@ public:
     /// Drops the connection at once; operations under way end with Bad_ConnectionClosed.
     ~AsyncClient();
 
-    /// Where the server's connections come from, with ClientConfig::is_reverse. Before connect().
+    /// Uses the server's connections of `listener`, with ClientConfig::is_reverse. Call it before
+    /// connect().
     void take_from(ReverseListener& listener);
 
     using executor_type = asio::any_io_executor;
     [[nodiscard]] executor_type get_executor() const { return executor_of(*impl_); }
-    /// The Client that is driven here; after changing what it is to do, call wake().
+    /// The Client that is driven here; after changing its settings, call wake().
     [[nodiscard]] client::Client& client();
     void wake();
 
-    /// Completes with Result<void> when the session is there, with the first failure that another
-    /// attempt cannot mend, or at `timeout` with Bad_Timeout, never later. The Client goes on
-    /// trying unless it is closed.
+    /// Completes with Result<void> when the session is open, with the first failure that another
+    /// attempt cannot cure, or at `timeout` with Bad_Timeout, never later. The Client keeps trying
+    /// unless it is closed.
     template <typename CompletionToken>
     auto connect(Duration timeout, CompletionToken&& token)
     {

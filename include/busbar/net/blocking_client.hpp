@@ -16,24 +16,24 @@ namespace busbar::net {
 
 /// A client::Client for programs that do one thing after the other. The connection is served only
 /// while a call of this class waits. One thread. Handlers must not make calls that wait: these end
-/// there as if interrupted. What handlers throw is logged.
+/// as if interrupted. Exceptions of handlers are logged.
 class BUSBAR_API BlockingClient {
 public:
     /// `environment`, which must have a log, must outlive the object.
     BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);
     BlockingClient(const BlockingClient&) = delete;
     BlockingClient& operator=(const BlockingClient&) = delete;
-    /// Drops the connection at once; use close() to take leave of the server.
+    /// Drops the connection at once; use close() to close the session.
     ~BlockingClient();
 
     /// Listens for the server, with ClientConfig::is_reverse, as a ReverseListener does, but only
-    /// while a call of this class waits. Before connect(). Gives the port, or
+    /// while a call of this class waits. Call it before connect(). Returns the port, or
     /// Bad_CommunicationError with the reason in the log.
     [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port,
                                                const ReverseListenerLimits& limits = {});
     /// Waits for the session (or the channel, if no session is wanted), at most `timeout`.
-    /// Bad_Timeout, Bad_RequestInterrupted, or the first failure that another attempt cannot mend.
-    /// The Client goes on trying in later calls, unless it is closed.
+    /// Bad_Timeout, Bad_RequestInterrupted, or the first failure that another attempt cannot cure.
+    /// The Client keeps trying in later calls, unless it is closed.
     [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
     /// Sends `request` and waits for its response; also Bad_RequestInterrupted.
     template <typename Response, typename Request>
@@ -49,7 +49,7 @@ public:
         }
         return *std::move(answer);
     }
-    /// Begins an operation, whose handler is given a T, and waits for that T; also
+    /// Starts an operation, whose handler gets a T, and waits for that T; also
     /// Bad_RequestInterrupted.
     ///
     ///     client.wait_for<std::vector<DataValue>>([&](auto done) {
@@ -67,18 +67,19 @@ public:
         }
         return *std::move(result);
     }
-    /// Serves the connection until `is_done`, which is asked after everything that happens, is
-    /// true. False if it was interrupted or `timeout` has passed.
+    /// Serves the connection until `is_done`, which is called after everything that happens,
+    /// returns true. False if it was interrupted or `timeout` has passed.
     bool run_until(const std::function<bool()>& is_done, Duration timeout = Duration::max());
     /// Serves the connection for this long: Subscriptions deliver meanwhile. Ends early, with
-    /// false, when interrupted.
+    /// false, if interrupted.
     bool run_for(Duration time);
-    /// Makes run_until() also ask `is_done` when `descriptor` has something to read, as that of a
-    /// terminal does; once in each call, so that a call that is not interested goes on waiting. The
+    /// Makes run_until() also call `is_done` when `descriptor` is readable, such as that of a
+    /// terminal; once in each call, so that a call that ignores it continues to wait. The
     /// descriptor is neither read nor changed, and must stay open as long as this object lives. A
-    /// later one replaces it. Bad_CommunicationError for what cannot be waited for, such as a file.
+    /// later one replaces it. Bad_CommunicationError for descriptors that cannot be waited for,
+    /// such as a file.
     Result<void> wake_on(int descriptor);
-    /// Ends the call that waits now, or the next one. From any thread and from a signal handler.
+    /// Ends the call that waits now, or the next one. Called from any thread or a signal handler.
     void interrupt();
     /// Closes session and channel and waits until that is sent, at most two seconds.
     void close();

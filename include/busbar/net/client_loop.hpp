@@ -10,8 +10,8 @@
 
 namespace busbar::net {
 
-/// One Client on one TCP connection, driven by whoever waits for its events: for programs that do
-/// one thing after the other. One thread.
+/// One client connection over TCP, driven by the code that waits for its events: for programs that
+/// do one thing after the other. One thread.
 class BUSBAR_API ClientLoop {
 public:
     ClientLoop();
@@ -27,7 +27,7 @@ public:
                                        Duration timeout = std::chrono::seconds{10});
     /// The client; only after connect().
     [[nodiscard]] client::Connection& client();
-    /// The next event, or nothing after `timeout`.
+    /// Waits for the next event; nothing after `timeout`.
     [[nodiscard]] std::optional<client::ConnectionEvent>
     wait(Duration timeout = std::chrono::seconds{30});
     /// Sends `request` and waits for its response; other events are dropped.
@@ -40,7 +40,7 @@ public:
         }
         return wait_for(*handle);
     }
-    /// Waits until the session is there; the status says why it is not.
+    /// Waits until the session is open; the status is the reason of a failure.
     [[nodiscard]] Result<void> wait_until_ready();
     /// Closes session and connection, and waits until that is sent.
     void close();

@@ -9,14 +9,15 @@
 
 namespace busbar::net {
 
-/// A discovery server and what it is told; see ServerLoop::register_with.
+/// A discovery server and the registration that it gets; see ServerLoop::register_with.
 struct DiscoveryRegistrationConfig {
-    /// From client::registration_client().
+    /// Created by client::registration_client().
     client::ClientConfig client;
     client::RegistrationSettings settings;
 };
 
-/// What to register of a server with this configuration, which clients reach at `discovery_urls`.
+/// Returns the registration of a server with this configuration, which clients reach at
+/// `discovery_urls`.
 [[nodiscard]] BUSBAR_API client::RegistrationSettings
 registration_of(const server::ServerConfig& config, const std::vector<std::string>& discovery_urls);
 

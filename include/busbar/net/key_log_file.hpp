@@ -13,14 +13,14 @@
 namespace busbar::net {
 
 /// A KeyLog in a file that only its owner may read, for Wireshark's preference opcua.debug_file.
-/// Lines are appended; several processes may share a file. Any thread. For test benches only: it
-/// exists in builds with BUSBAR_KEY_LOG alone.
+/// Lines are appended; several processes may share a file. Called from any thread. For test benches
+/// only: it exists only in builds with BUSBAR_KEY_LOG.
 class BUSBAR_API KeyLogFile final : public channel::KeyLog {
 public:
-    /// Opens the file or makes it, and says so in `log`, which must outlive it, as an error: nobody
-    /// is to overlook that a machine gives its keys away. Bad_ConfigurationError, with the reason
-    /// in the log, if it cannot be written, is a link or no file, or is open to others than its
-    /// owner.
+    /// Opens or creates the file, and reports that to `log`, which must outlive it, as an error: a
+    /// machine that discloses its keys must not be overlooked. Bad_ConfigurationError, with the
+    /// reason in the log, if it cannot be written, is a link or not a file, or is open to other
+    /// users than its owner.
     [[nodiscard]] static Result<std::unique_ptr<KeyLogFile>> open(const std::string& path,
                                                                   LogSink& log);
     ~KeyLogFile() override;
@@ -31,7 +31,7 @@ public:
 private:
     KeyLogFile(int file, LogSink& log) : file_{file}, log_{&log} {}
 
-    std::mutex mutex_; // lines of two channels do not mix
+    std::mutex mutex_; // keeps lines of two channels apart
     int file_;
     LogSink* log_;
 };

@@ -11,16 +11,16 @@
 namespace busbar::net {
 
 /// One thread that does slow work, such as checking passwords or the asymmetric work of channels,
-/// one piece after the other, so that a login never holds up the server.
+/// one job after the other, so that a login never delays the server.
 class BUSBAR_API WorkerThread final : public server::Worker {
 public:
     /// At most `max_jobs` wait; more are refused. `log`, which may be null and must outlive this
-    /// object, is told what jobs throw.
+    /// object, gets the exceptions of jobs.
     explicit WorkerThread(std::size_t max_jobs = 64, LogSink* log = nullptr);
-    /// Finishes the job that runs, and drops those that wait.
+    /// Finishes the running job, and drops those that wait.
     ~WorkerThread() override;
 
-    /// From any thread. What a job throws ends that job.
+    /// Called from any thread. An exception of a job ends only that job.
     [[nodiscard]] bool run(std::function<void()> job) override;
 
 private:

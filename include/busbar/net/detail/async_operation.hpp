@@ -18,7 +18,7 @@
 
 namespace busbar::net::detail {
 
-/// An operation of an AsyncClient that is under way: what the client knows of it without its types.
+/// An operation of an AsyncClient that is under way, without its types.
 class BUSBAR_API AsyncOperation : public std::enable_shared_from_this<AsyncOperation> {
 public:
     AsyncOperation() = default;
@@ -26,13 +26,13 @@ public:
     AsyncOperation& operator=(const AsyncOperation&) = delete;
     virtual ~AsyncOperation() = default;
 
-    /// Begins it; on the executor, once, unless it was cancelled before.
+    /// Starts it; on the executor, once, unless it was cancelled before.
     virtual void start(client::Client& client) = 0;
-    /// Forgets what start() asked for and completes with `status`; nothing if it is complete.
+    /// Forgets what start() requested and completes with `status`; does nothing if it is complete.
     virtual void end(StatusCode status) = 0;
     [[nodiscard]] virtual bool is_complete() const = 0;
 
-    /// Called when it completes; may let go of the last reference to it.
+    /// Called when it completes; may drop the last reference to it.
     std::function<void()> on_complete;
 };
 
@@ -48,8 +48,8 @@ public:
     {
     }
 
-    /// To be called once the object is owned. The slot may keep what it is given after completion:
-    /// it does nothing then, and must not be taken from a slot that is just emitting.
+    /// Call it once the object is owned. The slot may keep its handler after completion: it does
+    /// nothing then, and must not be removed from a slot that is being emitted.
     void watch_cancellation()
     {
         auto slot = asio::get_associated_cancellation_slot(*handler_);
@@ -89,7 +89,7 @@ private:
     std::optional<Handler> handler_;
 };
 
-/// A request whose response is waited for.
+/// A request with its awaited response.
 template <typename Response, typename Request, typename Handler>
 class AwaitedCall final : public HandledOperation<Handler, Result<Response>> {
 public:
@@ -124,7 +124,7 @@ private:
     client::RequestId id_{0};
 };
 
-/// Waits for what is made of the connection; ends with Result<void>, or with nothing to say.
+/// Waits for a change of the connection; completes with Result<void>, or with no result.
 template <typename Handler, typename... Results>
 class WaitOperation final : public HandledOperation<Handler, Results...> {
 public:
