@@ -18,11 +18,11 @@ namespace detail {
 class PeerLink;
 } // namespace detail
 
-/// What an owner of a connection may want to show or log.
+/// An occurrence that the owner of a connection may want to show or log.
 struct ConnectionEvent {
     enum class Kind : std::uint8_t {
         Opened, // there is a SecureChannel
-        Closed, // nothing more will come; what is in output() is still to be sent
+        Closed, // the last event; the rest of output() must still be sent
     };
     Kind kind{Kind::Closed};
     /// Closed: Good if the client closed it.
@@ -32,7 +32,8 @@ struct ConnectionEvent {
 };
 
 /// One client's connection to a Server, as an engine: bytes and the time go in, bytes and the next
-/// deadline come out. Made by Server::connect. The Server must outlive it; both share one thread.
+/// deadline come out. Created by Server::connect. The Server must outlive it; both share one
+/// thread.
 class BUSBAR_API Connection {
 public:
     Connection(Connection&&) noexcept;
@@ -40,26 +41,27 @@ public:
     /// Sessions outlive their connection until they time out.
     ~Connection();
 
-    /// Identifies the connection in Server::next_changed(); never given twice by one server.
+    /// Identifies the connection in Server::next_changed(); unique for the server's life.
     [[nodiscard]] std::uint64_t id() const;
 
-    /// Begins with ReverseHello instead of waiting for Hello (Part 6, 7.1.2.6). Before any feed().
+    /// Begins with ReverseHello instead of waiting for Hello (Part 6, 7.1.2.6). Call it before
+    /// feed().
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
 
-    /// Which of several listeners the peer has connected to, by whatever numbers their owner has
-    /// for them, for RoleMapper; 0 if it is not told. Before any feed().
+    /// Sets the listener that the peer has connected to, by a number that the owner chooses, for
+    /// RoleMapper; 0 if it is not set. Call it before feed().
     void came_by(std::uint32_t listener);
 
-    /// Takes bytes and answers the requests that they complete. Bad once closed. While more output
-    /// waits than the limits allow, requests stay unanswered until consume() has made room: do not
-    /// read from the peer as long as there is output.
+    /// Takes bytes and answers the requests that they complete. Fails once closed. While more
+    /// output waits than the limits allow, requests stay unanswered until consume() has made room:
+    /// do not read from the peer as long as there is output.
     ///
-    /// A call does a bounded amount of work, whatever was asked for. What is left is done by
-    /// handle_deadline(); next_deadline() is then not after the time that was given last. Serve
-    /// other connections and the server first.
+    /// A call does a bounded amount of work, whatever was requested. handle_deadline() does the
+    /// rest; next_deadline() is then not after the time that was passed last. Serve other
+    /// connections and the server first.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    /// Some of what was fed waits for its turn: read no more from the peer until handle_deadline()
-    /// has done it, or what comes piles up here.
+    /// True while some of the input waits for its turn: read no more from the peer until
+    /// handle_deadline() has processed it, or the input accumulates here.
     [[nodiscard]] bool has_enough() const;
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     /// Bytes for the peer, valid until the next call of a member of the server or its connections.

@@ -11,9 +11,9 @@
 
 namespace busbar::server {
 
-/// What a server needs from outside, filled field by field:
-/// `{.random = &random, .wall_clock = &clock, .log = &log, .users = &users}`. All must outlive the
-/// server. Server::create names a required field that is null.
+/// The services that a server needs from outside, set field by field: `{.random = &random,
+/// .wall_clock = &clock, .log = &log, .users = &users}`. All must outlive the server.
+/// Server::create names a required field that is null.
 struct ServerEnvironment {
     [[no_unique_address]] NamedFields named_fields{};
 
@@ -25,19 +25,19 @@ struct ServerEnvironment {
     LogSink* log{nullptr};
     /// Required unless every endpoint has policy None.
     crypto::CertificateValidator* validator{nullptr};
-    /// Optional; null: nobody but anonymous users.
+    /// Optional; if null, there are only anonymous users.
     UserStore* users{nullptr};
-    /// Optional; null: the rights that the nodes have are all there are.
+    /// Optional; if null, only the attributes of nodes restrict access.
     const AccessControl* access{nullptr};
-    /// Optional; null: users have the roles that the UserStore gives them.
+    /// Optional; if null, users have only the roles that the UserStore gives them.
     const RoleMapper* roles{nullptr};
     /// Optional; null if every data source completes inline.
     Waker* waker{nullptr};
-    /// Optional; null, or without a Waker: the asymmetric work of OpenSecureChannel is done on the
-    /// server's thread, and nothing else meanwhile. One that has other work, such as passwords,
-    /// lets channels wait for that; a net::WorkerThread of its own does not.
+    /// Optional; if null, or without a Waker, the asymmetric work of OpenSecureChannel is done on
+    /// the server's thread, which then does nothing else. A worker that has other work, such as
+    /// passwords, delays channels by it; a separate net::WorkerThread does not.
     Worker* channel_worker{nullptr};
-    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
+    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG ignore it.
     channel::KeyLog* key_log{nullptr};
 };
 

@@ -16,8 +16,8 @@
 namespace busbar::server {
 
 /// A field of an event beyond those of BaseEventType: the BrowseNames that lead from the event's
-/// type to it, and its value. A StatusCode in place of a value says why there is none now
-/// (Part 4, 7.22.3).
+/// type to it, and its value. A StatusCode in place of a value says why there is none now (Part 4,
+/// 7.22.3).
 struct EventField {
     std::vector<QualifiedName> path;
     Variant value;
@@ -34,18 +34,18 @@ struct EventField {
 ///     event.set({2, "Pressure"}, 8.5);
 ///     server.raise_event(std::move(event));
 ///
-/// EventId and ReceiveTime are the server's. An ordinary value.
+/// The server sets EventId and ReceiveTime. An ordinary value.
 struct Event {
-    /// BaseEventType or a subtype that the address space has.
+    /// BaseEventType or a subtype in the address space.
     NodeId event_type{0, id::BaseEventType};
-    /// What the event is about. It reaches the notifiers above this node, and always the Server
+    /// The subject of the event. It reaches the notifiers above this node, and always the Server
     /// object.
     NodeId source_node{0, id::Server};
     String source_name;
     LocalizedText message;
-    /// 1 to 1,000; other values are brought into that range.
+    /// 1 to 1,000; other values are limited to that range.
     std::uint16_t severity{1};
-    /// When it occurred; null: when it is raised.
+    /// The time when it occurred; null means the time when it is raised.
     DateTime time;
     /// The node that represents the event in the address space, a Condition; most events have none.
     NodeId instance;
@@ -67,35 +67,34 @@ struct Event {
     }
 };
 
-/// Events on their way from any thread to the server's. Holds a fixed number, so that a storm of
-/// events costs neither memory nor the time of those who raise them.
+/// Events on their way from any thread to the server's thread. Holds a fixed number, so that a
+/// storm of events costs neither memory nor the time of the threads that raise them.
 class BUSBAR_API EventQueue {
 public:
-    /// For the server. `wall_clock` and `waker`, which may be null, must be valid until close().
-    /// Room for `capacity` events, rounded up to a power of two.
+    /// Created by the server. `wall_clock` and `waker`, which may be null, must be valid until
+    /// close(). Room for `capacity` events, rounded up to a power of two.
     EventQueue(const WallClock& wall_clock, Waker* waker, std::size_t capacity);
     EventQueue(const EventQueue&) = delete;
     EventQueue& operator=(const EventQueue&) = delete;
     ~EventQueue();
 
-    /// From any thread. Never blocks, and calls nothing but the Waker. False if the server is gone
-    /// or there is no room, which dropped() counts and clients learn of by an
+    /// Called from any thread. Never blocks, and calls nothing except the Waker. False if the
+    /// server is destroyed or there is no room, which dropped() counts and clients learn of by an
     /// EventQueueOverflowEventType.
     bool raise(Event event);
-    /// The same for an event that is made beforehand and raised each time it occurs, at `time`.
-    /// Nothing is allocated or freed here as long as the caller keeps `event`: for a thread that
-    /// controls a machine.
+    /// Raises an event that was created beforehand, at `time`. Nothing is allocated or freed here
+    /// as long as the caller keeps `event`: for a thread that controls a machine.
     bool raise(const std::shared_ptr<const Event>& event, DateTime time);
-    /// How many events there was no room for.
+    /// Number of events that were dropped for lack of room.
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
-    // For the server's thread.
+    // Called on the server's thread.
 
-    /// Call it before a series of next(): whatever is raised later wakes the server again.
+    /// Call it before a series of next(): events that are raised later wake the server again.
     void begin() { is_awake_ = false; }
     /// Takes the oldest event; false if there is none.
     [[nodiscard]] bool next(Event& event);
-    /// Refuses whatever is raised from now on. Clock and Waker are not used any more afterwards.
+    /// Refuses events from now on. Clock and Waker are not used any more afterwards.
     void close();
 
 private:

@@ -5,10 +5,10 @@
 
 namespace busbar::server {
 
-/// Limits of the EventFilter of one MonitoredItem; past any of these it is refused.
+/// Limits of the EventFilter of one MonitoredItem; beyond any of these it is refused.
 struct EventFilterLimits {
     std::size_t max_select_clauses{100};
-    /// Elements of the whereClause, and operands of one of them.
+    /// Elements of the whereClause, and operands of one element.
     std::size_t max_elements{64};
     std::size_t max_operands{64};
     std::size_t max_path_elements{16};
@@ -18,9 +18,9 @@ struct EventFilterLimits {
 
 struct EventLimits {
     EventFilterLimits filter;
-    /// Events that application threads have raised and the server has not yet seen.
+    /// Events that application threads have raised and the server has not yet processed.
     std::size_t max_raised_events{1'024};
-    /// Notifiers that one event may reach; those nearest to its source come first.
+    /// Notifiers that one event may reach; those nearest to its source have precedence.
     std::size_t max_notifiers{1'000};
 };
 

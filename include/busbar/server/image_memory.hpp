@@ -16,53 +16,54 @@ namespace detail {
 class ImageGather;
 } // namespace detail
 
-/// The memory that a PLC task works in, laid out flat as an ImageLayout says; variables that stay
-/// in a runtime's memory are used there. The layout must outlive it.
+/// The memory that a PLC task works in, laid out flat by an ImageLayout; variables that stay in a
+/// runtime's memory are used there. The layout must outlive it.
 ///
 /// References and spans stay valid as long as the object, so that a task can keep them from scan to
 /// scan. Only store() and load() allocate. Belongs to one thread.
 class BUSBAR_API ImageMemory {
 public:
-    /// All numbers are 0, all texts null, in structures too; what a runtime has is left as it is.
+    /// All numbers are 0, all texts null, in structures too; a runtime's memory is left as it is.
     explicit ImageMemory(const ImageLayout& layout);
 
     [[nodiscard]] const ImageLayout& layout() const { return *layout_; }
 
-    /// A scalar, or the first element. `handle` must be a variable of this type, here and below.
+    /// Returns a scalar, or the first element. `handle` must be a variable of this type, here and
+    /// below.
     template <ImageNumber T>
     [[nodiscard]] T& value(std::uint32_t handle)
     {
         return *pointer<T>(handle);
     }
-    /// All elements in row-major order; one if it is a scalar.
+    /// Returns all elements in row-major order; one for a scalar.
     template <ImageNumber T>
     [[nodiscard]] std::span<T> values(std::uint32_t handle)
     {
         return {pointer<T>(handle), (*layout_)[handle].elements};
     }
-    /// A text of String, ByteString or XmlElement; none if it is null.
+    /// Returns a text of String, ByteString or XmlElement; nothing if it is null.
     [[nodiscard]] std::optional<std::string_view> text(std::uint32_t handle,
                                                        std::uint32_t element = 0) const;
-    /// False, with nothing changed, if the text is longer than the variable's capacity.
+    /// Returns false, with nothing changed, if the text is longer than the variable's capacity.
     bool set_text(std::uint32_t handle, std::optional<std::string_view> text,
                   std::uint32_t element = 0);
-    /// A structure, or an element of an array of structures.
+    /// Returns a structure, or an element of an array of structures.
     [[nodiscard]] StructureView structure(std::uint32_t handle, std::uint32_t element = 0)
     {
         const ImagePlace& place = (*layout_)[handle];
         return {*place.structure, bytes(place) + std::size_t{element} * place.stride};
     }
 
-    /// Gives a variable the value of a Variant of its type and dimensions; structures are
+    /// Sets a variable to the value of a Variant of its type and dimensions; structures are
     /// ExtensionObjects of their encoding id. Bad_TypeMismatch if the Variant has others, also
     /// within a structure, Bad_OutOfRange for a text that is too long and an integer outside its
     /// range, Bad_DecodingError for a structure's body that ends too early or too late; nothing is
     /// changed then.
     [[nodiscard]] StatusCode store(std::uint32_t handle, const Variant& value);
-    /// A copy of a variable's value.
+    /// Returns a copy of a variable's value.
     [[nodiscard]] Variant load(std::uint32_t handle) const;
 
-    /// The bytes of a variable as the layout has them.
+    /// Returns the bytes of a variable as the layout places them.
     [[nodiscard]] std::byte* bytes(const ImagePlace& place)
     {
         return place.runtime != nullptr
@@ -76,9 +77,10 @@ public:
                    : (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
     }
 
-    /// The block of everything that is not an array of numbers and lies here.
+    /// The block of all variables that are not arrays of numbers and are in the image's own memory.
     [[nodiscard]] const std::byte* plain() const { return plain_.get(); }
-    /// Copies what a runtime has and is not an array of numbers, to ImageLayout::gathered_bytes().
+    /// Copies the variables in a runtime's memory that are not arrays of numbers,
+    /// ImageLayout::gathered_bytes() in all, to `to`.
     void gather(std::byte* to) const;
 
 private:

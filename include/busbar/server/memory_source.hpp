@@ -9,23 +9,23 @@
 
 namespace busbar::server {
 
-/// Variables whose values this object holds: for values that a program computes itself, for tests,
-/// and as the example of a backend.
+/// Keeps the values of its variables: for values that a program computes itself, for tests, and as
+/// the example of a backend.
 ///
 /// Used on the server's thread only. `clock` must outlive it.
 class BUSBAR_API MemorySource final : public DataSource {
 public:
     explicit MemorySource(const WallClock& clock) : clock_{&clock} {}
 
-    /// Adds a variable and gives its handle.
+    /// Adds a variable and returns its handle.
     [[nodiscard]] std::uint64_t add(Variant value);
-    /// The same for AddressSpace::add_variable; its `handle` is what set() wants. The source must
-    /// have been added to a server.
+    /// Adds a variable for AddressSpace::add_variable; its `handle` is the argument of set(). The
+    /// source must have been added to a server.
     [[nodiscard]] model::BoundValue variable(Variant value);
     using DataSource::variable;
-    /// Gives a variable its value, with the time of day as source timestamp.
+    /// Sets a variable's value, with the time of day as source timestamp.
     void set(std::uint64_t handle, Variant value, StatusCode status = {});
-    /// The variable; valid until the next add().
+    /// Returns the variable; valid until the next add().
     [[nodiscard]] const DataValue& get(std::uint64_t handle) const
     {
         return values_[static_cast<std::size_t>(handle)];

@@ -14,9 +14,9 @@
 #include <busbar/core/variant.hpp>
 #include <busbar/server/access_control.hpp>
 
-/// How Methods reach the code that carries them out (Part 4, 5.12.2): a Method's node names a
-/// DataSource and a handle, as a Variable's does (model::NewMethod, AddressSpace::bind), and
-/// DataSource::call gets what one Call has for that source. `method_table.hpp` is a source made of
+/// Methods and the code that carries them out (Part 4, 5.12.2): a Method's node names a DataSource
+/// and a handle, as a Variable's does (model::NewMethod, AddressSpace::bind), and DataSource::call
+/// gets the calls that one Call service has for that source. `method_table.hpp` is a source made of
 /// functions.
 namespace busbar::server {
 
@@ -24,27 +24,27 @@ namespace detail {
 class CallPart;
 } // namespace detail
 
-/// Who calls.
+/// The caller of a Method.
 struct MethodCaller {
     NodeId session_id;
     UserIdentity user;
-    /// Of the channel.
+    /// The security mode of the channel.
     MessageSecurityMode security_mode{MessageSecurityMode::None};
     std::string address{};
     std::string audit_entry_id{};
-    DateTime action_time{}; // of the request's header
+    DateTime action_time{}; // from the request's header
 };
 
 /// One Method to carry out.
 struct CallItem {
-    /// What the backend called the Method when its node was created.
+    /// The backend's handle of the Method, set when its node was created.
     std::uint64_t handle{0};
-    /// What the client named: the Object or ObjectType, and its Method or that of its type. Never
+    /// The ids in the request: the Object or ObjectType, and its Method or that of its type. Never
     /// null.
     const NodeId* object_id{nullptr};
     const NodeId* method_id{nullptr};
     /// One for each of the Method's InputArguments, with its data type, value rank and dimensions:
-    /// only the range is left to check. Copies of them own their memory.
+    /// only ranges remain to be checked. Copies of them own their memory.
     std::span<const Variant> inputs;
 };
 
@@ -53,24 +53,25 @@ struct CallResult {
     CallResult() = default;
     explicit CallResult(StatusCode code) : status{code} {}
 
-    /// Of any severity; Good has no sub code on the wire (Part 4, 5.12.2.4).
+    /// Any severity; Good has no sub code on the wire (Part 4, 5.12.2.4).
     StatusCode status{status::Bad_InternalError};
     /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; otherwise not sent.
     Array<StatusCode> input_results;
-    /// Why it is bad, without secrets: additionalInfo for administrators, encrypted (Part 4, 7.12).
+    /// The reason of a bad status, without secrets: additionalInfo for administrators, encrypted
+    /// (Part 4, 7.12).
     std::string reason{};
-    /// Unless `status` is bad: the values of the Method's OutputArguments, in their order. Anything
-    /// else answers Bad_InternalError and is logged. They must own their memory.
+    /// The values of the Method's OutputArguments, in their order, unless `status` is bad. Others
+    /// than these answer Bad_InternalError and are logged. They must own their memory.
     Array<Variant> outputs;
 };
 
 /// The Methods that one Call service has for one source. They are answered together: a slow Method
-/// is better off in a source of its own.
+/// should have a source of its own.
 ///
 /// Like ReadBatch in ownership, completion and threads: items and caller are valid until the batch
 /// is completed or destroyed, once, on any thread, even when client, session and server are gone. A
-/// result that was never set answers Bad_InternalError. What was begun is not undone when the
-/// client gives up (Part 4, 5.12.2.1).
+/// result that was never set answers Bad_InternalError. A Method that has begun is not undone when
+/// the client gives up (Part 4, 5.12.2.1).
 class BUSBAR_API CallBatch {
 public:
     explicit CallBatch(detail::CallPart& part);
@@ -88,8 +89,8 @@ public:
     [[nodiscard]] std::span<CallResult> results() { return {results_, items_.size()}; }
     [[nodiscard]] const MethodCaller& caller() const { return *caller_; }
 
-    /// True once nobody waits for the results: timeoutHint (Part 4, 7.32), Cancel, end of the
-    /// session. What has not begun then should not. Any thread.
+    /// True once the results are not needed any more: timeoutHint (Part 4, 7.32), Cancel, end of
+    /// the session. A Method that has not begun then should not begin. Called from any thread.
     [[nodiscard]] bool is_abandoned() const;
     /// Hands the results to the server. The batch is empty afterwards; more calls do nothing.
     void complete();

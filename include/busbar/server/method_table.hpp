@@ -13,8 +13,8 @@
 namespace busbar::server {
 
 /// One call of a Method, which a function answers by one of succeed, fail and refuse, on any
-/// thread, at once or later. Destroyed without that, it answers Bad_InternalError.
-/// What the other members give is valid until then.
+/// thread, at once or later. Destroyed without that, it answers Bad_InternalError. Results of the
+/// other members are valid until then.
 class BUSBAR_API MethodCall {
 public:
     MethodCall(std::shared_ptr<CallBatch> batch, std::size_t index)
@@ -28,8 +28,8 @@ public:
     [[nodiscard]] const NodeId& object_id() const { return *item().object_id; }
     [[nodiscard]] const NodeId& method_id() const { return *item().method_id; }
     [[nodiscard]] std::span<const Variant> inputs() const { return item().inputs; }
-    /// Input `index` if it is a scalar of T, else `otherwise`. Only a Method that accepts more than
-    /// one type finds another one there.
+    /// Returns input `index` if it is a scalar of T, else `otherwise`. Only a Method that accepts
+    /// more than one type can find another one there.
     template <BuiltIn T>
     [[nodiscard]] T input(std::size_t index, T otherwise = {}) const
     {
@@ -43,7 +43,7 @@ public:
     // Each of these ends the call; a second one does nothing. `reason` is CallResult::reason.
     void succeed(Array<Variant> outputs = {});
     void fail(StatusCode status, std::string reason = {});
-    /// Bad_InvalidArgument with one status for each input.
+    /// Answers Bad_InvalidArgument with one status for each input.
     void refuse(Array<StatusCode> input_results, std::string reason = {});
 
 private:
@@ -62,7 +62,7 @@ private:
 ///         call.succeed();
 ///     });
 ///
-/// Used on the server's thread only; that of calls is their own business.
+/// Used on the server's thread only; the functions may answer on any thread.
 class BUSBAR_API MethodTable final : public DataSource {
 public:
     /// Must not block: slow work keeps the call and answers later. An exception answers
@@ -71,7 +71,7 @@ public:
 
     explicit MethodTable(const DataSourceOptions& options = {}) : options_{options} {}
 
-    /// Gives the handle that the Method's node must have.
+    /// Returns the handle that the Method's node must have.
     [[nodiscard]] std::uint64_t add(Function function);
 
     [[nodiscard]] DataSourceOptions options() const override { return options_; }
