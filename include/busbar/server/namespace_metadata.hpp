@@ -18,8 +18,8 @@ struct NodeSetModel;
 
 namespace busbar::server {
 
-/// What Server.Namespaces says of a namespace beyond its URI (Part 5, 6.3.13,
-/// NamespaceMetadataType). The default says nothing.
+/// The properties of a namespace in Server.Namespaces beyond its URI (Part 5, 6.3.13,
+/// NamespaceMetadataType). The default is empty.
 struct NamespaceMetadata {
     std::string version;
     DateTime publication_date;
@@ -32,17 +32,17 @@ struct NamespaceMetadata {
     std::vector<std::string> static_numeric_ranges;
     /// and those with identifiers that match this pattern of the operator Like (Part 4, 7.7.3).
     std::string static_string_pattern;
-    /// Set: AddressSpace::set_namespace_permissions and set_namespace_restrictions with them; else
-    /// those stay as they are.
+    /// If set, AddressSpace::set_namespace_permissions and set_namespace_restrictions are called
+    /// with them; else those stay as they are.
     std::optional<Array<RolePermissionType>> default_role_permissions{};
     std::optional<std::uint16_t> default_access_restrictions{};
 };
 
 class Server;
 
-/// Has Server.Namespaces say the version and publication date of models from NodeSet2 files, as
-/// model::load_nodesets returns them in NodeSetExtras::models. A model whose URI is no namespace of
-/// the server, or a small namespace 0 without NamespaceMetadataType: nothing is said.
+/// Sets the version and publication date in Server.Namespaces for models from NodeSet2 files, as
+/// model::load_nodesets returns them in NodeSetExtras::models. Ignores a model whose URI is not a
+/// namespace of the server, and does nothing in a small namespace 0 without NamespaceMetadataType.
 BUSBAR_API void describe_models(Server& server, std::span<const model::NodeSetModel> models);
 
 } // namespace busbar::server

@@ -16,12 +16,12 @@ inline constexpr std::string_view letters_and_digits =
 inline constexpr std::string_view letters_digits_and_underscore =
     "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
 
-/// What names and passwords of users must look like, and how passwords are stored. Counts when a
-/// user is added or a password changed, never at a login: whoever logs in must not learn the rules,
-/// and passwords from before a change of the rules stay valid.
+/// The rules for names and passwords of users, and the cost of password hashes. They apply when a
+/// user is added or a password changed, never at a login: a login must not disclose the rules, and
+/// passwords from before a change of the rules stay valid.
 ///
-/// The default asks for length, not for kinds of characters, and is bounded by what every client
-/// can send: 64 bytes in the legacy format (Part 4, 7.40.2.1).
+/// The default requires length, not kinds of characters, and is limited by what every client can
+/// send: 64 bytes in the legacy format (Part 4, 7.40.2.1).
 struct PasswordRules {
     // Minimum lengths are in characters, maximum lengths in bytes of UTF-8; both are inclusive.
 
@@ -29,15 +29,15 @@ struct PasswordRules {
     std::size_t max_name_length{64};
     std::size_t min_password_length{12};
     std::size_t max_password_length{64};
-    /// The only characters that are allowed; empty: all but control characters.
+    /// The only allowed characters; if empty, all except control characters.
     std::string name_characters{};
     std::string password_characters{};
     /// A password needs an upper-case letter, a lower-case letter and a digit.
     bool needs_letters_and_digit{false};
-    /// Names that nobody can have, in any case.
+    /// Names that no user can have, in any case.
     std::vector<std::string> reserved_names{};
     std::size_t max_users{1'000};
-    /// Of the hashes that are made; those that there are keep theirs.
+    /// The cost of new hashes; existing ones keep theirs.
     crypto::PasswordCost cost{};
 };
 
@@ -45,14 +45,15 @@ struct PasswordRules {
 /// same for nj501 and nx102.
 [[nodiscard]] BUSBAR_API PasswordRules nj501_password_rules();
 /// Passwords of 6 to 32 letters, digits and underscores with an upper-case letter, a lower-case
-/// letter and a digit; names of the same characters. No length of names is documented for it; here
-/// it is 32. The password that the product is delivered with would be refused.
+/// letter and a digit; names of the same characters. The manual gives no length of names; here it
+/// is 32. The product's initial password would be refused.
 [[nodiscard]] BUSBAR_API PasswordRules rd81opc96_password_rules();
 
-/// Bad_InvalidArgument with the reason; `found` never holds the password or a part of it.
+/// Returns Bad_InvalidArgument with the reason; `found` never contains the password or a part of
+/// it.
 [[nodiscard]] BUSBAR_API Checked<void> check_user_name(const PasswordRules& rules,
                                                        std::string_view name);
-/// The same; a password that equals the name is refused, too.
+/// Checks likewise; a password that equals the name is refused, too.
 [[nodiscard]] BUSBAR_API Checked<void>
 check_password(const PasswordRules& rules, std::string_view name, std::string_view password);
 

@@ -17,8 +17,8 @@
 namespace busbar::server {
 
 /// Users in memory, with hashes of their passwords (crypto::hash_password). A login costs one hash,
-/// by default some tens of milliseconds and 16.8 MB (PasswordRules::cost); a name that is not there
-/// costs what one of the users does. See set_worker. Any thread.
+/// by default some tens of milliseconds and 16.8 MB (PasswordRules::cost); an unknown name costs
+/// the same as one of the users. See set_worker. Called from any thread.
 class BUSBAR_API PasswordUsers final : public UserStore {
     struct User {
         std::string password_hash;
@@ -28,10 +28,10 @@ class BUSBAR_API PasswordUsers final : public UserStore {
     using Users = std::map<std::string, User, std::less<>>;
 
 public:
-    /// Users to set and to remove together.
+    /// Users to be set and removed together.
     class BUSBAR_API Change {
     public:
-        /// As PasswordUsers::set.
+        /// Sets as PasswordUsers::set does.
         [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                        UserRights rights = {});
         void remove(std::string name) { gone_.push_back(std::move(name)); }
@@ -48,32 +48,32 @@ public:
     explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
 
     /// Adds a user with a password. Bad_InvalidArgument if name or password break the rules,
-    /// Bad_EntryExists if the name is there, Bad_TooManyOperations at PasswordRules::max_users.
+    /// Bad_EntryExists if the name exists, Bad_TooManyOperations at PasswordRules::max_users.
     [[nodiscard]] Checked<void> add(std::string_view name, std::string_view password,
                                     crypto::Random& random, UserRights rights = {});
-    /// Bad_UserAccessDenied if `old_password` is wrong or the user is not there,
+    /// Returns Bad_UserAccessDenied if `old_password` is wrong or the user does not exist,
     /// Bad_InvalidArgument if the new one breaks the rules.
     [[nodiscard]] Checked<void> change_password(std::string_view name,
                                                 std::string_view old_password,
                                                 std::string_view new_password,
                                                 crypto::Random& random);
-    /// False if the user is not there.
+    /// Returns false if the user does not exist.
     bool remove(std::string_view name);
 
-    /// Adds or replaces a user as a file has it, without checking the rules. Bad_InvalidArgument
-    /// for an empty name or for a text that is no hash.
+    /// Adds or replaces a user as stored in a file, without checking the rules. Bad_InvalidArgument
+    /// for an empty name or for a text that is not a hash.
     [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                    UserRights rights = {});
-    /// The same of a user whose password is a random code of at least 80 bits, see has_code().
+    /// Sets a user whose password is a random code of at least 80 bits, see has_code().
     [[nodiscard]] Result<void> set_code(std::string name, std::string code_hash,
                                         UserRights rights = {});
-    /// Does all of it, and needs no memory for that: what was stored before is then in force.
+    /// Applies all changes without needing memory; previously stored users are then in force.
     void apply(Change change) noexcept;
-    /// What to store of the user; empty if there is no such user.
+    /// Returns the hash to store for the user; empty if the user does not exist.
     [[nodiscard]] std::string password_hash(std::string_view name) const;
     void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
-    /// Where passwords are checked; null for the server's thread. The worker must have finished
-    /// before this object is destroyed.
+    /// Sets the worker that checks passwords; null for the server's thread. The worker must have
+    /// finished before this object is destroyed.
     void set_worker(Worker* worker) { worker_ = worker; }
 
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
@@ -84,7 +84,7 @@ public:
 
 private:
     PasswordRules rules_;
-    mutable std::mutex mutex_; // of users_
+    mutable std::mutex mutex_; // protects users_
     Users users_;
     std::uint8_t anonymous_{anonymous_reader().access_level_mask};
     Worker* worker_{nullptr};

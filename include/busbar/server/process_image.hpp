@@ -31,18 +31,18 @@ struct ImageOptions {
     /// the next number together, and two more, so that the task always finds one to publish into.
     std::uint32_t max_pins{8};
     /// Scans that wait for the server while items are sampled at each of them; one more buffer for
-    /// each of them, and one besides.
+    /// each of them, and one extra.
     std::uint32_t max_queued_scans{4};
-    /// Write calls that may wait for the scan's edge, of all clients together, and the bytes that
-    /// they may take: as many as arrive during a slow scan. More answer Bad_TooManyOperations.
+    /// Write calls that may wait for the scan's edge, of all clients together, and their bytes: as
+    /// many as arrive during a slow scan. More answer Bad_TooManyOperations.
     std::uint32_t max_waiting_writes{1'024};
     std::size_t max_waiting_bytes{64U << 20U};
-    /// What the task applies at one scan's edge: single variables, array rows or texts, and their
-    /// bytes. One call with more answers Bad_TooManyOperations; if several calls together have
-    /// more, they are applied at several edges, each call at one.
+    /// The changes that the task applies at one scan's edge: single variables, array rows or texts,
+    /// and their bytes. One call with more answers Bad_TooManyOperations; several calls that exceed
+    /// it together are applied at several edges, each call at one.
     std::uint32_t max_changes_per_scan{32'768};
     std::uint32_t max_bytes_per_scan{1U << 20U};
-    /// How often variables may be added while the task runs.
+    /// The number of times that variables may be added while the task runs.
     std::uint32_t max_additions{64};
 
     friend bool operator==(const ImageOptions&, const ImageOptions&) = default;
@@ -50,16 +50,16 @@ struct ImageOptions {
 
 /// Variables that were added to an image.
 struct ImageAddition {
-    /// Theirs are this and the next ones.
+    /// Handle of the first added variable; the rest follow consecutively.
     std::uint32_t first_handle{0};
-    /// What the task works in; its handles are those of the layout, from 0. It lives as long as the
-    /// image.
+    /// The memory that the task works in; its handles are those of the layout, from 0. It lives as
+    /// long as the image.
     ImageMemory* memory{nullptr};
 };
 
 class ProcessImage;
 
-/// Bytes that a client wrote into a variable, as they lie in the image: from `offset` of the
+/// Bytes that a client wrote into a variable, in the form of the image: from `offset` of the
 /// variable's first byte on.
 struct ImageWrite {
     std::uint32_t handle{0};
@@ -67,8 +67,8 @@ struct ImageWrite {
     std::span<const std::byte> bytes;
 };
 
-/// Keeps what clients write, before they learn that it was written: see ImageSource::keep_writes.
-/// Called on the server's thread.
+/// Persists clients' writes before they are acknowledged: see ImageSource::keep_writes. Called on
+/// the server's thread.
 class BUSBAR_API ImageWriteLog {
 public:
     ImageWriteLog() = default;
@@ -76,17 +76,17 @@ public:
     ImageWriteLog& operator=(const ImageWriteLog&) = delete;
     virtual ~ImageWriteLog() = default;
 
-    /// Whether writes of the variable are kept.
+    /// Returns whether writes of the variable are persisted.
     [[nodiscard]] virtual bool keeps(const ProcessImage& image, std::uint32_t handle) const = 0;
-    /// What the task has applied of one Write call, and published, in this order; of such variables
-    /// only, and never nothing. Other than Good is what the client is told of these items, although
-    /// the image has them.
+    /// Persists the writes of one Write call that the task has applied and published, in this
+    /// order; only of such variables, and at least one. A status other than Good becomes the result
+    /// of these items, although the image has the values.
     [[nodiscard]] virtual StatusCode keep(const ProcessImage& image,
                                           std::span<const ImageWrite> writes) = 0;
 };
 
 /// Holds one published scan: everything read through it is from one point in time and does not
-/// change. Empty if there is none. Used by one thread at a time; keeps the image's memory alive.
+/// change. May be empty. Used by one thread at a time; keeps the image's memory alive.
 class BUSBAR_API ImagePin {
 public:
     ImagePin() = default;
@@ -106,32 +106,34 @@ public:
     ~ImagePin() { release(); }
 
     [[nodiscard]] explicit operator bool() const { return buffer_ != nullptr; }
-    /// The time of the scan, as the task gave it.
+    /// The time of the scan, as the task set it.
     [[nodiscard]] DateTime time() const;
     /// The number of the scan, counted from 1.
     [[nodiscard]] std::uint64_t scan() const;
-    /// Puts a variable's value into the slot, with the scan's time. True if the slot points into
-    /// the scan or the pin, so that the pin has to be kept as long as the slot is used. `handle`
-    /// must exist; Bad_WaitingForInitialData for one that was added after the scan. The pin keeps
-    /// what structures are on the wire, of each variable once.
+    /// Stores a variable's value in the slot, with the scan's time. True if the slot points into
+    /// the scan or the pin, so that the pin must be kept as long as the slot is used. `handle` must
+    /// exist; Bad_WaitingForInitialData for one that was added after the scan. The pin keeps the
+    /// encoding of structures, once for each variable.
     bool read(std::uint32_t handle, ReadSlot& slot) const;
-    /// No slot that was filled is used any more: what the pin keeps of structures may go.
+    /// Call it when no filled slot is used any more, to free the encodings of structures in the
+    /// pin.
     void recycle() const;
-    /// A copy of a variable's value.
+    /// Returns a copy of a variable's value.
     [[nodiscard]] Variant value(std::uint32_t handle) const;
-    /// A variable's bytes, as ImageMemory has them; null for one that was added after the scan.
+    /// Returns a variable's bytes, as in ImageMemory; null for one that was added after the scan.
     [[nodiscard]] const std::byte* bytes(std::uint32_t handle) const;
 
 private:
     friend class ProcessImage;
     friend class ImageSource;
-    /// A variable's place, and what the scan has of its layout; null if that is nothing.
+    /// A variable's place, and the part of the scan with its layout; null if the scan does not have
+    /// it.
     struct Found {
         const ImagePlace* place;
         const detail::ImageCopy* copy;
     };
     [[nodiscard]] Found find(std::uint32_t handle) const;
-    /// Has the place of a variable fetched that is read soon, and then what lies there.
+    /// Prefetches the place of a variable that is read soon, and then its value.
     void fetch_place(std::uint32_t handle) const;
     void fetch_value(std::uint32_t handle) const;
     ImagePin(std::shared_ptr<const ProcessImage> image, detail::ImageBuffer& buffer)
@@ -142,21 +144,21 @@ private:
 
     std::shared_ptr<const ProcessImage> image_;
     detail::ImageBuffer* buffer_{nullptr};
-    /// Made when it is needed.
+    /// Created on first use.
     mutable std::shared_ptr<detail::StructureValues> structures_;
 };
 
-/// The variables of a PLC task and how they get to a server and back: once per scan, as a whole.
+/// The variables of a PLC task and their way to a server and back: once per scan, as a whole.
 ///
 /// The task works in memory() and publishes a copy of it at the end of each scan. It never waits,
 /// locks, allocates or frees: whatever readers do, a scan's begin_scan() and publish() take a
 /// bounded number of steps, which grows with the image's size and with ImageOptions only.
 ///
-/// Variables may stay in memory of the runtime's own (ImageVariable::runtime): publish() gathers
-/// them from there, and begin_scan() puts there what clients wrote.
+/// Variables may stay in the runtime's own memory (ImageVariable::runtime): publish() gathers them
+/// from there, and begin_scan() stores there what clients wrote.
 ///
-/// Made by create() and shared by the task and by everyone who reads; whoever drops it last frees
-/// it, which should not be the task.
+/// Created by create() and shared by the task and all readers; the last owner frees it, which
+/// should not be the task.
 class BUSBAR_API ProcessImage : public std::enable_shared_from_this<ProcessImage> {
     struct Key {};
 
@@ -169,63 +171,64 @@ public:
     ProcessImage& operator=(const ProcessImage&) = delete;
     ~ProcessImage();
 
-    /// Of the variables that it was made with; those that were added have the next handles.
+    /// The layout of the initial variables; added ones have the next handles.
     [[nodiscard]] const ImageLayout& layout() const { return layout_; }
     [[nodiscard]] const ImageOptions& options() const { return options_; }
 
-    // For the task's thread.
+    // Called on the task's thread.
 
-    /// Says whether a variable may be written now: Good, or the item's result.
+    /// Returns whether a variable may be written now: Good, or the item's result.
     using WriteGuard = FunctionRef<StatusCode(std::uint32_t handle)>;
 
     [[nodiscard]] ImageMemory& memory() { return memory_; }
-    /// The scan's edge: applies what clients wrote, all items of a Write call together.
+    /// The scan's edge: applies clients' writes, all items of a Write call together.
     void begin_scan(WriteGuard guard);
     void begin_scan();
-    /// Makes the memory, as it is now, what readers see, with `time` as source timestamp. Then the
-    /// Write calls of this scan are answered, so that a client which reads after its Write sees it.
+    /// Publishes the present memory to readers, with `time` as source timestamp. Then the Write
+    /// calls of this scan are answered, so that a client which reads after its Write sees it.
     void publish(DateTime time);
     /// The task stops. Readers get the last scan with Uncertain_LastUsableValue (Part 8, 7.3.2);
     /// Writes, including those that wait, answer Bad_NoCommunication. The next publish() ends this
     /// state.
     void halt();
 
-    // From a thread of the user's that is not the task's, one at a time.
+    // Called on a thread of the user other than the task's, one at a time.
 
-    /// Puts the initial values of variables into the memory they will have. What stays in a
-    /// runtime's memory is best left to the runtime, which may be using it.
+    /// Stores the initial values of variables in their future memory. Variables in a runtime's
+    /// memory are best left to the runtime, which may be using it.
     using FillMemory = FunctionRef<StatusCode(ImageMemory& memory)>;
 
-    /// Adds variables while the task runs (seed 000, 6-2-2: online edit). They are made and filled
-    /// here; the task takes them in at its next publish(), without waiting or allocating, and each
-    /// scan has all of them or none. References into other variables stay valid, and what was added
-    /// is never taken away. Until then Reads answer Bad_WaitingForInitialData.
+    /// Adds variables while the task runs (manual of variables mode, 6-2-2: online edit). They are
+    /// created and filled here; the task adopts them at its next publish(), without waiting or
+    /// allocating, and each scan has all of them or none. References to other variables stay valid,
+    /// and added ones are never removed. Until then Reads answer Bad_WaitingForInitialData.
     ///
     /// Bad_TooManyOperations after max_additions, Bad_OutOfMemory if the image would be larger than
     /// an ImageLayout may be, Bad_OutOfRange for a variable of more bytes than max_bytes_per_scan,
-    /// and what `fill` gives; nothing was added then.
+    /// and the status of `fill`; nothing was added then.
     [[nodiscard]] Result<ImageAddition> add_variables(ImageLayout layout, FillMemory fill);
 
-    // From any thread.
+    // Called from any thread.
 
-    /// How many variables there are; their handles are smaller.
+    /// The number of variables, and upper bound of their handles.
     [[nodiscard]] std::uint32_t size() const;
-    /// Where a variable lies; `handle` must exist. Lives as long as the image.
+    /// Returns the place of a variable; `handle` must exist. Lives as long as the image.
     [[nodiscard]] const ImagePlace& place(std::uint32_t handle) const;
     /// True from the first publish() until halt().
     [[nodiscard]] bool is_running() const { return running_.load(std::memory_order_acquire); }
-    /// The latest scan; empty if there is none yet, or if as many pins are held as are allowed.
-    /// Takes a constant number of steps.
+    /// Returns the latest scan; empty if there is none yet, or if the maximum number of pins is
+    /// held. Takes a constant number of steps.
     [[nodiscard]] ImagePin pin() const;
     /// True from the first publish() on.
     [[nodiscard]] bool has_scan() const;
 
-    // For the server's thread.
+    // Called on the server's thread.
 
     /// Sets whether each scan is kept until next_scan() takes it, and the server woken for it. A
-    /// scan that finds max_queued_scans waiting is not kept.
+    /// scan is not kept while max_queued_scans are waiting.
     void follow_scans(bool follows);
-    /// The oldest scan that was kept; empty if there is none. Destroy it before the next call.
+    /// Returns the oldest scan that was kept; empty if there is none. Destroy it before the next
+    /// call.
     [[nodiscard]] ImagePin next_scan();
 
 private:
@@ -245,18 +248,18 @@ private:
 /// Serves a process image to a server; the handles are the layout's.
 ///
 /// Every Read call's values come from one scan. A Write call's items are checked here and applied
-/// together at a scan's edge; an array must have all its elements, and what is read-only answers
+/// together at a scan's edge; an array must have all its elements, and a read-only variable answers
 /// Bad_NotWritable. Without any scan reads and writes answer Bad_NoCommunication, with too many
 /// pins or waiting writes Bad_TooManyOperations.
 ///
-/// Lives on the server's thread. An image must not have two sources at the same time.
+/// Used on the server's thread. An image must not have two sources at the same time.
 class BUSBAR_API ImageSource final : public DataSource {
 public:
     explicit ImageSource(std::shared_ptr<ProcessImage> image);
     ~ImageSource() override;
 
-    /// Every Write from here on is answered after `log` has kept it; null: none is. It must outlive
-    /// the source.
+    /// Answers every Write from here on only after `log` has persisted it; if null, none is
+    /// persisted. It must outlive the source.
     void keep_writes(ImageWriteLog* log) { log_ = log; }
 
     [[nodiscard]] DataSourceOptions options() const override;

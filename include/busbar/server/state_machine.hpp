@@ -12,8 +12,8 @@
 #include <busbar/server/event.hpp>
 #include <busbar/server/memory_source.hpp>
 
-/// State machines of FiniteStateMachineType (Part 16, 4.4.5), whose states and transitions the type
-/// has: an application says which state it is in, and Variables and events follow.
+/// State machines of FiniteStateMachineType (Part 16, 4.4.5), with the states and transitions of
+/// their type: an application sets the state, and Variables and events follow.
 namespace busbar::server {
 
 /// A StateType Object of the type.
@@ -21,9 +21,9 @@ struct MachineState {
     NodeId id;
     QualifiedName browse_name;
     LocalizedText display_name;
-    /// StateNumber.
+    /// The StateNumber.
     std::uint32_t number{0};
-    /// Of InitialStateType.
+    /// True for a state of InitialStateType.
     bool is_initial{false};
     /// False after set_available_states without it.
     bool is_available{true};
@@ -34,7 +34,7 @@ struct MachineTransition {
     NodeId id;
     QualifiedName browse_name;
     LocalizedText display_name;
-    /// TransitionNumber, 0 if it has none.
+    /// The TransitionNumber, 0 if it has none.
     std::uint32_t number{0};
     /// Indices into StateMachine::states().
     std::size_t from{0};
@@ -44,21 +44,21 @@ struct MachineTransition {
     std::vector<NodeId> effects;
 };
 
-/// What a StateMachine works with; all of it must outlive the machine.
+/// The objects that a StateMachine works with; all of them must outlive the machine.
 struct StateMachineContext {
     model::AddressSpace* space{nullptr};
     /// Serves the machine's Variables, so that they have a status and the time of their change.
     MemorySource* memory{nullptr};
-    /// What Server::add_source gave for `memory`.
+    /// The index that Server::add_source returned for `memory`.
     std::uint32_t source{model::no_source};
-    /// Null: no events.
+    /// If null, no events are raised.
     EventQueue* events{nullptr};
     /// TransitionEventType or a subtype, for transitions whose type does not name an effect, as in
-    /// PackML (Part 16, 4.4.2); null: no event for these.
+    /// PackML (Part 16, 4.4.2); if null, these raise no event.
     NodeId default_event_type;
 };
 
-/// One Object of a subtype of FiniteStateMachineType, made by model::instantiate.
+/// One Object of a subtype of FiniteStateMachineType, created by model::instantiate.
 ///
 /// A machine begins inactive: CurrentState and LastTransition have Bad_StateNotActive (Part 16,
 /// 4.4.20). If it has sub-machines, those of the current state are active (4.4.16): they begin in
@@ -67,10 +67,10 @@ struct StateMachineContext {
 /// Used on the server's thread only. A call that fails changes nothing.
 class BUSBAR_API StateMachine {
 public:
-    /// Reads states and transitions from the Object's type and takes its Variables over:
-    /// CurrentState, LastTransition, AvailableStates and AvailableTransitions, with their
-    /// Properties as far as the instance has them. Finds the sub-machines, which are components of
-    /// the Object. Bad_TypeDefinitionInvalid if `object` is no such Object or its type has no state
+    /// Reads states and transitions from the Object's type and serves its Variables from now on:
+    /// CurrentState, LastTransition, AvailableStates and AvailableTransitions, with those of their
+    /// Properties that the instance has. Finds the sub-machines, which are components of the
+    /// Object. Bad_TypeDefinitionInvalid if `object` is not such an Object or its type has no state
     /// or a transition without FromState or ToState; Bad_TooManyOperations if machines are nested
     /// more than 8 deep.
     [[nodiscard]] static Result<std::unique_ptr<StateMachine>>
@@ -91,26 +91,27 @@ public:
     /// the type has no initial state, Bad_StateNotActive for a sub-machine of another state than
     /// the current one.
     Result<void> activate();
-    /// Makes the machine inactive, and its sub-machines.
+    /// Makes the machine and its sub-machines inactive.
     void deactivate();
 
-    /// Goes to the state with that BrowseName by the transition that leads there, and raises the
-    /// events of its effects. The same state again needs a transition too. A machine that is not
-    /// active becomes so without transition. Bad_NotFound if there is no such state,
+    /// Goes to the state with this BrowseName by the transition that leads there, and raises the
+    /// events of its effects. Going to the same state again needs a transition too. An inactive
+    /// machine becomes active without a transition. Bad_NotFound if there is no such state,
     /// Bad_InvalidState if it is not available or no transition leads there from the current one,
     /// Bad_StateNotActive as for activate.
     Result<void> set_state(std::string_view state, DateTime time);
-    /// The same by the BrowseName of the transition, where several lead to one state.
+    /// Takes the transition with this BrowseName, if several lead to one state.
     Result<void> take(std::string_view transition, DateTime time);
-    /// The same by a Method that is the cause of a transition from the current state.
+    /// Takes the transition from the current state whose cause is this Method.
     Result<void> call(const NodeId& method, DateTime time);
 
-    /// The states that this instance uses, by BrowseName; the transitions between them are the
+    /// Sets the states that this instance uses, by BrowseName; the transitions between them are the
     /// available ones. Bad_NotFound for an unknown state, Bad_InvalidState if the current one is
     /// not among them.
     Result<void> set_available_states(std::span<const std::string_view> states);
 
-    /// The sub-machine with that BrowseName, null if there is none. Valid as long as the machine.
+    /// Returns the sub-machine with this BrowseName, null if there is none. Valid as long as the
+    /// machine.
     [[nodiscard]] StateMachine* sub_machine(std::string_view name);
 
 private:

@@ -12,11 +12,11 @@
 
 namespace busbar::server {
 
-/// A structure in a task's memory: how the task works with single members. Never allocates.
+/// A view of a structure in a task's memory, for access to single members. Never allocates.
 ///
-/// Two pointers, to be copied as such; valid, with the references that it gives, as long as the
-/// ImageMemory that it is from. Members are named by their index in ImageStructure::members(), and
-/// must be of the type that is asked for.
+/// Two pointers, to be copied as such; valid, with the references that it returns, as long as its
+/// ImageMemory. Members are named by their index in ImageStructure::members(), and must be of the
+/// requested type.
 class BUSBAR_API StructureView {
 public:
     StructureView(const ImageStructure& structure, std::byte* bytes)
@@ -25,28 +25,28 @@ public:
     }
 
     [[nodiscard]] const ImageStructure& structure() const { return *structure_; }
-    /// All of it, as ImageStructure says.
+    /// All its bytes, as ImageStructure describes.
     [[nodiscard]] std::span<std::byte> bytes() const { return {bytes_, structure_->size()}; }
 
-    /// A scalar, or the first element.
+    /// Returns a scalar, or the first element.
     template <ImageNumber T>
     [[nodiscard]] T& value(std::size_t member) const
     {
         return *pointer<T>(member);
     }
-    /// All elements in row-major order; one if it is a scalar.
+    /// Returns all elements in row-major order; one for a scalar.
     template <ImageNumber T>
     [[nodiscard]] std::span<T> values(std::size_t member) const
     {
         return {pointer<T>(member), structure_->members()[member].elements};
     }
-    /// A text; none if it is null.
+    /// Returns a text; nothing if it is null.
     [[nodiscard]] std::optional<std::string_view> text(std::size_t member,
                                                        std::uint32_t element = 0) const;
-    /// False, with nothing changed, if the text is longer than the member's capacity.
+    /// Returns false, with nothing changed, if the text is longer than the member's capacity.
     bool set_text(std::size_t member, std::optional<std::string_view> text,
                   std::uint32_t element = 0) const;
-    /// A structure within this one.
+    /// Returns a structure within this one.
     [[nodiscard]] StructureView inner(std::size_t member, std::uint32_t element = 0) const
     {
         return {*structure_->members()[member].structure, address(member, element)};

@@ -11,25 +11,25 @@
 
 namespace busbar::server {
 
-/// How the sampling interval that a client requests becomes the revised one (Part 4, 7.21).
+/// Derives the revised sampling interval from the requested one (Part 4, 7.21).
 struct BUSBAR_API SamplingPolicy {
     /// The range of intervals. 0 requests the shortest; a negative value or NaN requests the
     /// Subscription's publishing interval.
     std::chrono::milliseconds min_interval{10};
     std::chrono::milliseconds max_interval{3'600'000};
-    /// Not empty: only these intervals exist, in ascending order; the nearest one is taken, or the
-    /// shorter of two that are equally near.
+    /// If not empty, only these intervals exist, in ascending order; the nearest one is taken, or
+    /// the shorter of two that are equally near.
     std::vector<std::chrono::milliseconds> intervals;
-    /// An item that requests 0 and whose source is a process image has each scan looked at; its
+    /// An item that requests 0 and whose source is a process image is sampled at each scan; its
     /// revised interval is then 0, as for sources that report by exception.
     bool samples_each_scan{true};
-    /// Set: a Good value that was sampled this many percent later than the revised interval says
-    /// has Good_Overload.
+    /// If set, a Good value that was sampled this many percent later than the revised interval gets
+    /// Good_Overload.
     std::optional<double> overload_percent;
 
-    /// The revised interval; zero only if `can_follow_scans` and the scans are to be followed. Else
-    /// it is never shorter than the Variable's MinimumSamplingInterval, of which 0 (continuous) and
-    /// -1 (indeterminate) set no limit (Part 3, 5.6.2; Part 4, 5.13.1.2).
+    /// Returns the revised interval; zero only if `can_follow_scans` and the scans are to be
+    /// followed. Otherwise it is never shorter than the Variable's MinimumSamplingInterval, of
+    /// which 0 (continuous) and -1 (indeterminate) set no limit (Part 3, 5.6.2; Part 4, 5.13.1.2).
     [[nodiscard]] Duration revise(double requested_milliseconds, Duration publishing_interval,
                                   bool can_follow_scans,
                                   double minimum_sampling_interval = 0) const;
@@ -38,20 +38,20 @@ struct BUSBAR_API SamplingPolicy {
 /// 200 to 900 ms by 100, 1 to 9 s by one second, 10 to 60 s by ten, with Good_Overload past 5 %.
 [[nodiscard]] BUSBAR_API SamplingPolicy stepped_sampling();
 
-/// Limits of what Subscriptions and MonitoredItems may make a server hold and do. All are finite.
+/// Limits of the resources of Subscriptions and MonitoredItems. All are finite.
 struct SubscriptionLimits {
-    // Past these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions,
-    // unless a Subscription whose client has gone gives way. That is the one which is longest
-    // without a session, then without a channel, of the user who has most; nobody takes the place
-    // of a user who has less than himself.
+    // Beyond these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions,
+    // unless a Subscription whose client has gone gives way: the one that has been without a
+    // session for longest, then without a channel, of the user who has most; a user never displaces
+    // one who has less.
 
     std::size_t max_subscriptions_per_session{100};
-    /// Of all sessions of a user and what ended ones left. Anonymous users of an IPv4 address or
-    /// of the /64 of an IPv6 address count as one.
+    /// Subscriptions of all sessions of a user, and those that ended sessions left. Anonymous users
+    /// of an IPv4 address or of the /64 of an IPv6 address count as one.
     std::size_t max_subscriptions_per_user{500};
     std::size_t max_subscriptions{1'000};
 
-    // Past these an item answers Bad_TooManyMonitoredItems, unless a Subscription gives way as
+    // Beyond these an item answers Bad_TooManyMonitoredItems, unless a Subscription gives way as
     // above.
 
     std::size_t max_items_per_subscription{100'000};
@@ -61,14 +61,14 @@ struct SubscriptionLimits {
     /// SetTriggering answers Bad_TooManyOperations for one more.
     std::size_t max_triggering_links{256};
 
-    // What requests are revised to (Part 4, 5.14.2.2 and 7.21).
+    // The ranges of revised values (Part 4, 5.14.2.2 and 7.21).
 
     std::chrono::milliseconds min_publishing_interval{10};
     std::chrono::milliseconds max_publishing_interval{3'600'000};
-    /// Limits of the time without a message after which a keep-alive is sent.
+    /// Range of the time without a message after which a keep-alive is sent.
     std::chrono::milliseconds min_keep_alive{0};
     std::chrono::milliseconds max_keep_alive{3'600'000};
-    /// Limits of the time that a Subscription lives without its client. At least three keep-alives.
+    /// Range of the time that a Subscription lives without its client. At least three keep-alives.
     std::chrono::milliseconds min_lifetime{0};
     std::chrono::milliseconds max_lifetime{3 * 3'600'000};
     std::uint32_t max_notifications_per_publish{100'000};
@@ -81,10 +81,10 @@ struct SubscriptionLimits {
     /// Beyond it the oldest Publish request of the session answers Bad_TooManyPublishRequests.
     std::size_t max_publish_requests{20};
     std::size_t max_acknowledgements{10'000};
-    /// Messages that one Subscription keeps for Republish. Part 4, 5.14.1.1 wants at least twice
+    /// Messages that one Subscription keeps for Republish. Part 4, 5.14.1.1 requires at least twice
     /// as many as there may be Publish requests.
     std::size_t max_retransmission_messages{100};
-    /// Bytes of one NotificationMessage; more Notifications go into the next.
+    /// Bytes of one NotificationMessage; further Notifications go into the next one.
     std::size_t max_message_size{4U << 20U};
     /// StatusChangeNotifications that wait for a Publish request of their session.
     std::size_t max_status_changes{100};

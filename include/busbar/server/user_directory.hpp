@@ -12,28 +12,29 @@
 
 namespace busbar::server {
 
-/// Users of all kinds: with passwords, with certificates and with issued tokens. On the server's
-/// thread, except for passwords().
+/// Users of all kinds: with passwords, with certificates and with issued tokens. Used on the
+/// server's thread, except for passwords().
 class BUSBAR_API UserDirectory final : public UserStore {
 public:
     explicit UserDirectory(PasswordRules rules = {}) : passwords_{std::move(rules)} {}
 
-    /// Users with names and passwords, and what anonymous users may do.
+    /// Users with names and passwords, and the rights of anonymous users.
     [[nodiscard]] PasswordUsers& passwords() { return passwords_; }
 
     /// Accepts user certificates that `validator` trusts. It must outlive this object and should
     /// have a trust list of its own: a trusted application is not a user.
     void accept_certificates(crypto::CertificateValidator& validator) { validator_ = &validator; }
-    /// The rights of the user with the certificate of this thumbprint (upper-case hexadecimal).
+    /// Sets the rights of the user with the certificate of this thumbprint (upper-case
+    /// hexadecimal).
     void set_certificate_rights(std::string thumbprint, UserRights rights);
-    /// The rights of any other user with a trusted certificate; nothing: none of them is let in.
+    /// Sets the rights of any other user with a trusted certificate; if nothing, these are refused.
     void set_other_certificate_rights(std::optional<UserRights> rights);
 
-    /// Accepts issued tokens that these rules verify. The user has those of the token's
-    /// roles that set_role_access() names (others count by rules, see UserIdentity), and the
-    /// access of all of them together; read access if none of them is known.
+    /// Accepts issued tokens that these rules verify. The user has those of the token's roles that
+    /// set_role_access() names (others apply by rules, see UserIdentity), and the access of all of
+    /// them together; read access if none of them is known.
     void accept_tokens(crypto::JwtRules rules) { token_rules_ = std::move(rules); }
-    /// The access of a role, by the name that tokens have for it.
+    /// Sets the access of a role, by its name in tokens.
     void set_role_access(std::string role, std::uint8_t access_level_mask);
 
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,

@@ -6,7 +6,7 @@
 
 namespace busbar::server {
 
-/// Does slow work away from the server's thread.
+/// Does slow work outside the server's thread.
 class BUSBAR_API Worker {
 public:
     Worker() = default;
