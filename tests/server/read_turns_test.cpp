@@ -67,6 +67,37 @@ TEST_CASE_METHOD(AttributeFixture, "D2: a Read sees that what it looked up is go
     CHECK(job.is_outdated(space));
 }
 
+TEST_CASE_METHOD(AttributeFixture, "a Write refuses a node of a source that is newer than it")
+{
+    const NodeId level = add("Level", id::Int32, 5);
+    WriteRequest request;
+    request.nodes_to_write.resize(3);
+    for (WriteValue& value : request.nodes_to_write) {
+        value.node_id = level;
+        value.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        value.value = DataValue{Variant{std::int32_t{7}}};
+    }
+    server::detail::WriteJob job{sources, request};
+    const server::detail::WriteContext context{
+        space, sources, {space, user, control}, definitions, server_time};
+    server::detail::Turn first{1};
+    REQUIRE_FALSE(job.plan(context, first));
+    for (int i = 0; i < 40; ++i) { // beyond what a vector has in hand
+        auto& source = make_source<test::KeepingSource>();
+        source.options_.all_or_nothing = true;
+        model::NewVariable variable;
+        variable.source = sources.add(source);
+        variable.data_type = NodeId{0, id::Int32};
+        variable.access_level = model::Access::Read;
+        request.nodes_to_write[2].node_id = add(("Late" + std::to_string(i)).c_str(), variable);
+    }
+    server::detail::Turn second{};
+    REQUIRE(job.plan(context, second));
+    REQUIRE(job.start(owner, TimePoint{}));
+    CHECK(job.result(0) == status::Good);
+    CHECK(job.result(2) == status::Bad_NotWritable);
+}
+
 TEST_CASE_METHOD(AttributeFixture, "D2: of a value that a range cuts all counts in a turn")
 {
     model::NewVariable variable;

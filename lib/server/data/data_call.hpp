@@ -95,16 +95,14 @@ public:
     /// Operation `index` is the business of a source, whose index find() knows.
     void ask(std::size_t index, std::uint32_t source, const Item& item)
     {
-        if (source >= groups_.size()) { // it was added since
-            groups_.resize(std::size_t{source} + 1);
-        }
-        if (groups_[source].size != block_->items.size()) {
+        Group& group = group_of(source);
+        if (group.size != block_->items.size()) {
             note_source(source);
         }
         place_[index] = static_cast<std::uint32_t>(block_->items.size());
         block_->items.push_back(item);
         last_source_ = source;
-        ++groups_[source].size;
+        ++group.size;
     }
     /// Operation `index` is answered here.
     [[nodiscard]] Answer& answer(std::size_t index)
@@ -114,7 +112,7 @@ public:
         return block_->answers[place];
     }
     /// Whatever was and will be asked of `source` is not sent and answers `status`.
-    void refuse(std::uint32_t source, StatusCode status) { groups_[source].refusal = status; }
+    void refuse(std::uint32_t source, StatusCode status) { group_of(source).refusal = status; }
 
     /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
     /// else `owner` is told later, once.
@@ -223,6 +221,14 @@ private:
         TimePoint deadline{no_deadline};
     };
 
+    /// Of a source that may have been added since the request began. Valid until the next call.
+    [[nodiscard]] Group& group_of(std::uint32_t source)
+    {
+        if (source >= groups_.size()) {
+            groups_.resize(std::size_t{source} + 1);
+        }
+        return groups_[source];
+    }
     /// Records the source of the next item, and at first those of the others.
     void note_source(std::uint32_t source)
     {
