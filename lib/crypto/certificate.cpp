@@ -156,21 +156,29 @@ std::string Certificate::subject() const
     return detail::text_of(X509_get_subject_name(x509_.get()));
 }
 
-std::string Certificate::application_uri() const
+std::vector<std::string> Certificate::uris() const
 {
+    std::vector<std::string> result;
     const auto names = alternative_names(x509_.get());
-    std::string uri;
     for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
         const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
-        if (name->type != GEN_URI) {
-            continue;
+        if (name->type == GEN_URI) {
+            result.push_back(text_of(name->d.uniformResourceIdentifier));
         }
-        if (!uri.empty()) {
-            return {};
-        }
-        uri = text_of(name->d.uniformResourceIdentifier);
     }
-    return uri;
+    return result;
+}
+
+std::string Certificate::application_uri() const
+{
+    const auto all = uris();
+    return all.empty() ? std::string{} : all.front();
+}
+
+bool Certificate::is_of_application(std::string_view uri) const
+{
+    const auto all = uris();
+    return !uri.empty() && std::find(all.begin(), all.end(), uri) != all.end();
 }
 
 std::vector<std::string> Certificate::host_names() const

@@ -166,22 +166,23 @@ std::optional<Finding> check_host_name(const Validation& validation, std::size_t
                    "Connect by one of its names, or give the server a certificate with this one"};
 }
 
-/// Part 6, 6.2.2: one URI, compared whole and exactly.
+/// Part 6, 6.2.2: one of its URIs, compared whole and exactly.
 std::optional<Finding> check_uri(const Validation& validation, std::size_t)
 {
     const std::string_view wanted = validation.context.application_uri;
     if (wanted.empty() || validation.context.purpose == CertificatePurpose::User) {
         return std::nullopt;
     }
-    const std::string uri = validation.path.front().application_uri();
-    if (uri == wanted) {
+    const Certificate& leaf = validation.path.front();
+    if (leaf.is_of_application(wanted)) {
         return std::nullopt;
     }
-    return Finding{(uri.empty() ? "it names no ApplicationUri, or several"
-                                : "its ApplicationUri is " + printable(uri)) +
-                       ", the ApplicationDescription's is " + printable(wanted),
-                   "Set the peer's ApplicationUri to that of its certificate, or give it another "
-                   "certificate"};
+    const auto uris = leaf.uris();
+    return Finding{
+        (uris.empty() ? "it names no ApplicationUri" : "its ApplicationUri is " + joined(uris)) +
+            ", the ApplicationDescription's is " + printable(wanted),
+        "Set the peer's ApplicationUri to that of its certificate, or give it another "
+        "certificate"};
 }
 
 bool is_root(const Certificate& certificate)

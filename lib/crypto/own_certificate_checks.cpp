@@ -51,7 +51,7 @@ std::optional<Refusal> check_certificates(const CertificateChain& chain,
                                            " RSA bits, expected 2048 to 4096",
                                        "Have it issued for another key");
     }
-    if (!application_uri.empty() && leaf.application_uri() != application_uri) {
+    if (!application_uri.empty() && !leaf.is_of_application(application_uri)) {
         return own_certificate_refusal(
             leaf, status::Bad_CertificateUriInvalid,
             "it names \"" + printable(leaf.application_uri()) +

@@ -269,7 +269,7 @@ StatusCode DiscoveryServer::check_caller(const RegisteredServer& server) const
         return options_.allows_unsecured ? StatusCode{}
                                          : StatusCode{status::Bad_SecurityModeInsufficient};
     }
-    return channel.peer_certificates().front().application_uri() == server.server_uri.view()
+    return channel.peer_certificates().front().is_of_application(server.server_uri.view())
                ? StatusCode{}
                : StatusCode{status::Bad_ServerUriInvalid};
 }

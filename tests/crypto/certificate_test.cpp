@@ -70,18 +70,26 @@ TEST_CASE("a certificate tells what it says", "[crypto][certificate]")
     CHECK(*Certificate::parse_file(one.der()) == one);
 }
 
-TEST_CASE("an ApplicationUri is one whole URI", "[crypto][certificate]")
+TEST_CASE("an ApplicationUri is one whole URI, and the first one is shown", "[crypto][certificate]")
 {
-    const auto uri_with = [](const std::string& names) {
+    const auto with = [](const std::string& names) {
         CertificateOptions options;
         options.names = names;
-        return issue(options, key_number(1)).certificate.application_uri();
+        return issue(options, key_number(1)).certificate;
     };
+    const auto uri_with = [&](const std::string& names) { return with(names).application_uri(); };
     CHECK(uri_with("URI:urn:a") == "urn:a");
     CHECK(uri_with("DNS:host,URI:urn:a,IP:192.0.2.7") == "urn:a");
-    CHECK(uri_with("URI:urn:a,URI:urn:b").empty());
+    CHECK(uri_with("URI:urn:a,URI:urn:b") == "urn:a");
     CHECK(uri_with("DNS:host").empty());
     CHECK(uri_with("").empty());
+    const Certificate two = with("URI:urn:a,URI:urn:b");
+    CHECK(two.uris() == std::vector<std::string>{"urn:a", "urn:b"});
+    CHECK(two.is_of_application("urn:a"));
+    CHECK(two.is_of_application("urn:b"));
+    CHECK_FALSE(two.is_of_application("urn:"));
+    CHECK_FALSE(two.is_of_application("urn:a,urn:b"));
+    CHECK_FALSE(with("DNS:host").is_of_application(""));
 }
 
 TEST_CASE("a certificate cut anywhere is none", "[crypto][certificate][hostile]")

@@ -266,10 +266,11 @@ TEST_CASE("a certificate of another ApplicationUri or key size is refused",
     CHECK(other.found.find("urn:test:other") != std::string::npos);
     CHECK_FALSE(other.thumbprint.empty());
     CertificateOptions two;
-    two.names = "URI:urn:test:leaf,URI:urn:test:other";
+    two.names = "URI:urn:test:first,URI:urn:test:second";
     store.put(issue(two, key_number(1)));
     CHECK(refused(store, [&] { return store.store.load(uri); }).status ==
           status::Bad_CertificateUriInvalid);
+    CHECK(store.store.load("urn:test:second"));
     store.put(issue({}, weak_key()));
     CHECK(refused(store, [&] { return store.store.load(uri); }).status ==
           status::Bad_CertificatePolicyCheckFailed);

@@ -123,9 +123,15 @@ TEST_CASE("Table 100: URI", "[crypto][validation]")
     };
     static_cast<void>(show("URI:urn:plc"));
     CHECK_FALSE(judge.refusal);
+    // One of several, as companies put URIs of their own into certificates.
+    for (const char* names : {"URI:urn:plc,URI:urn:other", "URI:urn:other,URI:urn:plc"}) {
+        INFO(names);
+        static_cast<void>(show(names));
+        CHECK_FALSE(judge.refusal);
+    }
     // ATTACKS C10.
     for (const char* names : {"URI:urn:plc:x", "URI:urn:pl", "URI:urn:evil:urn:plc", "URI:URN:PLC",
-                              "URI:urn:plc,URI:urn:other", "DNS:urn:plc", ""}) {
+                              "URI:urn:plc:x,URI:urn:other", "DNS:urn:plc", ""}) {
         INFO(names);
         static_cast<void>(show(names));
         REQUIRE(judge.refusal);
@@ -136,8 +142,10 @@ TEST_CASE("Table 100: URI", "[crypto][validation]")
                          {"its ApplicationUri is urn:evil:urn:plc, the ApplicationDescription's "
                           "is urn:plc",
                           "Set the peer's ApplicationUri"}));
-    const Issued two = show("URI:urn:plc,URI:urn:other");
-    CHECK(judge.explains("URI", two, {"no ApplicationUri, or several"}));
+    const Issued two = show("URI:urn:one,URI:urn:other");
+    CHECK(judge.explains("URI", two, {"its ApplicationUri is urn:one, urn:other"}));
+    const Issued none = show("DNS:plc");
+    CHECK(judge.explains("URI", none, {"it names no ApplicationUri"}));
     judge.context.purpose = CertificatePurpose::User;
     CHECK(judge.verdict(other) == good);
 }

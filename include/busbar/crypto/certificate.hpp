@@ -33,11 +33,16 @@ public:
     [[nodiscard]] std::string thumbprint_text() const;
     /// "CN=Name, O=..." for people.
     [[nodiscard]] std::string subject() const;
-    /// The URI of subjectAltName, unchanged; empty if there is none or more than one (Part 6,
-    /// 6.2.2). Use `printable` to show it to people.
+    /// Returns the first URI of subjectAltName, unchanged; empty if there is none. Use `printable`
+    /// to show it to people.
     [[nodiscard]] std::string application_uri() const;
+    /// Returns whether one of the URIs of subjectAltName is exactly this ApplicationUri; there may
+    /// be others beside it (Part 6, 6.2.2). False for an empty `uri`.
+    [[nodiscard]] bool is_of_application(std::string_view uri) const;
     /// DNS names and IP addresses of subjectAltName.
     [[nodiscard]] std::vector<std::string> host_names() const;
+    /// Returns all URIs of subjectAltName, unchanged.
+    [[nodiscard]] std::vector<std::string> uris() const;
     [[nodiscard]] DateTime valid_from() const;
     [[nodiscard]] DateTime valid_to() const;
     /// Size of the RSA modulus; 0 for a key that is not RSA.

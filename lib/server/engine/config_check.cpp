@@ -112,7 +112,7 @@ Configured<void> check_identity(const ServerConfig& config)
     if (!key.belongs_to(certificates.front())) {
         return misconfigured("identity", "the private key does not belong to the certificate");
     }
-    if (certificates.front().application_uri() != config.application_uri) {
+    if (!certificates.front().is_of_application(config.application_uri)) {
         // Part 6, 6.2.2
         return misconfigured("identity", "the certificate names \"" +
                                              printable(certificates.front().application_uri()) +

@@ -89,7 +89,7 @@ Checked<void> check_certificate(const channel::ServerChannel& channel,
                        "The client mixes up its certificates"});
     }
     const crypto::Certificate& leaf = known.front();
-    if (leaf.application_uri() != request.client_description.application_uri.view()) {
+    if (!leaf.is_of_application(request.client_description.application_uri.view())) {
         return refuse({status::Bad_CertificateUriInvalid, "ApplicationUri",
                        "the client says " +
                            printable(request.client_description.application_uri.view()) +
