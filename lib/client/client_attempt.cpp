@@ -209,6 +209,7 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
     }
     discovered = offered;
     choice = *std::move(chosen);
+    is_detour = false;
     if (is_channel_chosen()) {
         set_state(ClientState::Opening, {});
         if (const auto opened = connection->open_session(connection_config()); !opened) {
@@ -246,6 +247,33 @@ void Client::Impl::dial_again(StatusCode why)
             std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
             " ms");
     drop_connection(false);
+    set_state(ClientState::Connecting, {});
+}
+
+/// Behind a port map or a tunnel the URL of the endpoint leads nowhere, or to something else, while
+/// the one that the endpoints came from has answered (Part 4, 5.5.4.1).
+bool Client::Impl::may_go_where_reached(StatusCode why) const
+{
+    // What is no OPC UA server closes, is silent or says something else.
+    const bool is_stranger = state == ClientState::Opening && !is_choice_old &&
+                             (why == status::Bad_ConnectionClosed || why == status::Bad_Timeout ||
+                              why == status::Bad_TcpMessageTypeInvalid);
+    return (state == ClientState::Connecting || is_stranger) && choice && !config.is_reverse &&
+           detail::final_reason(why).empty() && !choice->reached_by.empty() &&
+           !is_same_url(choice->endpoint.endpoint_url.view(), choice->reached_by);
+}
+
+void Client::Impl::go_where_reached(StatusCode why)
+{
+    environment.log->write(LogLevel::Warning, "client",
+                           "the server's URL " + printable(choice->endpoint.endpoint_url.view()) +
+                               " does not answer (" + std::string{name(why)} + "); going on with " +
+                               choice->reached_by + ", which it was reached by");
+    drop_connection(false);
+    choice->endpoint.endpoint_url = String{choice->reached_by};
+    is_detour = true;
+    attempt_ends_at = detail::deadline_after(now, config.connect_timeout);
+    redial_at = now;
     set_state(ClientState::Connecting, {});
 }
 
@@ -289,6 +317,9 @@ void Client::Impl::lose(StatusCode why)
     if (may_dial_again(why)) {
         return dial_again(why);
     }
+    if (may_go_where_reached(why)) {
+        return go_where_reached(why);
+    }
     const bool had_session = state == ClientState::Ready && config.wants_session;
     const bool was_opening = state == ClientState::Opening;
     // An Error message proves nothing about a policy that the endpoints have, or that every server
@@ -296,7 +327,10 @@ void Client::Impl::lose(StatusCode why)
     const bool is_policy_disputed =
         connection && connection->is_closed() &&
         (why == status::Bad_SecurityPolicyRejected || why == status::Bad_SecurityModeRejected);
-    const bool is_choice_doubtful = (is_choice_old && was_opening) || is_policy_disputed;
+    // What answers there may be a discovery server, while the one that is meant is away.
+    const bool is_elsewhere = is_detour && was_opening;
+    const bool is_choice_doubtful =
+        (is_choice_old && was_opening) || is_elsewhere || is_policy_disputed;
     // What was good for a session, or was not even tried, may be good for the next.
     const bool keeps_choice =
         state == ClientState::Ready || (is_choice_old && state == ClientState::Connecting);

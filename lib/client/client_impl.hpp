@@ -87,6 +87,8 @@ struct Client::Impl {
     [[nodiscard]] bool is_channel_chosen() const;
     [[nodiscard]] bool may_dial_again(StatusCode why) const;
     void dial_again(StatusCode why);
+    [[nodiscard]] bool may_go_where_reached(StatusCode why) const;
+    void go_where_reached(StatusCode why);
     /// The attempt, or the connection that was Ready, ends.
     void lose(StatusCode why);
     void keep_session();
@@ -122,6 +124,8 @@ struct Client::Impl {
     std::optional<EndpointChoice> choice;
     /// The choice is that of an earlier attempt.
     bool is_choice_old{false};
+    /// The choice's URL is the one that the server was reached by, as its own did not answer.
+    bool is_detour{false};
     /// Of this attempt, because the server had no connection left; the next one is at `redial_at`.
     std::uint32_t redials{0};
     TimePoint redial_at{TimePoint::min()};

@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::string_view transport_profile =
     "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
+/// Its URI in version 1.00, which old devices still send.
+constexpr std::string_view first_transport_profile =
+    "http://opcfoundation.org/UA/profiles/transport/uatcp";
 /// A server has a few for each of its addresses; each costs a look at its certificates.
 constexpr std::size_t max_endpoints = 500;
 /// Of what a server offers, a log line holds no more.
@@ -57,9 +60,26 @@ std::size_t rank(const crypto::SecurityPolicy& policy, const SecurityWishes& wis
     return static_cast<std::size_t>(wishes.policies.end() - found);
 }
 
+/// There are devices that leave the URI out or end it with a slash: then the scheme of the URL,
+/// which is that of UA TCP or missing too, says which transport it is.
 bool is_transport(const EndpointDescription& endpoint)
 {
-    return endpoint.transport_profile_uri.view() == transport_profile;
+    std::string_view uri = endpoint.transport_profile_uri.view();
+    if (uri.empty()) {
+        const std::string_view url = endpoint.endpoint_url.view();
+        return url.empty() || channel::EndpointUrl::parse(url).has_value();
+    }
+    uri.remove_suffix(uri.ends_with('/') ? 1 : 0);
+    return uri == transport_profile || uri == first_transport_profile;
+}
+
+/// A URI that is missing means None beside the mode None, and nothing beside the others.
+const crypto::SecurityPolicy* policy_of(const EndpointDescription& endpoint)
+{
+    const bool is_none =
+        endpoint.security_policy_uri.empty() && endpoint.security_mode == MessageSecurityMode::None;
+    return is_none ? crypto::find_policy_by_name("None")
+                   : crypto::find_policy(endpoint.security_policy_uri.view());
 }
 
 /// Security that goes together, with a certificate if it needs one.
@@ -80,7 +100,7 @@ Step judge(const EndpointDescription& endpoint, const SecurityWishes& wishes,
     if (!is_transport(endpoint)) {
         return Step::Transport;
     }
-    const auto* policy = crypto::find_policy(endpoint.security_policy_uri.view());
+    const auto* policy = policy_of(endpoint);
     candidate = {&endpoint, policy, nullptr, policy != nullptr ? rank(*policy, wishes) : 0};
     if (candidate.policy_rank == 0 || !is_consistent(endpoint, *policy)) {
         return Step::Policy;
@@ -119,7 +139,7 @@ std::string_view name_of(UserTokenType type)
 
 std::string describe(const EndpointDescription& endpoint)
 {
-    const auto* policy = crypto::find_policy(endpoint.security_policy_uri.view());
+    const auto* policy = policy_of(endpoint);
     std::string text = policy != nullptr ? std::string{policy->name}
                                          : printable(endpoint.security_policy_uri.view(), 80);
     text += "/" + std::string{name_of(endpoint.security_mode)} + " (";
@@ -266,7 +286,7 @@ Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoin
                   "INSECURE: connecting without security; the server offers " +
                       describe_offer(endpoints));
     }
-    EndpointChoice choice{*best->endpoint, best->policy, {}};
+    EndpointChoice choice{*best->endpoint, best->policy, {}, std::string{reached_by}};
     choice.endpoint.endpoint_url = String{url_for(*best->endpoint, reached_by)};
     if (best->token_policy != nullptr) {
         choice.token_policy = *best->token_policy;

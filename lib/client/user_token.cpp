@@ -216,11 +216,13 @@ Result<SignatureData> sign(const crypto::SecurityPolicy& policy, const crypto::P
 }
 
 const crypto::SecurityPolicy* token_security(const UserTokenPolicy& policy,
-                                             const crypto::SecurityPolicy& channel)
+                                             const crypto::SecurityPolicy& channel,
+                                             const UserIdentity& identity)
 {
-    const auto* used = policy.security_policy_uri.empty()
-                           ? &channel
-                           : crypto::find_policy(policy.security_policy_uri.view());
+    const bool is_of_channel =
+        policy.security_policy_uri.empty() || type_of(identity) == UserTokenType::Anonymous;
+    const auto* used =
+        is_of_channel ? &channel : crypto::find_policy(policy.security_policy_uri.view());
     return used == nullptr || (used->is_deprecated && used != &channel) ? nullptr : used;
 }
 
@@ -231,7 +233,7 @@ const UserTokenPolicy* find_token_policy(const Array<UserTokenPolicy>& policies,
     const UserTokenPolicy* best = nullptr;
     const crypto::SecurityPolicy* best_security = nullptr;
     for (const UserTokenPolicy& policy : policies) {
-        const auto* used = token_security(policy, *security.policy);
+        const auto* used = token_security(policy, *security.policy, identity);
         // Policies lie in one table, from the weakest to the strongest.
         if (used != nullptr && is_for(policy, identity) && is_safe(*used, security, identity) &&
             (best == nullptr || used > best_security)) {
@@ -247,7 +249,7 @@ Result<UserToken> make_user_token(const ConnectionConfig& config,
                                   const UserTokenPolicy& policy, const ByteString& server_nonce)
 {
     const channel::SecuritySetting& channel = config.channel.security;
-    const auto* security = token_security(policy, *channel.policy);
+    const auto* security = token_security(policy, *channel.policy, config.identity);
     if (security == nullptr || !is_safe(*security, channel, config.identity)) {
         return fail(status::Bad_SecurityPolicyRejected);
     }

@@ -20,9 +20,11 @@ namespace busbar::client::detail {
 
 /// The policy that secrets and signatures of a token are made with: that of the token policy or,
 /// if it names none, of the channel (Part 4, 7.42). Null if it is unknown, or deprecated and not
-/// what the channel uses: a server cannot make us use what we were not told to use.
+/// what the channel uses: a server cannot make us use what we were not told to use. An anonymous
+/// `identity` has no secret, so that whatever the token policy names is ignored.
 [[nodiscard]] const crypto::SecurityPolicy* token_security(const UserTokenPolicy& policy,
-                                                           const crypto::SecurityPolicy& channel);
+                                                           const crypto::SecurityPolicy& channel,
+                                                           const UserIdentity& identity);
 
 /// The token policy that protects `identity` best over such a channel; null if there is none that
 /// does. Nothing secret goes out in the clear: it is encrypted with the token, or by the channel.

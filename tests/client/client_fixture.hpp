@@ -176,6 +176,8 @@ public:
     bool is_obeying{true};
     /// False: connecting fails.
     bool is_reachable{true};
+    /// The one URL that leads to the server; empty: all do.
+    std::string only_way;
     /// Connections that the server refuses with an Error message, and why.
     int refusals{0};
     StatusCode refusal{status::Bad_TcpNotEnoughResources};
@@ -271,7 +273,7 @@ private:
         }
         urls.push_back(wanted.url);
         order = wanted.id;
-        if (!is_reachable) {
+        if (!is_reachable || (!only_way.empty() && wanted.url != only_way)) {
             client.disconnected(order, status::Bad_CommunicationError, now);
             return;
         }

@@ -91,6 +91,57 @@ TEST_CASE("another server at the same address is noticed")
     CHECK(plant.log.text.find("another server") == std::string::npos);
 }
 
+TEST_CASE("a server behind a port map is used where it was reached")
+{
+    auto config = ClientFixture::named_user();
+    config.endpoint_url = "opc.tcp://localhost:50361";
+    ClientFixture plant{config};
+    plant.only_way = config.endpoint_url;
+    plant.connect();
+    INFO(plant.log.text);
+    CHECK(plant.is_ready());
+    CHECK(plant.urls == std::vector<std::string>{"opc.tcp://localhost:50361",
+                                                 "opc.tcp://localhost:4840",
+                                                 "opc.tcp://localhost:50361"});
+    CHECK(plant.log.text.find("opc.tcp://localhost:4840 does not answer "
+                              "(Bad_CommunicationError); going on with "
+                              "opc.tcp://localhost:50361, which it was reached by") !=
+          std::string::npos);
+    // It stays there.
+    plant.cut();
+    plant.advance(4s);
+    CHECK(plant.is_ready());
+    CHECK(plant.urls.size() == 4);
+    CHECK(plant.urls.back() == config.endpoint_url);
+}
+
+TEST_CASE("the URL of an endpoint is used where it answers")
+{
+    auto config = ClientFixture::named_user();
+    config.endpoint_url = "opc.tcp://localhost:50361";
+    ClientFixture plant{config};
+    plant.connect();
+    CHECK(plant.is_ready());
+    CHECK(plant.urls ==
+          std::vector<std::string>{"opc.tcp://localhost:50361", "opc.tcp://localhost:4840"});
+}
+
+TEST_CASE("a server that is away at both of its URLs is tried again at its own")
+{
+    auto config = ClientFixture::named_user();
+    config.endpoint_url = "opc.tcp://localhost:50361";
+    ClientFixture plant{config};
+    plant.connect();
+    REQUIRE(plant.is_ready());
+    plant.is_reachable = false;
+    plant.cut();
+    plant.advance(10s);
+    CHECK_FALSE(plant.is_ready());
+    plant.is_reachable = true;
+    plant.advance(2min);
+    CHECK(plant.is_ready());
+}
+
 TEST_CASE("what the server has forgotten is made anew")
 {
     ClientFixture plant;

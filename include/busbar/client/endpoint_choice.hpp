@@ -28,11 +28,15 @@ struct EndpointChoice {
     const crypto::SecurityPolicy* policy{nullptr};
     /// The token policy that the user's identity is sent with.
     UserTokenPolicy token_policy;
+    /// The URL that the server was reached by. A client goes on with it if the URL of `endpoint`
+    /// does not answer, as behind a port map; empty if there is none.
+    std::string reached_by{};
 };
 
 /// Chooses the best of `endpoints` that both sides allow, by mode, then policy, then the server's
 /// securityLevel (Part 4, 7.14): UA TCP binary, with a token policy for `identity`. Its URL is the
-/// one that the server was reached by if the server names itself differently (Part 4, 5.5.4.1).
+/// one that the server was reached by if the server names another host (Part 4, 5.5.4.1). Devices
+/// that leave out the transport, or the policy beside the mode None, are understood.
 ///
 /// Never falls back silently: Bad_SecurityPolicyRejected, Bad_SecurityModeRejected or
 /// Bad_IdentityTokenRejected, and the log says what was offered and what the client wanted. Policy

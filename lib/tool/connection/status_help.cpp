@@ -79,7 +79,7 @@ constexpr std::array security{
         {"the certificate is too weak for the security policy", "try another --policy"}},
     Row{status::Bad_CertificateInvalid, {"the certificate cannot be read", ""}},
     Row{status::Bad_SecurityPolicyRejected,
-        {"no endpoint of the server has a security policy that we accept",
+        {"the server has no endpoint for UA TCP with a security policy that we accept",
          "see `busbar endpoints`; --policy names others, --insecure allows none at all"}},
     Row{status::Bad_SecurityModeRejected,
         {"no endpoint of the server has a security mode that we accept",
