@@ -407,4 +407,73 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription that is silent is looked after",
     CHECK(heard.gaps.empty());
 }
 
+namespace {
+
+/// The server has given up on Publish requests that the client has renewed since.
+void drop_old_publishes(PuppetRequester& requester)
+{
+    while (requester.count<PublishRequest>() > 2) {
+        static_cast<void>(requester.take<PublishRequest>());
+    }
+}
+
+} // namespace
+
+TEST_CASE_METHOD(PuppetFixture, "A Subscription that is published no more is made anew", "[client]")
+{
+    start();
+    const bool has_heard = GENERATE(true, false);
+    if (has_heard) {
+        publish(message(1)); // keep-alives come every 10 s
+    }
+    const std::uint32_t next = has_heard ? 2 : 1;
+    for (int silences = 1; silences < 5; ++silences) {
+        pass(16s);
+        refuse_republish(next); // the server lives, and has no message
+        CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+    }
+    heard.statuses.clear();
+    pass(16s);
+    REQUIRE(requester.count<CreateSubscriptionRequest>() == 1);
+    REQUIRE(heard.statuses.size() == 1);
+    CHECK(heard.statuses[0].first == status::Bad_Timeout);
+    CHECK(requester.take<DeleteSubscriptionsRequest>().subscription_ids ==
+          Array<std::uint32_t>{server_id});
+    reply(DeleteSubscriptionsResponse{});
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    reply(created(8));
+    make_items();
+    drop_old_publishes(requester);
+    publish(message(1), 8);
+    CHECK(heard.take_values() == (has_heard ? Values{1, 1} : Values{1}));
+    CHECK(heard.gaps.size() == (has_heard ? 1 : 0));
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A Subscription that publishes now and then is kept", "[client]")
+{
+    start();
+    publish(message(1));
+    for (std::uint32_t number = 2; number < 10; ++number) {
+        for (int silences = 0; silences < 4; ++silences) {
+            pass(16s);
+            refuse_republish(number);
+        }
+        drop_old_publishes(requester);
+        publish(message(number));
+        CHECK(heard.take_values().back() == static_cast<std::int32_t>(number));
+    }
+    CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "While nobody answers a Subscription is not given up", "[client]")
+{
+    start();
+    publish(message(1));
+    for (int seconds = 0; seconds < 300; seconds += 10) {
+        pass(10s);
+        CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+    }
+}
+
 } // namespace subscription_loss_test

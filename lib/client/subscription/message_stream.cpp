@@ -8,6 +8,7 @@ void MessageStream::heard(DateTime time, TimePoint now)
 {
     heard_time = time;
     silences = 0;
+    is_server_alive = false;
     silent_at = now + keep_alive_interval + keep_alive_interval / 2 + std::chrono::seconds{1};
 }
 

@@ -58,6 +58,8 @@ struct MessageStream {
     Duration keep_alive_interval{0};
     TimePoint silent_at{no_deadline};
     std::uint32_t silences{0};
+    /// Since the last message or silence the server has answered a Republish that it has none.
+    bool is_server_alive{false};
     DateTime heard_time;     // of the last message
     DateTime complete_until; // null before the first message
     std::optional<Loss> loss;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t max_republishes = 3;
 constexpr std::uint32_t patient_silences = 2;
+constexpr std::uint32_t max_silences = 5;
 constexpr Duration republish_pause = std::chrono::seconds{1};
 
 /// The server answered, and the message is not to be had.
@@ -102,6 +103,7 @@ void Reception::republished(WatchedSubscription& subscription, std::uint32_t num
 
 void Reception::not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status)
 {
+    subscription.messages.is_server_alive |= is_final(status);
     std::uint32_t& failures = subscription.messages.republish_failures;
     if (!is_final(status) && ++failures < max_republishes) {
         subscription.messages.republish_at = requests_.now() + republish_pause;
@@ -161,14 +163,22 @@ void Reception::probe_all()
     });
 }
 
-/// Part 4, 5.14.1.1: whatever happens, something comes within the keep-alive interval.
+/// Part 4, 5.14.1.1: a message comes within each keep-alive interval. A server that answers
+/// Republish and sends none for several intervals does not publish this Subscription any more.
 void Reception::watch(WatchedSubscription& subscription, TimePoint now)
 {
     if (subscription.phase != Phase::Live || now < subscription.messages.silent_at) {
         fetch_missing(subscription);
         return;
     }
-    if (subscription.messages.fall_silent(now) >= patient_silences) {
+    const bool is_server_alive = subscription.messages.is_server_alive;
+    const std::uint32_t silences = subscription.messages.fall_silent(now);
+    if (silences >= max_silences && is_server_alive) {
+        ends_.lost(subscription, status::Bad_Timeout, true);
+        requests_.call_for_work();
+        return;
+    }
+    if (silences >= patient_silences) {
         publishes_.renew();
     }
     fetch_missing(subscription);
