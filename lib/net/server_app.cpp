@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
@@ -76,10 +77,17 @@ void ServerApp::add_user(std::string_view name, const char* password)
     if (!impl_->is_good()) {
         return;
     }
-    const auto added =
-        impl_->users.add(name, password != nullptr ? password : "", impl_->application->random());
+    const std::string where = "user \"" + printable(name) + "\"";
+    if (password == nullptr) {
+        return impl_->fail_with(
+            {status::Bad_InvalidArgument, where,
+             "has no password. Set the environment variable that it is taken from"});
+    }
+    const auto added = impl_->users.add(name, password, impl_->application->random());
     if (!added) {
-        impl_->fail_with(problem_of(added.error()));
+        Problem problem = problem_of(added.error());
+        problem.where = where + ": " + problem.where;
+        impl_->fail_with(std::move(problem));
     }
 }
 
@@ -156,6 +164,7 @@ int ServerApp::run()
         std::fprintf(stderr, "%s\n", text(impl_->status.error()).c_str());
         return 1;
     }
+    impl_->log.write(LogLevel::Info, "server", "ready at " + impl_->endpoint_url);
     impl_->loop.stop_on_signals();
     impl_->loop.run(*impl_->server);
     return 0;

@@ -140,7 +140,7 @@ TEST_CASE("a ServerApp keeps what failed first", "[net]")
         app.add_user("operator", nullptr);
         REQUIRE_FALSE(app.status());
         const Problem first = app.status().error();
-        CHECK(first.where == "password rules");
+        CHECK(first.where == "user \"operator\"");
         CHECK(app.add_namespace("urn:example:machine") == 0);
         CHECK(text(app.status().error()) == text(first));
         CHECK(app.run() == 1);
@@ -224,6 +224,21 @@ TEST_CASE("a ServerApp has no more namespaces than an index can name", "[net]")
     REQUIRE_FALSE(app.status());
     CHECK(app.status().error().where == "namespace \"urn:example:" + std::to_string(added) + "\"");
     CHECK(app.run() == 1);
+}
+
+TEST_CASE("a user without a good password is refused by name", "[net]")
+{
+    const TemporaryFolder folder;
+    {
+        net::ServerApp app{settings_in(folder), "opc.tcp://localhost:48400"};
+        app.add_user("pat", nullptr);
+        REQUIRE_FALSE(app.status());
+        CHECK(text(app.status().error()).starts_with("user \"pat\": has no password. Set the "));
+    }
+    net::ServerApp app{settings_in(folder), "opc.tcp://localhost:48400"};
+    app.add_user("pat", "short");
+    REQUIRE_FALSE(app.status());
+    CHECK(text(app.status().error()).starts_with("user \"pat\": password rules: "));
 }
 
 } // namespace server_app_test

@@ -59,8 +59,8 @@ public:
     [[nodiscard]] server::Server* server();
     [[nodiscard]] server::PasswordUsers& users();
 
-    /// Serves until SIGINT or SIGTERM. Returns what main() should return: 0, or 1 if something has
-    /// failed, which is then printed on the standard error output.
+    /// Serves until SIGINT or SIGTERM, and logs "ready at opc.tcp://..." before. Returns what
+    /// main() may return: 0, or 1 after a failure, which it prints on the standard error output.
     [[nodiscard]] int run();
 
 private:
