@@ -36,6 +36,11 @@ if(EXISTS ${prefix}/bin/busbar)
   run(${CMAKE_COMMAND} --build ${test}/vendor)
   run(sh ${SOURCE_DIR}/../programs/acceptance/vendor_test.sh ${test}/vendor/vendor-runtime
     ${prefix}/bin/busbar ${vendor})
+  # The first project of a newcomer, as README.md shows it.
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/../../examples/first_server
+    -B ${test}/first_server -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER}
+    -D CMAKE_CXX_FLAGS=${flags})
+  run(${CMAKE_COMMAND} --build ${test}/first_server)
 endif()
 
 if(PKG_CONFIG)
