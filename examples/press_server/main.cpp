@@ -47,7 +47,9 @@ Result<Nodes> add_press(model::AddressSpace& space, std::uint16_t ns)
     model::NewNode force;
     force.browse_name = {ns, "Force"};
     force.parent = *event;
-    const auto field = space.add_property(force, {.data_type = NodeId{0, id::Double}});
+    model::NewVariable number;
+    number.data_type = NodeId{0, id::Double};
+    const auto field = space.add_property(force, number);
     if (!field) {
         return fail(field.error());
     }
