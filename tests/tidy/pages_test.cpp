@@ -237,6 +237,60 @@ TEST_CASE("calls in the table for users of open62541 are Busbar's", "[tidy]")
     CHECK(count >= 40);
 }
 
+TEST_CASE("pages about formats have the versions and names of the code", "[tidy]")
+{
+    struct Agreement {
+        const char* page;
+        const char* says;
+        const char* source;
+        const char* has;
+    };
+    for (const Agreement& each : {
+             Agreement{"lib/administration/FORMAT.md", "the only version is 1",
+                       "lib/administration/setting_list.cpp", "settings_version = 1;"},
+             Agreement{"lib/controller/backup/FORMAT.md", "## Layout, version 1",
+                       "lib/controller/backup/backup_file.cpp", "backup_version = 1;"},
+             Agreement{"lib/controller/logs/FORMAT.md", "`busbar execution log 1`",
+                       "lib/controller/logs/execution_log_files.cpp", "busbar execution log 1"},
+             Agreement{"lib/controller/project/FORMAT.md", "The only version is 1",
+                       "include/busbar/controller/project.hpp", "project_version = 1;"},
+             Agreement{"lib/controller/retained/FORMAT.md", "## The file `retained`, version 2",
+                       "lib/controller/retained/retained_file.cpp", " version = 2;"},
+             Agreement{"lib/controller/retained/FORMAT.md", "`retained.journal-2`, version 1",
+                       "lib/controller/retained/retained_journal.cpp", "journal_version = 1;"},
+             Agreement{"lib/harness/FORMAT.md", "busbar-recording 1",
+                       "lib/harness/recording_text.cpp", "version = \"1\";"},
+         }) {
+        INFO(each.page << ": " << each.says);
+        CHECK(text_of(root / each.page).find(each.says) != std::string::npos);
+        CHECK(text_of(root / each.source).find(each.has) != std::string::npos);
+    }
+    std::set<std::string> known;
+    for (const char* const folder : {"include", "lib", "examples"}) {
+        for (const auto& entry : std::filesystem::recursive_directory_iterator{root / folder}) {
+            if (entry.is_regular_file() && entry.path().extension() != ".md") {
+                const auto words = words_of(text_of(entry.path()));
+                known.insert(words.begin(), words.end());
+            }
+        }
+    }
+    static const std::regex block{"```[^`]*```"};
+    static const std::regex code{"`([^`]*)`"};
+    for (const std::string& page : pages()) {
+        if (!page.ends_with("FORMAT.md")) {
+            continue;
+        }
+        const std::string text = std::regex_replace(text_of(root / page), block, "");
+        for (std::sregex_iterator i{text.begin(), text.end(), code}; i != std::sregex_iterator{};
+             ++i) {
+            for (const std::string& word : words_of((*i)[1].str())) {
+                INFO(page << ": " << i->str());
+                CHECK((word.size() < 4 || known.contains(word)));
+            }
+        }
+    }
+}
+
 TEST_CASE("a snippet that differs from its file is found", "[tidy]")
 {
     CHECK(contains({"a", "b", "c"}, {"b", "c"}));

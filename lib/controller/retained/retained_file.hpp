@@ -13,10 +13,7 @@
 
 namespace busbar::controller::detail {
 
-// The file of retained values, little-endian: "BBRV", the version, the number of the last
-// write that is in it (see RetainedJournal), the number of values, the values, and the CRC-32 of
-// all of it. A value is the length of a name, the name, the type's print, the length and the bytes
-// of the variable as they lie in an image.
+// FORMAT.md describes the file of retained values and the journal.
 
 struct RetainedValue {
     std::string_view name;

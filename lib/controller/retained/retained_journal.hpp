@@ -38,9 +38,7 @@ struct JournalEntry {
 ///
 /// append() is one thread's, and waits for none of the others; these are one thread's at a time.
 ///
-/// A file, little-endian: "BBRJ" and the version, then records. A record is the size of its body,
-/// the body and the CRC-32 of both; a body is the write's number, how many entries, and the
-/// entries: the length of a name, the name, the type's print, the offset, the length and the bytes.
+/// FORMAT.md describes the files.
 class RetainedJournal {
 public:
     /// It is time to save from here on, and no file has more than the second one.
