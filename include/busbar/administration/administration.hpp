@@ -27,87 +27,88 @@
 
 namespace busbar::administration {
 
-/// What an administrator asks for who wants the server to start again (Part 5, 9.4).
+/// An administrator's request to start the server again (Part 5, 9.4).
 struct RestartWish {
-    /// For clients; not empty.
+    /// The reason for clients; not empty.
     std::string reason;
-    /// How long they are told before their connections are closed; a day at most.
+    /// Time between the announcement and the end of connections; at most a day.
     std::chrono::seconds delay{0};
     /// EstimatedReturnTime; may be null.
     DateTime return_time{};
 };
 
-/// What an Administration is made of. All must outlive it.
+/// The parts of an Administration. All must outlive it.
 struct AdministrationParts {
     [[no_unique_address]] NamedFields named_fields{};
 
-    /// Required: the server's own ones.
+    /// Required: the server's own wall clock.
     const WallClock* wall_clock{nullptr};
     LogSink* log{nullptr};
-    /// RoleSet (Part 18, 4): the one that is the server's ServerEnvironment::roles too. Null: the
-    /// server has well-known roles and no way to change them.
+    /// RoleSet (Part 18, 4): the same object as the server's ServerEnvironment::roles. If null, the
+    /// server has the well-known roles and no way to change them.
     RoleList* roles{nullptr};
-    /// UserManagement (Part 18, 5), which is a part of ServerConfiguration: not without
-    /// `certificates`. Null: users are not managed.
+    /// UserManagement (Part 18, 5), which is a part of ServerConfiguration: requires
+    /// `certificates`. If null, users are not managed.
     UserList* users{nullptr};
-    /// ServerConfiguration (Part 12, 7.10). Null: certificates are not managed.
+    /// ServerConfiguration (Part 12, 7.10). If null, certificates are not managed.
     const ManagedCertificates* certificates{nullptr};
-    /// For hashes of passwords, for keys and for names that nobody guesses; required with `users`,
-    /// `certificates` or `file_transfers`.
+    /// The source of hashes of passwords, keys and names that cannot be guessed; required with
+    /// `users`, `certificates` or `file_transfers`.
     crypto::Random* random{nullptr};
-    /// Where passwords are hashed and keys are made; it is to end before the Administration. Null:
-    /// the server's thread, which everybody waits for then.
+    /// The worker that hashes passwords and generates keys; it must end before the Administration.
+    /// If null, the server's thread does that, and everything else waits meanwhile.
     server::Worker* worker{nullptr};
-    /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has shut
-    /// down, or begun to after a reset, when this is called, on the server's thread. Empty: clients
+    /// RequestServerStateChange (Part 5, 9.4): ends the serving program. Called on the server's
+    /// thread, when its server has shut down, or has begun to after a reset. If empty, clients
     /// cannot stop it.
     std::function<void()> stop{};
-    /// The same for a restart: the program that serves ends and starts again. Empty: clients cannot
-    /// ask for one.
+    /// Likewise for a restart: the serving program ends and starts again. If empty, clients cannot
+    /// request one.
     std::function<void()> restart{};
-    /// Instead of `restart`, for a program that has another server take the place of this one (see
+    /// Used instead of `restart` by a program that replaces this server by another one (see
     /// net::ServerLoop::hand_over): the shutdown has not begun when this is called, in a callback
-    /// of the server's, and if there is none after all the server goes on.
+    /// of the server, and if it does not begin the server continues.
     std::function<void(const RestartWish& wish)> replace{};
-    /// Whether `replace` would work, asked before a client is told that it will; the problem goes
-    /// to the log, its status to the client. Empty: it would.
+    /// Returns whether `replace` would work, called before a client is told that it will; the
+    /// problem goes to the log, its status to the client. If empty, it would.
     std::function<Configured<void>()> may_replace{};
-    /// ResetToServerDefaults (Part 12, 7.10.13), not without `certificates` and `stop`: forgets all
-    /// that administrators changed, whole or not at all, before `stop` is called. On the server's
-    /// thread; the problem is for the log. Empty: there is no such Method.
+    /// ResetToServerDefaults (Part 12, 7.10.13), requires `certificates` and `stop`: discards all
+    /// changes of administrators, completely or not at all, before `stop` is called. Called on the
+    /// server's thread; the problem is for the log. If empty, the Method does not exist.
     std::function<Configured<void>()> reset{};
-    /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); empty: it does not say.
+    /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); if empty, the property does not
+    /// exist.
     std::function<bool()> is_in_setup{};
-    /// Asked before each Method of roles, users and certificates, for a user whose right may end
-    /// before the session does: false answers Bad_UserAccessDenied. Empty: nothing more than roles
-    /// decides.
+    /// Called before each Method of roles, users and certificates, for a user whose right may end
+    /// before the session does: false answers Bad_UserAccessDenied. If empty, only roles decide.
     std::function<bool(const server::UserIdentity& user)> may_administer{};
-    /// Asked before each change of users, passwords and roles: the problem goes to the log, its
-    /// status to the client. Empty: they may change.
+    /// Called before each change of users, passwords and roles: the problem goes to the log, its
+    /// status to the client. If empty, they may be changed.
     std::function<Configured<void>()> may_change_users{};
-    /// Settings as Variables below the Object "Settings". Null: there are none; else with the
-    /// owner, whose functions are called on the server's thread where it may change the server.
+    /// Settings as Variables below the Object "Settings". Null for none; otherwise the owner is
+    /// needed as well, whose functions are called on the server's thread while it may change the
+    /// server.
     SettingList* settings{nullptr};
     SettingOwner* setting_owner{nullptr};
-    /// What clients see as files, each with a name of its own; they are read when this is
-    /// attached, whenever a client makes, moves or removes one, and in refresh_files().
+    /// The storages that clients see as files, each with a unique name; they are read when this is
+    /// attached, whenever a client creates, moves or removes a file, and in refresh_files().
     std::vector<FileSystem> file_systems{};
-    /// Files that the program makes for clients or takes from them, each with a name of its own;
-    /// not without `random`.
+    /// Files that the program creates for clients or takes from them, each with a unique name;
+    /// requires `random`.
     std::vector<TemporaryFileTransfer> file_transfers{};
-    /// How the program is, as Properties of the Object "Status", for the roles Operator,
-    /// Supervisor, Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1, "Service status").
+    /// The state of the program, as Properties of the Object "Status", for the roles Operator,
+    /// Supervisor, Engineer, ConfigureAdmin and SecurityAdmin (manual of variables mode, 8-1,
+    /// "Service status").
     std::vector<StatusFact> status{};
     Authorities authorities{Authorities::Standard};
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> changed{};
 };
 
-/// What administrators do while a server runs, by the means of the standard: nodes below the Server
-/// object and what is behind their Methods. What a part is missing for is absent from the address
-/// space.
+/// Administers a running server by the means of the standard: nodes below the Server object and the
+/// functions of their Methods. Nodes whose part is missing are absent from the address space.
 ///
-/// On the server's thread. Outlives the server.
+/// Used on the server's thread. Outlives the server.
 class BUSBAR_API Administration {
 public:
     explicit Administration(const AdministrationParts& parts);
@@ -115,13 +116,13 @@ public:
     Administration& operator=(const Administration&) = delete;
     ~Administration();
 
-    /// Adds the nodes to the server and binds them; once, before clients connect. What namespace 0
-    /// of this build is too small for is left out, and the log says so. The problem is one of nodes
-    /// that are there already, of parts that do not go together, or of a server without a Waker:
-    /// many Methods end later than their call.
+    /// Adds the nodes to the server and binds them; called once, before clients connect. Nodes that
+    /// need a larger namespace 0 than this build has are left out, and the log says so. The problem
+    /// concerns existing nodes, parts that do not fit together, or a server without a Waker, which
+    /// is needed since many Methods end later than their call.
     [[nodiscard]] Configured<void> attach(server::Server& server);
-    /// Somebody else than a client made or removed files of `file_systems`: clients see them as
-    /// they are, soon. Any thread, from attach() on.
+    /// Files of `file_systems` were created or removed by code other than a client: clients see the
+    /// changes soon. Called from any thread, after attach().
     void refresh_files();
 
 private:

@@ -9,30 +9,30 @@
 
 namespace busbar::administration {
 
-/// Makes the audit events of Part 5, 6.4 of what a server's log is told: channels, sessions,
+/// Creates the audit events of Part 5, 6.4 from the records of a server's log: channels, sessions,
 /// certificates, Writes, Calls, NodeManagement, Cancel, URL mismatches, roles and trust lists.
-/// Lines go on to another log.
+/// Lines are passed on to another log.
 ///
 ///     AuditLog log{lines};
 ///     auto server = Server::create(config, {.log = &log, ...}); // config.is_auditing = true
 ///     log.attach(server->event_queue(), config.application_uri);
 ///
 /// A server delivers them over channels with encryption only, to users whose roles may receive
-/// AuditEventType: SecurityAdmin, where nothing else was configured. What happens before attach()
-/// is no event. The queue is bounded; events that find no room are counted there, and clients learn
-/// of it.
+/// AuditEventType: SecurityAdmin, unless configured otherwise. Records before attach() do not
+/// become events. The queue is bounded; events that find no room are counted there, and clients are
+/// notified.
 ///
 /// A Write has no OldValue: data sources are not asked for it. Inputs of Methods with passwords or
 /// keys are left out.
 ///
-/// Any thread, but for attach().
+/// Called from any thread, except for attach().
 class BUSBAR_API AuditLog final : public LogSink {
 public:
     /// `lines` must outlive this object.
     explicit AuditLog(LogSink& lines) : lines_{&lines} {}
 
-    /// `queue` may be null, as that of a server without events: nothing happens then.
-    /// `server_id` is the server's ApplicationUri.
+    /// `queue` may be null, as that of a server without events: then nothing happens. `server_id`
+    /// is the server's ApplicationUri.
     void attach(std::shared_ptr<server::EventQueue> queue, std::string server_id);
 
     void write(LogLevel level, std::string_view source, std::string_view text) override
@@ -48,8 +48,8 @@ private:
     std::string server_id_;
 };
 
-/// The event that is made of a record: Status and ids, who and from where, and the fields that the
-/// event type has.
+/// Returns the event for a record: Status and ids, actor and origin, and the fields that the event
+/// type has.
 [[nodiscard]] BUSBAR_API server::Event audit_event(const Record& record,
                                                    std::string_view server_id);
 

@@ -9,17 +9,18 @@
 
 namespace busbar::administration {
 
-/// Who may do what of the administration, beyond what namespace 0 says.
+/// The rights of roles to the administration, in addition to those of namespace 0.
 enum class Authorities : std::uint8_t {
-    /// Nothing is beyond it: SecurityAdmin and ConfigureAdmin administer, nobody else looks.
+    /// No additional rights: only SecurityAdmin and ConfigureAdmin administer and read.
     Standard,
-    /// The five authorities of NJ and NX controllers (seed 000, 8-1), which build on each other:
-    /// Operator, Maintainer and Designer see certificates, revocation lists, settings and the
-    /// service's status, Maintainer and Designer clear logs, Designer shuts the server down.
+    /// The five authorities of NJ and NX controllers (manual of variables mode, 8-1), each of which
+    /// includes the previous ones: Operator, Maintainer and Designer see certificates, revocation
+    /// lists, settings and the service's status, Maintainer and Designer clear logs, Designer shuts
+    /// the server down.
     FiveLevels,
 };
 
-/// One of the five, and the well-known roles (Part 3, 4.9.2) that have it.
+/// One of the five authorities, with the well-known roles (Part 3, 4.9.2) that have it.
 enum class Authority : std::uint8_t {
     Observer,      // Observer
     Operator,      // Operator
@@ -28,11 +29,11 @@ enum class Authority : std::uint8_t {
     Administrator, // SecurityAdmin, ConfigureAdmin
 };
 
-/// "standard" or "five levels"; nothing for other texts.
+/// Reads "standard" or "five levels"; nothing for other texts.
 [[nodiscard]] BUSBAR_API std::optional<Authorities> find_authorities(std::string_view name);
 
-/// A node that `reads` and those above see and read, and that `acts` and those above write and
-/// call, over encrypted channels.
+/// Returns the access rules of a node that `reads` and higher authorities see and read, and that
+/// `acts` and higher ones write and call, over encrypted channels.
 [[nodiscard]] BUSBAR_API model::NodeAccess access_from(Authority reads, Authority acts);
 
 } // namespace busbar::administration

@@ -17,77 +17,76 @@ namespace busbar::administration {
 
 class ConfiguredUsers;
 
-/// A role and the rules by which sessions get it (Part 18, 4.4.1): a session that fulfils one of
-/// the identities, and whose application and endpoint are not ruled out.
+/// A role and the rules by which sessions get it (Part 18, 4.4.1): a session must fulfil one of the
+/// identities, and its application and endpoint must not be excluded.
 struct RoleRules {
-    /// The name of a well-known role, or what AddRole was given.
+    /// The name of a well-known role, or the argument of AddRole.
     std::string name;
-    /// What qualifies the name: that of OPC UA for a well-known role.
+    /// The namespace of the name: that of OPC UA for a well-known role.
     std::string namespace_uri;
     std::vector<IdentityMappingRuleType> identities;
-    /// True: the applications of the list do not get the role; false: none but these.
+    /// If true, the applications of the list do not get the role; if false, only they do.
     bool applications_exclude{true};
     std::vector<std::string> applications; // ApplicationUris
     bool endpoints_exclude{true};
-    /// Empty and zero fields of one fit every endpoint.
+    /// Empty and zero fields match every endpoint.
     std::vector<EndpointType> endpoints;
 };
 
-/// How much rules may take.
+/// Limits the size of rules.
 struct RoleLimits {
     std::size_t max_roles{64};
-    /// Of each list of a role.
+    /// Entries of each list of a role.
     std::size_t max_rules{256};
     std::size_t max_text{1'024};
 };
 
-/// The roles of a server, well-known ones and own ones, kept in a file of a Storage. A change is in
-/// the file, whole, or not done at all.
+/// The roles of a server, well-known and additional ones, kept in a file of a Storage. A change is
+/// completely in the file, or not made at all.
 ///
-/// Rules fit by: the name of a user with a password (UserName); the thumbprint of a user
+/// Rules match by: the name of a user with a password (UserName); the thumbprint of a user
 /// certificate (Thumbprint); a role that an issued token names (Role); Anonymous;
 /// AuthenticatedUser; an ApplicationUri of a channel with security (Application); name and value
-/// pairs of a user certificate's subject, "CN=Pat/O=Works", each of which the subject has
-/// (X509Subject); any application with a certificate (TrustedApplication). GroupId is refused:
-/// tokens bring no groups.
+/// pairs of a user certificate's subject, "CN=Pat/O=Works", all of which the subject has
+/// (X509Subject); any application with a certificate (TrustedApplication). GroupId is refused,
+/// since tokens have no groups.
 ///
-/// The roles Anonymous, AuthenticatedUser and TrustedApplication have the rule that their name says
-/// and no other. One thread, that of
-/// the server.
+/// The roles Anonymous, AuthenticatedUser and TrustedApplication have the rule of their name and no
+/// other. One thread, that of the server.
 class BUSBAR_API RoleList final : public server::RoleMapper {
 public:
-    /// `configured` has whom roles are given to besides; null for none. Both must outlive this
-    /// object.
+    /// `configured` has users with further roles; may be null. Both must outlive this object.
     RoleList(Storage& storage, std::string file, const RoleLimits& limits = {},
              const ConfiguredUsers* configured = nullptr);
 
-    /// Reads the file; no file is the well-known roles without rules. The problem names the file
-    /// and what is wrong in it, and nothing changes then.
+    /// Reads the file; without a file there are the well-known roles without rules. The problem
+    /// names the file and the error in it, and nothing changes then.
     [[nodiscard]] Configured<void> load();
 
     /// The well-known ones first, in the order of Part 3, 4.9.2.
     [[nodiscard]] const std::vector<RoleRules>& roles() const { return roles_; }
-    /// Null if there is none of this name.
+    /// Returns null if there is none with this name.
     [[nodiscard]] const RoleRules* find(std::string_view name) const;
     [[nodiscard]] static bool is_well_known(std::string_view name);
-    /// Whom the role is given to: by the configuration, and by the role's own rules. Empty for a
-    /// role that is not there.
+    /// Returns the identities that get the role: by the configuration, and by the role's own rules.
+    /// Empty for an unknown role.
     [[nodiscard]] std::vector<IdentityMappingRuleType> identities_of(std::string_view role) const;
 
-    // Refusals have the status that the Methods of Part 18, 4.2 and 4.4 answer;
-    // Bad_ResourceUnavailable at a limit and if the Storage fails.
+    // Refusals have the status of the Methods of Part 18, 4.2 and 4.4; Bad_ResourceUnavailable at a
+    // limit and if the Storage fails.
 
-    /// Bad_AlreadyExists, also for the name of a well-known role in another namespace: permissions
-    /// name roles by it. Bad_InvalidArgument for an empty or overlong name.
+    /// Adds a role. Bad_AlreadyExists, also for the name of a well-known role in another namespace,
+    /// since permissions name roles by it. Bad_InvalidArgument for an empty or overlong name.
     [[nodiscard]] Checked<void> add(std::string name, std::string namespace_uri);
-    /// Bad_NodeIdUnknown; Bad_RequestNotAllowed for a well-known role.
+    /// Removes a role. Bad_NodeIdUnknown; Bad_RequestNotAllowed for a well-known role.
     [[nodiscard]] Checked<void> remove(std::string_view name);
-    /// Bad_InvalidArgument, Bad_NotSupported, Bad_AlreadyExists; Bad_RequestNotAllowed for a
-    /// role whose name is its rule.
+    /// Adds a rule. Bad_InvalidArgument, Bad_NotSupported, Bad_AlreadyExists; Bad_RequestNotAllowed
+    /// for a role whose name is its rule.
     [[nodiscard]] Checked<void> add_identity(std::string_view role,
                                              const IdentityMappingRuleType& rule);
-    /// Bad_NotFound; Bad_RequestNotAllowed as above, for what the configuration gives, and for the
-    /// last rule by which somebody is SecurityAdmin, if the configuration has no administrator.
+    /// Removes a rule. Bad_NotFound; Bad_RequestNotAllowed as above, for rules of the
+    /// configuration, and for the last rule that makes a user SecurityAdmin, if the configuration
+    /// has no administrator.
     [[nodiscard]] Checked<void> remove_identity(std::string_view role,
                                                 const IdentityMappingRuleType& rule);
     [[nodiscard]] Checked<void> add_application(std::string_view role, std::string_view uri);
@@ -95,17 +94,18 @@ public:
     [[nodiscard]] Checked<void> add_endpoint(std::string_view role, const EndpointType& endpoint);
     [[nodiscard]] Checked<void> remove_endpoint(std::string_view role,
                                                 const EndpointType& endpoint);
-    /// Bad_RequestNotAllowed if no user could have the role SecurityAdmin afterwards; the same
-    /// holds for the removals above.
+    /// Changes whether the list excludes. Bad_RequestNotAllowed if no user could have the role
+    /// SecurityAdmin afterwards; the same applies to the removals above.
     [[nodiscard]] Checked<void> set_applications_exclude(std::string_view role, bool excludes);
     [[nodiscard]] Checked<void> set_endpoints_exclude(std::string_view role, bool excludes);
 
-    /// Whether rules alone make the user with this name and password an administrator. Any thread.
+    /// Returns whether rules alone make the user with this name and password an administrator.
+    /// Called from any thread.
     [[nodiscard]] bool is_administrator(std::string_view user) const;
 
     [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion& question) const override;
-    /// Without the roles whose lists of applications and endpoints do not allow them, whoever gave
-    /// them.
+    /// Returns the rights without the roles whose lists of applications and endpoints do not allow
+    /// them, wherever they come from.
     [[nodiscard]] server::UserRights limited(const server::RoleQuestion& question,
                                              server::UserRights rights) const override;
 
@@ -121,7 +121,7 @@ private:
     Storage* storage_;
     std::string file_;
     RoleLimits limits_;
-    /// Of roles_ while they change and where another thread reads them.
+    /// Protects changes of roles_, and reads of it by other threads.
     mutable std::mutex mutex_;
     std::vector<RoleRules> roles_;
     const ConfiguredUsers* configured_;

@@ -7,13 +7,13 @@
 
 namespace busbar::administration {
 
-/// What a program says of how it is, beyond what the standard has Variables for.
+/// A fact about a program's state, in addition to the Variables of the standard.
 struct StatusFact {
     /// BrowseName, and a part of the NodeId: "Status/RestartDue".
     std::string name;
-    /// A value of its type; an array for one that is always an array.
+    /// A value of its type; an array for a fact that is always an array.
     Variant like;
-    /// Called on the server's thread whenever a client asks.
+    /// Called on the server's thread whenever a client reads it.
     std::function<Variant()> value;
 };
 

@@ -23,10 +23,10 @@ struct ConfiguredUser;
 /// The bits of UserConfigurationMask (Part 18, 5.2.3).
 namespace user_bit {
 inline constexpr std::uint32_t no_delete = 1;
-/// Such a user is for a login as if he were not there.
+/// Such a user cannot log in, as if he did not exist.
 inline constexpr std::uint32_t disabled = 2;
 inline constexpr std::uint32_t no_change_by_user = 4;
-/// Not together with no_change_by_user.
+/// Excludes no_change_by_user.
 inline constexpr std::uint32_t must_change_password = 8;
 } // namespace user_bit
 
@@ -38,11 +38,11 @@ struct User {
     /// user_bit.
     std::uint32_t configuration{0};
     std::string description;
-    /// Names of roles, besides those that the rules of the RoleSet give.
+    /// Names of roles, in addition to those by the rules of the RoleSet.
     std::vector<std::string> roles;
 };
 
-/// What ModifyUser changes; nothing is left as it is.
+/// The changes of ModifyUser; an empty member is not changed.
 struct UserChange {
     std::optional<std::string_view> password;
     std::optional<std::uint32_t> configuration;
@@ -51,62 +51,62 @@ struct UserChange {
 };
 
 /// The users that administrators add, change and remove while a server runs (Part 18, 5), kept in a
-/// file of a Storage. A change is in the file, whole, or not done at all; then it counts for the
-/// next login.
+/// file of a Storage. A change is completely in the file, or not made at all; it then applies to
+/// the next login.
 ///
-/// Who has the right to ask for a change is not looked at. Any thread; each change takes as long as
+/// Does not check the right to make a change. Called from any thread; each change takes as long as
 /// a hash of a password and the Storage do.
 class BUSBAR_API UserList {
 public:
-    /// True if the user is an administrator, by his roles or by rules; asked under a lock, on any
-    /// thread.
+    /// Returns true if the user is an administrator, by his roles or by rules; called under a lock,
+    /// on any thread.
     using IsAdministrator = std::function<bool(const User&)>;
 
-    /// `users` gets those of the list; names that it has otherwise are not this list's business and
-    /// cannot be added. All but `rules` must outlive this object. `is_administrator` is of use once
-    /// there are roles by rules: without it, whoever has the role SecurityAdmin is one.
-    /// `configured` are users beside the list, who take precedence over those of the same name and
-    /// cannot be changed; null for none.
+    /// `users` gets the users of the list; other names in it are not managed by this list and
+    /// cannot be added. All except `rules` must outlive this object. `is_administrator` is needed
+    /// if there are roles by rules: without it, a user with the role SecurityAdmin is one.
+    /// `configured` are additional users, who take precedence over those of the same name and
+    /// cannot be changed; may be null.
     UserList(Storage& storage, std::string file, server::PasswordRules rules,
              server::PasswordUsers& users, IsAdministrator is_administrator = {},
              const ConfiguredUsers* configured = nullptr);
 
-    /// Reads the file; no file is no users. The problem names the file and what is wrong in it, and
-    /// the list then stays as it was.
+    /// Reads the file; without a file there are no users. The problem names the file and the error
+    /// in it, and the list does not change then.
     [[nodiscard]] Configured<void> load();
 
     /// In the order of their names.
     [[nodiscard]] std::vector<User> users() const;
-    /// The same with the configured ones, as users without a hash who have no_delete and
-    /// no_change_by_user.
+    /// Returns them together with the configured ones, as users without a hash who have no_delete
+    /// and no_change_by_user.
     [[nodiscard]] std::vector<User> all_users() const;
     [[nodiscard]] std::optional<User> find(std::string_view name) const;
-    /// Somebody who can log in is an administrator, of the list or configured.
+    /// True if a user who can log in is an administrator, of the list or configured.
     [[nodiscard]] bool has_administrator() const;
     [[nodiscard]] const server::PasswordRules& rules() const { return rules_; }
 
-    // Refusals have the status that the Methods of Part 18 answer, and never a password. All of
+    // Refusals have the status of the Methods of Part 18, and never contain a password. For all of
     // them: Bad_ResourceUnavailable if the Storage fails, Bad_ConfigurationError for bits that
-    // exclude each other, Bad_NotSupported for bits that are none and for a configured user,
+    // exclude each other, Bad_NotSupported for unknown bits and for a configured user,
     // Bad_OutOfRange for a password that breaks the rules.
 
-    // Those that hash a password, which takes time, ask `is_wanted`, if it is not empty, before
-    // they change anything: Bad_Timeout if it is false.
+    // Functions that hash a password, which takes time, call `is_wanted`, if it is not empty,
+    // before they change anything: Bad_Timeout if it returns false.
 
     /// Part 18, 5.2.5: Bad_AlreadyExists, Bad_InvalidArgument for a name that breaks the rules,
     /// Bad_ResourceUnavailable at PasswordRules::max_users.
     [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random,
                                     const std::function<bool()>& is_wanted = {});
-    /// Part 18, 5.2.6: Bad_NotFound. Bad_RequestNotAllowed if nobody would be an administrator any
-    /// more.
+    /// Part 18, 5.2.6: Bad_NotFound. Bad_RequestNotAllowed if no administrator would be left.
     [[nodiscard]] Checked<void> modify(std::string_view name, const UserChange& change,
                                        crypto::Random& random,
                                        const std::function<bool()>& is_wanted = {});
     /// Part 18, 5.2.7: Bad_NotFound, Bad_NotSupported for a user with no_delete,
     /// Bad_RequestNotAllowed for the last administrator.
     [[nodiscard]] Checked<void> remove(std::string_view name);
-    /// Part 18, 5.2.8, by the user himself: Bad_IdentityTokenInvalid if `old_password` is wrong,
-    /// Bad_NotSupported for a user with no_change_by_user, Bad_AlreadyExists if both are the same.
+    /// Part 18, 5.2.8, called by the user himself: Bad_IdentityTokenInvalid if `old_password` is
+    /// wrong, Bad_NotSupported for a user with no_change_by_user, Bad_AlreadyExists if both are
+    /// equal.
     [[nodiscard]] Checked<void> change_password(std::string_view name,
                                                 std::string_view old_password,
                                                 std::string_view new_password,
@@ -120,7 +120,7 @@ private:
     [[nodiscard]] bool is_configured(std::string_view name) const;
     [[nodiscard]] Checked<std::string> hash(std::string_view name, std::string_view password,
                                             crypto::Random& random) const;
-    /// Writes the file, and then makes `users` the ones that count.
+    /// Writes the file, and then puts `users` in force.
     [[nodiscard]] Checked<void> replace(std::vector<User> users);
     [[nodiscard]] server::PasswordUsers::Change publication(const std::vector<User>& users) const;
     void publish(std::vector<User> users, server::PasswordUsers::Change change);
@@ -131,10 +131,10 @@ private:
     server::PasswordUsers* passwords_;
     IsAdministrator is_administrator_;
     const ConfiguredUsers* configured_;
-    /// Changes come one after the other; held while the Storage is waited for.
+    /// Serializes changes; held while waiting for the Storage.
     std::mutex change_mutex_;
-    /// Of users_ where they become others, and where they are read but for a change. Nothing is
-    /// waited for with it: a thread that holds the Storage up may ask who is there.
+    /// Protects changes of users_, and reads of it other than for a change. Never held while
+    /// waiting: a thread that blocks the Storage may read the users.
     mutable std::mutex mutex_;
     std::vector<User> users_;
 };
