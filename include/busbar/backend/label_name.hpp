@@ -13,20 +13,21 @@
 
 namespace busbar::backend {
 
-/// Characters of a label's name with its members, periods, indices and commas (seed 001, 8.3).
+/// Maximum number of characters of a label's name with its members, dots, indices and commas
+/// (manual of model mode, 8.3).
 inline constexpr std::size_t max_label_name_length = 800;
 
-/// A label by its name, as it is mapped (seed 001, 8.3): "Stations[2].Count", "Grid[1,0,4]",
-/// "Delay.N". Names are told apart without case: of the letters A to Z, as those of a program's
-/// other names are.
+/// A label by its name, as it is mapped (manual of model mode, 8.3): "Stations[2].Count",
+/// "Grid[1,0,4]", "Delay.N". Names are compared without case for the letters A to Z, as other names
+/// of a program.
 struct LabelName {
     struct Part {
-        /// As it was written.
+        /// The name as written.
         std::string name;
-        /// None: no element; the outermost first, at most three.
+        /// Empty for no element; the outermost first, at most three.
         std::vector<std::uint32_t> indices{};
 
-        /// Without case.
+        /// Compares without case.
         friend BUSBAR_API bool operator==(const Part& a, const Part& b);
     };
 
@@ -37,27 +38,29 @@ struct LabelName {
 };
 
 /// Reads a name. Each index is in decimal; "[A][B][C]" is the same as "[A,B,C]". Whether "S", "C"
-/// or "N" at the end is a member or a part of a timer is up to what the label is, see timer_part().
+/// or "N" at the end is a member or a part of a timer depends on the label's type, see
+/// timer_part().
 ///
-/// Refused with `where` "column 7", counted in characters from 1, and a text of what was found and
-/// what was expected: bits ("Label.1") and digits ("K4Label": K, 1 to 8 and a name; "K4" and "K9x"
-/// are names) of labels, which cannot be mapped, more than max_label_name_length characters, what
-/// is no UTF-8, and control characters. What other characters a product allows:
-/// check_label_characters.
+/// Refused with `where` "column 7", counted in characters from 1, and a text that says what was
+/// found and what was expected: bits ("Label.1") and digits ("K4Label": K, 1 to 8 and a name; "K4"
+/// and "K9x" are names) of labels, which cannot be mapped, more than max_label_name_length
+/// characters, bytes that are not UTF-8, and control characters. check_label_characters checks
+/// which other characters a product allows.
 [[nodiscard]] BUSBAR_API Configured<LabelName> parse_label_name(std::string_view text);
 
-/// In the one way to write it: "Grid[1,0,4]". Reads as the same name again.
+/// Returns the canonical form: "Grid[1,0,4]". Reads as the same name again.
 [[nodiscard]] BUSBAR_API std::string to_text(const LabelName& name);
-/// The same with the letters A to Z small, so that equal names have equal keys.
+/// Returns the canonical form with the letters A to Z in lower case, so that equal names have equal
+/// keys.
 [[nodiscard]] BUSBAR_API std::string key_of(const LabelName& name);
 
-/// What S, C or N, in either case, stands for behind the name of a timer or counter; None for all
-/// other parts.
+/// Returns the meaning of S, C or N, in either case, after the name of a timer or counter; None for
+/// all other parts.
 [[nodiscard]] BUSBAR_API TimerPart timer_part(const LabelName::Part& part);
 
-/// The first character that the RD81OPC96's Mapping column does not take (seed 001, appendix 6,
-/// note 1), as a Problem like those of parse_label_name; none if all are taken. "Environment
-/// dependent" characters, which that note does not name, are taken.
+/// Returns the first character that the RD81OPC96's Mapping column does not allow (manual of model
+/// mode, appendix 6, note 1), as a Problem like those of parse_label_name; nothing if all are
+/// allowed. "Environment dependent" characters, which that note does not list, are allowed.
 [[nodiscard]] BUSBAR_API std::optional<Problem> check_label_characters(std::string_view text);
 
 } // namespace busbar::backend
