@@ -24,7 +24,8 @@ struct ProgramAddition;
 
 namespace busbar::product {
 
-/// What only a controller's hardware and firmware know (seed 000, 4-1-4 and 9-2).
+/// Events that only a controller's hardware and firmware know (manual of variables mode, 4-1-4 and
+/// 9-2).
 enum class HardwareEvent : std::uint8_t {
     MajorFault,
     PartialFault,
@@ -32,28 +33,28 @@ enum class HardwareEvent : std::uint8_t {
     MinorFault,
     MinorServerFault,
     Watchdog,
-    MediumOut, // somebody is going to take it: its power switch was pressed
+    MediumOut, // it is going to be removed: its power switch was pressed
     MediumIn,
 };
 
-/// What a runtime has of the controller that it is part of. Any thread; nothing waits.
+/// The functions of the controller for its runtime. Called from any thread; none waits.
 class BUSBAR_API RuntimeHost {
 public:
     RuntimeHost() = default;
     RuntimeHost(const RuntimeHost&) = delete;
     RuntimeHost& operator=(const RuntimeHost&) = delete;
 
-    /// The server follows soon.
+    /// Reports an event; the server reacts soon.
     virtual void happen(HardwareEvent event) = 0;
-    /// Power is going: what can be saved is saved soon.
+    /// Power is failing: save what can be saved soon.
     virtual void power_going() = 0;
-    /// The program's file is another one: soon it is edited online or downloaded, or the log says
-    /// why not. As SIGHUP does.
+    /// The program's file has changed: it is soon edited online or downloaded, or the log says why
+    /// not. Like SIGHUP.
     virtual void reload() = 0;
-    /// Somebody turned the mode switch. Soon the controller is in that mode, or the log says why
-    /// not; Runtime::mode_changed tells.
+    /// The mode switch was turned. Soon the controller is in this mode, or the log says why not;
+    /// Runtime::mode_changed reports it.
     virtual void switch_mode(controller::MachineMode mode) = 0;
-    /// What the instruction GetPLCError tells (seed 000, 9-1-1); see
+    /// The result of the instruction GetPLCError (manual of variables mode, 9-1-1); see
     /// controller/machine_event_log.hpp.
     [[nodiscard]] virtual std::optional<controller::PlcError> plc_error() const = 0;
 
@@ -61,30 +62,30 @@ protected:
     ~RuntimeHost() = default;
 };
 
-/// A program while a runtime runs it, with its PLC: scan() is what moves the variables. Downloads
-/// make another one, which is there before this one stops and scans after that.
+/// A program that a runtime runs, with its PLC: scan() moves the variables. A download creates
+/// another one, which exists before this one stops and scans after that.
 class BUSBAR_API LoadedProgram : public controller::PlcLogic {
 public:
-    /// A scan of the PLC. Gives its time and how long the one before is ago; by one thread at a
-    /// time, which need not wait for it.
+    /// Performs a scan of the PLC, with its time and the time since the previous one; called by one
+    /// thread at a time, which need not wait for it.
     using Cycle = std::function<void(DateTime now, Duration elapsed)>;
 
-    /// From now on until stop() returns, a task of the runtime's own calls `cycle`, which calls
-    /// scan(): true. False, as here: the controller's own task does it, as often as the
-    /// configuration says. On the server's thread, as the next two.
+    /// Returns true if a task of the runtime calls `cycle`, which calls scan(), from now on until
+    /// stop() returns. False, the default, if the controller's own task shall do it, as often as
+    /// the configuration says. Called on the server's thread, like the next two.
     [[nodiscard]] virtual bool start([[maybe_unused]] const Cycle& cycle) { return false; }
-    /// Waits for a scan that runs. start() may follow.
+    /// Waits for a running scan. start() may follow.
     virtual void stop() {}
-    /// The program was edited online (seed 000, 3-3-2): variables that were added are in the scans
-    /// from the next one on, those that were removed nobody sees any more, and their memory stays
-    /// in use. The scans go on meanwhile.
+    /// The program was edited online (manual of variables mode, 3-3-2): added variables are in the
+    /// scans from the next one on, removed ones are not visible any more, and their memory stays in
+    /// use. Scans continue meanwhile.
     virtual void edited([[maybe_unused]] const controller::ProgramAddition& change) {}
 };
 
-/// What a PLC maker implements to have his PLC in the controller, instead of the simulated one of
-/// busbar-controller.
+/// The interface that a PLC maker implements to use his PLC in the controller, instead of the
+/// simulated one of busbar-controller.
 ///
-/// On the server's thread, but for what memory_of() gives and for scans.
+/// Called on the server's thread, except for the memory of memory_of() and for scans.
 class BUSBAR_API Runtime {
 public:
     Runtime() = default;
@@ -92,32 +93,32 @@ public:
     Runtime& operator=(const Runtime&) = delete;
     virtual ~Runtime() = default;
 
-    /// First, and again when the controller starts anew: `host` is there until end().
+    /// Called first, and again when the controller restarts: `host` is valid until end().
     virtual void begin([[maybe_unused]] RuntimeHost& host) {}
     virtual void end() {}
 
-    /// Where the runtime has a variable of a program that load() is about to be asked for, as
-    /// server::ImageVariable::runtime says; nothing, as here: it lies in the PLC's image. What is
-    /// given lives as long as the loaded program.
+    /// Returns the memory of a variable of a program that is about to be loaded, as for
+    /// server::ImageVariable::runtime; empty, the default, if it is in the PLC's image. It must
+    /// live as long as the loaded program.
     [[nodiscard]] virtual std::span<std::byte>
     memory_of([[maybe_unused]] const controller::GlobalVariable& variable)
     {
         return {};
     }
-    /// Makes a program ready to run, while the one before it may still run. `plc` has its variables
+    /// Makes a program ready to run, while the previous one may still run. `plc` has its variables
     /// and outlives the result; `program` is null for variables of the configuration itself. The
-    /// problem refuses the start or the download, of which nothing is left then.
+    /// problem refuses the start or the download, which then has no effect.
     [[nodiscard]] virtual Configured<std::unique_ptr<LoadedProgram>>
     load(controller::Plc& plc, const controller::Program* program) = 0;
 
-    /// The controller is in this mode: before a loaded program starts, and when it changes, by whom
-    /// ever. Whether programs run in PROGRAM is the runtime's.
+    /// The controller is in this mode: called before a loaded program starts, and for any change.
+    /// The runtime decides whether programs run in PROGRAM.
     virtual void mode_changed([[maybe_unused]] controller::MachineMode mode) {}
-    /// Labels for a project of model mode to be mapped to; null, as here: there are none, and a
-    /// project is refused.
+    /// Returns the labels that a project of model mode is mapped to; null, the default, if there
+    /// are none, and a project is refused.
     [[nodiscard]] virtual std::shared_ptr<backend::LabelBackend> labels() { return nullptr; }
-    /// Whether the configuration may say what the PLC does ([[plc.program]]) and clients may play
-    /// its hardware: in simulations only.
+    /// Returns whether the configuration may define the PLC's behaviour ([[plc.program]]) and
+    /// clients may operate its hardware: only in simulations.
     [[nodiscard]] virtual bool is_simulated() const { return false; }
 };
 

@@ -4,7 +4,7 @@
 
 namespace busbar::tool {
 
-/// The program busbar: does what its command line says and gives the exit code. Takes the process's
+/// The program busbar: executes its command line and returns the exit code. Handles the process's
 /// SIGPIPE.
 [[nodiscard]] BUSBAR_API int run_program(int argc, char** argv);
 
