@@ -164,8 +164,7 @@ private:
     }
     void destroy();
     void copy(const Variant& other);
-    /// Moves as bytes, which everything in a Variant allows: numbers, blobs, array headers,
-    /// pointers.
+    /// Moves as bytes, which all that a Variant holds allows: numbers, blobs, headers, pointers.
     void take(Variant& other) noexcept
     {
         std::memcpy(storage_, other.storage_, sizeof storage_);

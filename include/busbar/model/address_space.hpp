@@ -42,8 +42,7 @@ public:
     /// ApplicationUri. Bad_TooManyOperations past 65,535 namespaces.
     [[nodiscard]] Result<std::uint16_t> add_namespace(std::string_view uri);
 
-    /// Returns an unused numeric NodeId of the namespace, which must exist; never returns one
-    /// twice.
+    /// Returns an unused numeric NodeId of the namespace, which must exist; each only once.
     [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
     /// Reserves memory for this many more dynamic nodes; only saves time.
     void reserve(std::size_t node_count);

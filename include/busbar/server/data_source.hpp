@@ -20,8 +20,7 @@ namespace busbar::model {
 struct BoundValue;
 } // namespace busbar::model
 
-/// The interface that a PLC backend implements to give the server its values; `memory_source.hpp`
-/// is a complete one.
+/// The interface of a PLC backend to the server; memory_source.hpp has a complete one.
 namespace busbar::server {
 
 namespace detail {
@@ -144,8 +143,7 @@ struct Monitoring {
     friend bool operator==(const Monitoring&, const Monitoring&) = default;
 };
 
-/// The abilities of a source and the limits of what the server may request from it; copied once,
-/// when it is added.
+/// What a source can do and what the server may request from it; copied when it is added.
 struct DataSourceOptions {
     /// The source returns the part that ReadItem::range names.
     bool reads_ranges{false};
@@ -153,25 +151,20 @@ struct DataSourceOptions {
     bool writes_ranges{false};
     /// Arrays longer than ArrayDimensions are Bad_WriteNotSupported, else Bad_TypeMismatch.
     bool has_fixed_lengths{false};
-    /// Bad_Shutdown, and Bad_TooManyOperations of Read and Write, for a batch becomes the
-    /// ServiceResult.
+    /// Bad_Shutdown, and Bad_TooManyOperations of Read and Write, become the ServiceResult.
     bool decides_services{false};
-    /// A Write is applied to all its items of this source or to none, whether the source or the
-    /// server refuses one of them; items that the server would not have refused answer
-    /// Bad_NoCommunication.
+    /// A Write is applied to all its items of this source or to none, also if the server refuses
+    /// one; items that it would not have refused answer Bad_NoCommunication.
     bool all_or_nothing{false};
     /// The time after which the items of a batch answer Bad_Timeout; never more than the client's
     /// own timeout. The batch stays valid; its late completion is dropped.
     std::chrono::milliseconds timeout{5000};
-    /// Maximum number of batches and items that it holds, including late ones; beyond it
-    /// Bad_TooManyOperations.
+    /// Batches and items that it holds, late ones included; beyond: Bad_TooManyOperations.
     std::size_t max_batches{256};
     std::size_t max_items{1'000'000};
-    /// Limits the sum of monitored_size() of all MonitoredItems; beyond it
-    /// Bad_TooManyMonitoredItems.
+    /// The sum of all monitored_size() of items; beyond it Bad_TooManyMonitoredItems.
     std::size_t max_monitored_size{SIZE_MAX};
-    /// A source of the server itself: it is called even while the server is Suspended, has Failed
-    /// or counts down.
+    /// A source of the server itself: called also while that is Suspended, Failed or counts down.
     bool is_always_in_service{false};
 };
 
@@ -195,24 +188,20 @@ public:
     DataSource& operator=(const DataSource&) = delete;
     virtual ~DataSource() { detach(); }
 
-    /// The index that nodes refer to (NewVariable::source), of the server that the source was added
-    /// to last; model::no_source before.
+    /// Its index for NewVariable::source in the last server it was added to; else no_source.
     [[nodiscard]] std::uint32_t index() const { return index_; }
     /// Returns the argument of AddressSpace::add_variable for a Variable that the backend calls
-    /// `handle`. `like` is a value of its DataType, ValueRank and ArrayDimensions, and is used for
-    /// nothing else. The source must have been added: if not, this binds nothing and the Variable
-    /// is refused.
+    /// `handle`. `like` only gives its DataType, ValueRank and ArrayDimensions. The source must
+    /// have been added: if not, this binds nothing and the Variable is refused.
     [[nodiscard]] model::BoundValue variable(std::uint64_t handle, const Variant& like) const;
 
     [[nodiscard]] virtual DataSourceOptions options() const { return {}; }
     /// Answers every item of the batch: with its value and source timestamp, or with a bad status,
-    /// such as Bad_NoCommunication for a PLC that cannot be reached. The same handle may appear
-    /// twice.
+    /// such as Bad_NoCommunication for a PLC that cannot be reached. Handles may repeat.
     virtual void read(ReadBatch batch) = 0;
     /// Applies every item of the batch. A read-only source does not override this.
     virtual void write(WriteBatch batch) { batch.finish(status::Bad_NotWritable); }
-    /// Carries out every Method of the batch, in any order. A source without Methods does not
-    /// override this.
+    /// Carries out every Method of the batch, in any order. Not overridden without Methods.
     virtual void call(CallBatch batch) { batch.fail(status::Bad_NotImplemented); }
 
     /// Returns the size that a MonitoredItem of the variable, or of a part of it, counts until it
@@ -248,8 +237,7 @@ private:
     void detach();
 
     std::uint32_t index_{UINT32_MAX};
-    /// The handle by which its servers find it, created for the first of them; holds null when the
-    /// source is destroyed.
+    /// The handle by which its servers find it; holds null when the source is destroyed.
     std::shared_ptr<DataSource*> self_;
 };
 

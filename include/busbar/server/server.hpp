@@ -50,25 +50,21 @@ public:
     ~Server();
 
     [[nodiscard]] const ServerConfig& config() const;
-    /// The profiles of Part 7 that it meets, and the reasons why not others; assessed again by
-    /// start().
+    /// The profiles of Part 7 that it meets, and why not others; assessed again by start().
     [[nodiscard]] const Conformance& conformance() const;
-    /// May be changed between calls of other members. Clients are notified of nodes and references
-    /// that are added and removed by a GeneralModelChangeEvent if the nodes have a Property
-    /// NodeVersion (Part 3, 9.32.2), which the server increments; until that is done
-    /// next_deadline() is in the past.
+    /// May be changed between calls of other members. Clients learn of nodes and references that
+    /// are added or removed by a GeneralModelChangeEvent if the nodes have a NodeVersion (Part 3,
+    /// 9.32.2), which the server increments; until then next_deadline() is in the past.
     [[nodiscard]] model::AddressSpace& address_space();
-    /// Sets the properties of a namespace in Server.Namespaces, which lists it without this call
-    /// too. Bad_NotFound for an unknown index; Bad_NotSupported if namespace 0 cannot show it:
-    /// rights apply nevertheless.
+    /// Sets the properties of a namespace in Server.Namespaces. Bad_NotFound for an unknown index;
+    /// Bad_NotSupported if namespace 0 cannot show it: rights apply nevertheless.
     Result<void> describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata);
     /// Types of values in addition to those of namespace 0; fill it before clients connect.
     [[nodiscard]] binary::TypeRegistry& types();
     /// Returns the source's index, which nodes refer to. The source may be destroyed before the
     /// server, on the server's thread: see DataSource.
     std::uint32_t add_source(DataSource& source);
-    /// Adds a source, not null, that the server keeps alive: for sources that other threads may
-    /// release.
+    /// Adds one, not null, that the server keeps alive: for sources that other threads may release.
     std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
     /// Raises an event, from any thread; see EventQueue::raise. False without modules::events.
@@ -82,8 +78,7 @@ public:
     [[nodiscard]] Result<Connection> connect(std::string_view peer_address, TimePoint now);
 
     /// Starts what needs the time but no client: notices before the server's certificate expires,
-    /// on the day, and about host names that it does not contain. Call it once, before all other
-    /// functions.
+    /// on the day, and about host names that it lacks. Call it once, before all other functions.
     void start(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
@@ -93,23 +88,20 @@ public:
     /// reason than a call of its own members. Each is named once, however much changed.
     [[nodiscard]] std::optional<std::uint64_t> next_changed();
 
-    /// Sets State Shutdown, raises a SystemStatusChangeEvent, and answers all requests except Read,
-    /// Publish and CloseSession with Bad_Shutdown; ServerConfig::shutdown_delay later closes all
-    /// connections.
+    /// Sets State Shutdown, raises a SystemStatusChangeEvent, and answers all but Read, Publish and
+    /// CloseSession with Bad_Shutdown; ServerConfig::shutdown_delay later closes all connections.
     void begin_shutdown(TimePoint now, std::string_view reason);
     /// True once shutdown is over, earlier if no client is connected: nothing more will be sent.
     [[nodiscard]] bool is_stopped() const;
 
     /// Reports the next sample of each item of the Variable's value with the SemanticsChanged bit
     /// (Part 8, 5.2) and raises a SemanticChangeEvent: call it when EURange, EngineeringUnits or
-    /// similar Properties have changed. Clients' writes of such Properties are announced without
-    /// it.
+    /// similar Properties have changed other than by a client's write.
     void announce_semantics_change(const NodeId& variable);
     /// Announces likewise with the StructureChanged bit (Part 4, 7.38.1).
     void announce_structure_change(const NodeId& variable);
-    /// Call it when the AccessControl decides differently: the rights of MonitoredItems are checked
-    /// again, and an item that lost or regained its rights reports that (Part 4, 5.13.2.1).
-    /// Requests ask each time in any case.
+    /// Call it when the AccessControl decides differently: an item that lost or regained its rights
+    /// reports that (Part 4, 5.13.2.1). Requests ask each time in any case.
     void announce_access_change(TimePoint now);
 
     [[nodiscard]] SamplingState sampling_state() const;
