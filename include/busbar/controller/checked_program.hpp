@@ -13,14 +13,14 @@
 
 namespace busbar::controller {
 
-/// A program whose types and initial values were found to be right, so that nothing looks at them a
-/// second time. It never changes: any thread may read it.
+/// A program whose types and initial values have been checked, so that they need no second check.
+/// Immutable: any thread may read it.
 class BUSBAR_API CheckedProgram {
     struct Key {};
 
 public:
-    /// Takes time with the program: 10,000 variables are some milliseconds. The problem is that of
-    /// ProgramTypes, or of an initial value that does not fit its type.
+    /// Takes time in proportion to the program: some milliseconds for 10,000 variables. The problem
+    /// is that of ProgramTypes, or an initial value that does not fit its type.
     [[nodiscard]] static Configured<std::shared_ptr<const CheckedProgram>> create(Program program);
     CheckedProgram(Key, Program program) : program_{std::move(program)} {}
     CheckedProgram(const CheckedProgram&) = delete;
@@ -28,7 +28,8 @@ public:
 
     [[nodiscard]] const Program& program() const { return program_; }
     [[nodiscard]] const ProgramTypes& types() const { return *types_; }
-    /// The variable of this name, as fold_name() has it; null if there is none.
+    /// Returns the variable whose name is `folded` as fold_name() returns it; null if there is
+    /// none.
     [[nodiscard]] const GlobalVariable* variable(const std::string& folded) const
     {
         const auto found = variables_.find(folded);
@@ -37,9 +38,9 @@ public:
 
 private:
     Program program_;
-    /// Looks at program_.
+    /// Refers to program_.
     std::optional<ProgramTypes> types_;
-    /// By their folded names.
+    /// Keyed by the folded names.
     std::unordered_map<std::string, const GlobalVariable*> variables_;
 };
 

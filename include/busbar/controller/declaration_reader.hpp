@@ -9,51 +9,52 @@
 
 namespace busbar::controller {
 
-/// What a text of declarations may have, whoever wrote it. Reading takes time in proportion to the
-/// text, and no more memory than is said here.
+/// Limits for a text of declarations from any origin. Reading takes time in proportion to the text,
+/// and no more memory than these allow.
 struct DeclarationLimits {
     std::size_t max_text_size{64U << 20U};
-    /// Bytes that the Program may take; a list of names with one initial value has a copy for each.
+    /// Maximum size of the Program in bytes; a list of names with one initial value stores a copy
+    /// for each.
     std::size_t max_memory{512U << 20U};
-    /// Aggregates and lists within one another.
+    /// Maximum depth of nested aggregates and lists.
     std::size_t max_depth{32};
     std::size_t max_dimensions{16};
-    /// Bytes of a name.
-    std::size_t max_name_length{512}; // as of a BrowseName (Part 3, 8.3)
+    /// In bytes.
+    std::size_t max_name_length{512}; // like a BrowseName (Part 3, 8.3)
 };
 
-/// Types and global variables from declarations as IEC 61131-3, 3rd edition, writes them.
+/// Reads types and global variables from declarations as in IEC 61131-3, 3rd edition.
 ///
-/// `text` is UTF-8, with or without a byte order mark. It has, in any number and order, whether in
-/// upper or lower case:
+/// `text` is UTF-8, with or without a byte order mark. It has, in any number and order, in upper or
+/// lower case:
 ///
 /// - `TYPE ... END_TYPE`: STRUCT, UNION, enumerations (`(A := 1, B)`, `(A, B) INT`, `INT (A, B)`),
 ///   subranges (`INT (0..100)`), arrays of any bounds and dimensions, other names for types,
 ///   STRING[n] and STRING(n), each with an initial value. Types may be used before they are
-///   declared. Behind END_STRUCT and END_UNION the `;` may be missing.
+///   declared. The `;` after END_STRUCT and END_UNION is optional.
 /// - `VAR_GLOBAL [CONSTANT] [RETAIN | NON_RETAIN] ... END_VAR`, with AT, initial values and several
 ///   names in one declaration. PERSISTENT, as some vendors call it, is RETAIN.
 /// - `CONFIGURATION`, `RESOURCE`, `TASK` and `PROGRAM ... WITH task : type`, for tasks and
-/// instances.
+///   instances.
 ///
-/// Comments are `(* *)`, `/* */`, both within one another, and `//`. The first one that begins
-/// behind a declaration, in its last line, is the declaration's own.
+/// Comments are `(* *)`, `/* */`, both nested within each other, and `//`. The first one that
+/// begins after a declaration, on its last line, belongs to that declaration.
 ///
-/// `{attribute 'publish' := 'output'}` is what a variable's Network Publish attribute is written as
-/// (seed 000, 3-3-1): 'none', 'publish only', 'input' or 'output'. It stands before a declaration,
-/// before its `;`, or before VAR_GLOBAL, then for all in that block that have none of their own.
-/// Also read are: without the word attribute; without quotes or with double ones; 'do not publish'
-/// and 'hidden' for none, 'public only' and 'public' for publish only, with blanks, hyphens,
-/// underscores or nothing between the words; `{attribute 'OPC.UA.DA' := '1'}` as publish only and
-/// '0' as none. All other pragmas mean nothing.
+/// `{attribute 'publish' := 'output'}` sets a variable's Network Publish attribute (manual of
+/// variables mode, 3-3-1): 'none', 'publish only', 'input' or 'output'. It precedes a declaration,
+/// its `;`, or VAR_GLOBAL, where it applies to all variables of that block without an attribute of
+/// their own. Also accepted are: without the word attribute; without quotes or with double ones;
+/// 'do not publish' and 'hidden' for none, 'public only' and 'public' for publish only, with
+/// blanks, hyphens, underscores or nothing between the words; `{attribute 'OPC.UA.DA' := '1'}` as
+/// publish only and '0' as none. All other pragmas are ignored.
 ///
-/// The `$` of texts gives bytes of UTF-8 in '...' and UTF-16 in "...". Not read are expressions and
-/// names of constants, types that have no name of their own but arrays and subranges, and types of
+/// The `$` of texts stands for bytes of UTF-8 in '...' and UTF-16 in "...". Not supported are
+/// expressions and names of constants, unnamed types other than arrays and subranges, and types of
 /// characters and of 64 bit times (LTIME, CHAR, WSTRING and others).
 ///
-/// `file_name` is for problems, whose `where` is "machine.st:12:5", columns counted in characters;
-/// there is no more than the first one. What names and values mean is not looked at:
-/// ProgramTypes::create and check_initial_values do.
+/// `file_name` is for problems, whose `where` is "machine.st:12:5", with columns counted in
+/// characters; only the first problem is reported. The meaning of names and values is not checked:
+/// ProgramTypes::create and check_initial_values do that.
 [[nodiscard]] BUSBAR_API Configured<Program>
 read_declarations(std::string_view text, std::string_view file_name,
                   const DeclarationLimits& limits = {});

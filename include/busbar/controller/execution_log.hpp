@@ -28,41 +28,43 @@ struct WaitingLogItem {
 };
 } // namespace detail
 
-/// Settings of the execution log (seed 000, 7-1-3). Whether there is one at all is the embedder's:
-/// no object, no log.
+/// Settings of the execution log (manual of variables mode, 7-1-3). The embedder decides whether
+/// there is a log at all: without this object there is none.
 struct ExecutionLogOptions {
-    /// In the folder at the same time; 2 to 100. The oldest one goes when a new one is due.
+    /// Maximum number of files in the folder, 2 to 100. The oldest is removed before a new one is
+    /// begun.
     std::size_t max_files{24};
-    /// Of one file; 100 to 65,536.
+    /// Records in one file; 100 to 65,536.
     std::size_t max_records{12'000};
-    /// Records that wait while the medium is away; at least 600 (seed 000, 7-4-4). The default also
-    /// has room for one Preparing of 10,000 variables. Whoever publishes more adds as many. Each
-    /// takes about 150 bytes, at most 300.
+    /// Maximum number of records that wait while the medium is away; at least 600 (manual of
+    /// variables mode, 7-4-4). The default also has room for one Preparing with 10,000 variables;
+    /// add as many as there are more. Each takes about 150 bytes, at most 300.
     std::size_t max_waiting{16'384};
-    /// On the medium (seed 000, 7-1-5).
+    /// The folder on the medium (manual of variables mode, 7-1-5).
     std::string folder{"packages/OPCUA_Server/ExecutionLog"};
     std::string system_folder{"packages/OPCUA_Server/System"};
 };
 
-/// What is known of the medium without trying it.
+/// The state of the medium as far as it is known without accessing it.
 enum class LogMedium : std::uint8_t {
     In,
     Out,
-    Unusable, // in, but of a wrong type or format
+    Unusable, // inserted, but its type or format is wrong
 };
 
-/// The execution log of seed 000, section 7: a LogSink that turns records into lines, which wait in
-/// memory until a thread of the embedder's writes them to a medium that may be pulled out.
+/// The execution log (manual of variables mode, section 7): a LogSink that turns records into
+/// lines, which wait in memory until a thread of the embedder writes them to a removable medium.
 ///
-/// Everything is passed on to the next sink, also what the log tells itself: ExecutionLogLost when
-/// records cannot be saved or are lost, once until ExecutionLogSaved says that it works again.
+/// Passes everything on to the next sink, also records of its own: ExecutionLogLost when records
+/// cannot be saved or are lost, once until ExecutionLogSaved reports that saving works again.
 ///
-/// record() and write() format and queue; they wait for no medium. Everything else blocks on the
-/// medium and may be called from any thread, but from none that serves clients.
+/// record() and write() format and queue; they do not wait for a medium. All other functions block
+/// on the medium and may be called from any thread, except those that serve clients.
 class BUSBAR_API ExecutionLog final : public LogSink {
 public:
-    /// Reads and writes nothing yet. `medium`, `clock` (its time and its zone stand in the records)
-    /// and `next` must outlive the result. A problem names the option that is out of range.
+    /// Does not read or write yet. `medium`, `clock` (whose time and time zone are used in the
+    /// records) and `next` must outlive the result. A problem names the option that is out of
+    /// range.
     [[nodiscard]] static Configured<std::unique_ptr<ExecutionLog>>
     create(Storage& medium, const WallClock& clock, LogSink& next,
            ExecutionLogOptions options = {});
@@ -72,29 +74,30 @@ public:
     void record(const Record& record) override;
     [[nodiscard]] bool wants(RecordKind kind) const override;
 
-    /// Saves what waits. To be called some times a second; after an error in some seconds. What was
-    /// not saved goes on waiting.
+    /// Saves the waiting records. Call it several times a second; after an error, every few
+    /// seconds. Records that were not saved keep waiting.
     [[nodiscard]] Stored<void> write_pending();
-    /// The same before the power goes: what still waits afterwards is told as lost.
+    /// Saves like write_pending before a power failure: records that still wait afterwards are
+    /// reported as lost.
     [[nodiscard]] Stored<void> flush();
 
-    /// Somebody is going to remove files of the log: saves what waits, so that it goes with them,
-    /// and notes the next serial number, so that numbers go on without the files.
+    /// Call it before files of the log are removed: saves the waiting records, so that they go with
+    /// the files, and the next serial number, so that numbers go on without them.
     [[nodiscard]] Stored<void> prepare_removal();
 
-    /// Somebody is going to take the medium out (seed 000, 7-4-3): saves what waits and uses it no
-    /// more until it is said to be in again.
+    /// Call it before the medium is taken out (manual of variables mode, 7-4-3): saves the waiting
+    /// records and does not use the medium until it is reported as inserted again.
     [[nodiscard]] Stored<void> release_medium();
-    /// It was taken out, put in, or cannot be used. While it is known to be out nothing is told as
-    /// lost before records are; at the start it counts as in.
+    /// Reports that the medium was taken out, inserted, or cannot be used. While it is known to be
+    /// out nothing is reported as lost until records are; at the start it is assumed to be in.
     void medium_changed(LogMedium medium);
 
-    /// Removes all files of the log. Serial numbers go on. After an error some may be left.
+    /// Removes all files of the log. Serial numbers continue. After an error some files may remain.
     [[nodiscard]] Stored<void> clear();
 
-    /// Records that wait.
+    /// The number of waiting records.
     [[nodiscard]] std::size_t waiting() const;
-    /// Records that there was no room for, since the start.
+    /// The number of records that were dropped for lack of room, since the start.
     [[nodiscard]] std::uint64_t lost() const;
 
 private:
@@ -111,16 +114,16 @@ private:
     LogSink* next_;
     ExecutionLogOptions options_;
 
-    mutable std::mutex queue_mutex_; // of the five below; never held while the medium is used
+    mutable std::mutex queue_mutex_; // guards the five below; never held while the medium is used
     std::deque<detail::WaitingLogItem> queue_;
     std::unique_ptr<detail::OncePerCertificate> once_;
     std::uint64_t lost_{0};
-    bool has_overflowed_{false}; // and nobody was told yet
+    bool has_overflowed_{false}; // and this has not been reported yet
     LogMedium medium_{LogMedium::In};
 
-    std::mutex files_mutex_; // of the two below
+    std::mutex files_mutex_; // guards the two below
     std::unique_ptr<detail::ExecutionLogFiles> files_;
-    bool is_told_{false}; // that records are not saved
+    bool is_told_{false}; // reported that records are not saved
 };
 
 } // namespace busbar::controller

@@ -15,23 +15,24 @@
 
 namespace busbar::controller {
 
-/// A record of an execution log, read again.
+/// A record of an execution log, as read back.
 struct ExecutionLogEntry {
     std::uint16_t serial_number{0};
-    DateTime time; // of the controller's place, as if that were UTC
+    DateTime time; // local time of the controller, encoded as if it were UTC
     const ExecutionLogCode* code{nullptr};
-    std::string details; // as ExecutionLogItem has them
+    std::string details; // as in ExecutionLogItem
 };
 
-/// Nothing for a line that is no record (seed 000, 7-1-6). Without CR and LF.
+/// Returns nothing for a line that is not a record (manual of variables mode, 7-1-6). Without CR
+/// and LF.
 [[nodiscard]] BUSBAR_API std::optional<ExecutionLogEntry>
 parse_execution_log_record(std::string_view line);
 
-/// What to look for: all that is given must fit.
+/// A filter: all given criteria must match.
 struct ExecutionLogFilter {
     std::string category{}; // "AUTH"; empty: any
     std::optional<std::uint16_t> code{};
-    DateTime from{};    // of the controller's place; null: any
+    DateTime from{};    // local time of the controller; null: any
     DateTime to{};      // and before this
     std::string text{}; // in the log name or the details, letters of ASCII in either case
 };
@@ -41,29 +42,29 @@ struct ExecutionLogFilter {
 struct ExecutionLogContents {
     /// The oldest first.
     std::vector<ExecutionLogEntry> entries;
-    /// There were older ones that match.
+    /// There were older matching entries.
     bool is_cut{false};
-    /// Lines that are no records, and files that are too large to be ours.
+    /// The number of lines that are not records, and of files too large for this log.
     std::size_t damaged{0};
 };
 
-/// The last entries that match, at most `max_entries`, of the text of a file. A last line without
-/// its end is one that is being written, and is not looked at.
+/// Returns the last matching entries, at most `max_entries`, of the text of a file. A last line
+/// without its end is still being written, and is ignored.
 [[nodiscard]] BUSBAR_API ExecutionLogContents read_execution_log(std::string_view text,
                                                                  const ExecutionLogFilter& filter,
                                                                  std::size_t max_entries);
 
-/// The same of all files in a folder, while they may be written: what is full in the meantime may
-/// be there twice or not at all.
+/// Reads all files of a folder in the same way, while they may be written: a file that becomes full
+/// meanwhile may be read twice or not at all.
 [[nodiscard]] BUSBAR_API Stored<ExecutionLogContents>
 read_execution_log(Storage& storage, std::string_view folder, const ExecutionLogFilter& filter,
                    std::size_t max_entries);
 
-/// The columns in which people see a log (seed 000, 7-2-2).
+/// The columns that a log is shown in (manual of variables mode, 7-2-2).
 inline constexpr std::array<std::string_view, 6> execution_log_column_names{
     "Entry", "Date/Time", "Category", "Log Code", "Log Name", "Details"};
-/// "7", "2017/10/17/14:52:50.878", "SERVER", "0005", "Run", "": of each column. Details are parted
-/// by single spaces.
+/// Returns the text of each column: "7", "2017/10/17/14:52:50.878", "SERVER", "0005", "Run", "".
+/// Details are separated by single spaces.
 [[nodiscard]] BUSBAR_API std::array<std::string, 6>
 execution_log_columns(const ExecutionLogEntry& entry);
 

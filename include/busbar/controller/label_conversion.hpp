@@ -11,14 +11,15 @@
 #include <busbar/core/result.hpp>
 #include <busbar/core/variant.hpp>
 
-/// Which labels a value of a node can be had of, and what becomes of it on the way (seed 001, 8.2).
+/// Which types of labels can hold a node's value, and how it is converted (manual of model mode,
+/// 8.2).
 namespace busbar::controller {
 
-/// What one value of a node is: a scalar, an element of an array or a field. Subtypes of built-in
-/// types are what they derive from.
+/// The type of one value of a node: a scalar, an element of an array or a field. Subtypes of
+/// built-in types count as these.
 struct LeafType {
     BuiltInType built_in{BuiltInType::Null};
-    /// An Int32 by an enumeration's names, which has a table of its own.
+    /// An Int32 that is an enumeration, which has a table of its own in the manual.
     bool is_enumeration{false};
 
     friend bool operator==(const LeafType&, const LeafType&) = default;
@@ -29,52 +30,52 @@ enum class Assignability : std::uint8_t { No, Checked, Same };
 
 [[nodiscard]] BUSBAR_API Assignability assignability(LeafType leaf, backend::LabelType type,
                                                      backend::TimerPart part);
-/// Whether a Method's Handle can be mapped to such a label ("Method assignment").
+/// Returns whether a Method's Handle can be mapped to such a label ("Method assignment").
 [[nodiscard]] constexpr bool is_handle_label(backend::LabelType type)
 {
     return type == backend::LabelType::UnsignedWord;
 }
 
 struct ConversionOptions {
-    /// Minutes that the PLC's clock is ahead of UTC, for DateTime, which a label has as seconds
+    /// Minutes that the PLC's clock is ahead of UTC, for DateTime: a label holds it as seconds
     /// since 2000-01-01 00:00:00 by that clock. 0: its clock shows UTC.
     std::int32_t utc_offset_minutes{0};
 };
 
-/// How values of one leaf go to and come from one label. Made once for each mapping; converting
+/// Converts the values of one leaf to and from one label. Created once for each mapping; converting
 /// looks nothing up, and allocates for texts only. A plain value; any thread may use it.
 class BUSBAR_API LabelConversion {
 public:
-    /// Nothing where assignability() says No.
+    /// Returns nothing where assignability() returns No.
     [[nodiscard]] static std::optional<LabelConversion>
     of(LeafType leaf, const backend::LabelKind& label, const ConversionOptions& options = {});
 
-    /// Bytes of the label, backend::size_of().
+    /// The size of the label in bytes, see backend::size_of().
     [[nodiscard]] std::size_t label_size() const { return label_size_; }
     [[nodiscard]] LeafType leaf() const { return leaf_; }
 
-    /// A label's bytes, label_size() of them, to a value: an object of the leaf's C++ type, as
-    /// built_in_type_of has it. Good, or Bad_OutOfRange if the type cannot have the value, which is
-    /// then unchanged.
+    /// Converts a label's bytes, label_size() of them, to a value: an object of the leaf's C++
+    /// type, see built_in_type_of. Good, or Bad_OutOfRange if the type cannot hold the value, which
+    /// is then unchanged.
     ///
-    /// A text ends at its first zero. What is no Shift-JIS, and half a surrogate pair, becomes
-    /// U+FFFD: a client sees the rest of the text, and that something is wrong with it.
+    /// A text ends at its first zero. Bytes that are not Shift-JIS, and half a surrogate pair,
+    /// become U+FFFD: a client sees the rest of the text, and that something is wrong with it.
     StatusCode read(const std::byte* label, void* value) const
     {
         return functions_.read(*this, label, value);
     }
-    /// A value to a label's bytes. Good, or Bad_OutOfRange if the label cannot have the value; its
-    /// bytes are then undefined. Bad_OutOfRange also for a text that is not UTF-8.
+    /// Converts a value to a label's bytes. Good, or Bad_OutOfRange if the label cannot hold the
+    /// value; its bytes are then undefined. Bad_OutOfRange also for a text that is not UTF-8.
     ///
-    /// A text that is too long is cut between two characters; what follows it is zero.
+    /// A text that is too long is cut between two characters; the rest of the label is zero.
     StatusCode write(const void* value, std::byte* label) const
     {
         return functions_.write(*this, value, label);
     }
 
-    /// As above with a Variant. Bad_InternalError if `label` has another size.
+    /// Like the above, with a Variant. Bad_InternalError if `label` has another size.
     [[nodiscard]] Result<Variant> read(std::span<const std::byte> label) const;
-    /// Also Bad_TypeMismatch for a Variant that is no scalar of the leaf's type.
+    /// Also Bad_TypeMismatch for a Variant that is not a scalar of the leaf's type.
     [[nodiscard]] StatusCode write(const Variant& value, std::span<std::byte> label) const;
 
     // For the functions that convert.
@@ -96,7 +97,7 @@ private:
     Functions functions_;
     LeafType leaf_;
     std::uint32_t label_size_;
-    /// Of a text: those that count ("valid number of characters").
+    /// For a text, the number of characters that are used ("valid number of characters").
     std::uint32_t characters_;
     std::int64_t offset_seconds_;
 };

@@ -14,29 +14,30 @@
 
 namespace busbar::controller {
 
-/// The types that a program of labels may use without declaring them.
+/// Returns the types that a program of labels may use without declaring them.
 ///
-/// TIMER, RETENTIVETIMER, COUNTER are structures of S and C, which are BOOL, and N, a UINT;
-/// LTIMER, LRETENTIVETIMER, LCOUNTER have a UDINT N. An array of UTF16_UNIT, which is a UINT, is a
-/// text of UTF-16 (WSTRING) with one character less than its last dimension, for the zero.
+/// TIMER, RETENTIVETIMER, COUNTER are structures of S and C, which are BOOL, and N, a UINT; LTIMER,
+/// LRETENTIVETIMER, LCOUNTER have a UDINT N. An array of UTF16_UNIT, which is a UINT, is a UTF-16
+/// text (WSTRING) with one character less than its last dimension, for the zero.
 [[nodiscard]] BUSBAR_API std::vector<DerivedType> label_types();
 
-/// A program whose global variables are labels (seed 001, 8.2 and 8.3), with memory for them: a
-/// ProgramImage of all but what unions are in, so that a Plc's programs can run on it.
+/// A program whose global variables are labels (manual of model mode, 8.2 and 8.3), with memory for
+/// them: a ProgramImage of all except those that contain unions, on which a Plc's programs can run.
 ///
-/// Which label a variable is: BOOL Bit, INT Word, UINT and WORD UnsignedWord, DINT and enumerations
-/// DoubleWord, UDINT and DWORD UnsignedDoubleWord, REAL Float, LREAL Double, TIME Time, STRING
-/// String, arrays of UTF16_UNIT UnicodeString, and what label_types() has. A STRING's bytes are
-/// taken as they are: who wants the clients' character set in it puts CP932 there. All other types
-/// are unsupported.
+/// The type of label of each variable: BOOL Bit, INT Word, UINT and WORD UnsignedWord, DINT and
+/// enumerations DoubleWord, UDINT and DWORD UnsignedDoubleWord, REAL Float, LREAL Double, TIME
+/// Time, STRING String, arrays of UTF16_UNIT UnicodeString, and the types of label_types(). A
+/// STRING's bytes are used unchanged: they should be CP932 if clients are to see its characters.
+/// All other types are unsupported.
 ///
-/// Not accessible are variables that are not published, and members of structures at an address;
-/// CONSTANT ones are no labels. Elements are counted from the lower bound of their declaration.
+/// Variables that are not published, and members of structures at an address, are not accessible;
+/// CONSTANT ones are not labels. Elements are counted from the lower bound of their declaration.
 class BUSBAR_API LabelProgram {
     struct Key {};
 
 public:
-    /// `program` is without label_types(); a type of its own of one of those names is a Problem.
+    /// `program` is without label_types(); if it declares a type with one of those names, that is a
+    /// Problem.
     [[nodiscard]] static Configured<std::shared_ptr<LabelProgram>>
     create(Program program,
            const server::ImageOptions& options = {.max_pins = 1, .max_queued_scans = 1});
@@ -45,15 +46,16 @@ public:
     LabelProgram& operator=(const LabelProgram&) = delete;
     ~LabelProgram();
 
-    /// Those of the program, with label_types().
+    /// The types of the program, including label_types().
     [[nodiscard]] const ProgramTypes& types() const { return *types_; }
     /// For Plc::create.
     [[nodiscard]] const ProgramImage& image() const { return *image_; }
-    /// What the PLC's thread works in.
+    /// The memory that the PLC's thread works in.
     [[nodiscard]] server::ImageMemory& memory() const { return image_->image()->memory(); }
-    /// Null if there is none of this name; case does not count.
+    /// Returns null if there is no variable with this name; case is ignored.
     [[nodiscard]] const GlobalVariable* variable(std::string_view name) const;
-    /// The handle in memory() of one of the program's variables; none if a union is in it.
+    /// Returns the handle in memory() of one of the program's variables; none if it contains a
+    /// union.
     [[nodiscard]] std::optional<std::uint32_t> handle_of(const GlobalVariable& variable) const;
 
 private:
@@ -62,9 +64,9 @@ private:
     Program program_;
     std::optional<ProgramTypes> types_;
     std::optional<ProgramImage> image_;
-    /// By the name as fold_name has it: the index of the variable.
+    /// The index of the variable, keyed by the name as fold_name returns it.
     std::unordered_map<std::string, std::size_t> by_name_;
-    /// By the variable's index.
+    /// Indexed like the variables.
     std::vector<std::optional<std::uint32_t>> handles_;
 };
 

@@ -14,7 +14,8 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 
-/// When a controller's OPC UA server starts, stops and is reconfigured (seed 000, 4-1 and 4-2).
+/// When a controller's OPC UA server starts, stops and is reconfigured (manual of variables mode,
+/// 4-1 and 4-2).
 namespace busbar::controller {
 
 namespace detail {
@@ -23,16 +24,16 @@ enum class LifeEvent : std::uint8_t;
 enum class LifeAction : std::uint8_t;
 } // namespace detail
 
-/// What clients are told before their connections end.
+/// The information that clients get before their connections end.
 struct StopNotice {
     /// ServerStatus.ShutdownReason (Part 5, 12.10).
     std::string_view reason;
-    /// EstimatedReturnTime; null if the server comes back by a restart only.
+    /// EstimatedReturnTime; null if the server returns only after a restart.
     DateTime return_time{};
 };
 
-/// What a program does for LifeCycle. Called from within its functions; may call prepared() and the
-/// like at once or later, on the same thread.
+/// The functions of the program that LifeCycle needs. They are called from within its functions and
+/// may call prepared() and its like at once or later, on the same thread.
 class BUSBAR_API ServerOperator {
 public:
     ServerOperator() = default;
@@ -40,102 +41,107 @@ public:
     ServerOperator& operator=(const ServerOperator&) = delete;
     virtual ~ServerOperator() = default;
 
-    /// Power came, or a reset: read the settings and set up what is monitored. Answered by
+    /// After power-on or reset: reads the settings and sets up what is monitored. Answered by
     /// LifeCycle::initialized.
     virtual void initialize() = 0;
-    /// Make endpoints and nodes, behind listeners that may be there already; nobody may come in
-    /// yet. Answered by LifeCycle::prepared or preparation_failed with the same number. A later
-    /// call means that this one is not wanted any more.
+    /// Creates endpoints and nodes; listeners may exist already, but no client may connect yet.
+    /// Answered by LifeCycle::prepared or preparation_failed with the same number. A later call
+    /// supersedes this one.
     virtual void prepare(std::uint32_t number, const ServerSettings& settings) = 0;
-    /// The same for a server that runs and only has to change: in place where the program can, else
-    /// by another server. Listeners stay; clients whose connection has to end are told `notice`.
+    /// Prepares a server that runs and only has to change: in place if the program can do that,
+    /// otherwise by another server. Listeners stay; clients whose connection has to end get
+    /// `notice`.
     virtual void reconfigure(std::uint32_t number, const ServerSettings& settings,
                              const StopNotice& notice) = 0;
-    /// What was prepared lets clients in.
+    /// Lets clients connect to the prepared server.
     virtual void run() = 0;
-    /// End connections, tell clients why, give up what is being prepared; listeners stay and let
-    /// nobody in. A prepare() or stop() follows.
+    /// Ends connections, notifies clients of the reason, gives up a preparation; listeners stay but
+    /// accept no client. A prepare() or stop() follows.
     virtual void suspend(const StopNotice& notice) = 0;
-    /// End everything, listeners too, and save the execution log. Answered by LifeCycle::stopped
-    /// when that is done, once for each call. What is to be prepared meanwhile waits for it.
+    /// Ends everything, including listeners, and saves the execution log. Answered by
+    /// LifeCycle::stopped when that is done, once for each call. A preparation requested meanwhile
+    /// waits for it.
     virtual void stop(const StopNotice& notice) = 0;
-    /// The program was edited online: publish what is new besides what there is.
+    /// The program was edited online: publishes new variables in addition to the existing ones.
     virtual void add_variables() = 0;
-    /// The medium of the execution log came or went.
+    /// The medium of the execution log was inserted or taken out.
     virtual void medium_changed(bool is_in) = 0;
-    /// Power is going: save now what can be saved.
+    /// Power is about to fail: saves now what can be saved.
     virtual void save_now() = 0;
 };
 
-/// Why a server could not be prepared.
+/// The reason why a server could not be prepared.
 enum class PreparationFailure : std::uint8_t {
     Settings, // "Configuration Error"
     Start,    // "Server Start Error": the port is in use, the address space cannot be made
-    System,   // "OPC UA System Error": anything that no download can mend
+    System,   // "OPC UA System Error": anything that no download can correct
 };
 
-/// Whose an error of the controller is.
+/// The origin of an error of the controller.
 enum class FaultOrigin : std::uint8_t { Elsewhere, OpcUaServer };
 
-/// What a request to shut the server down comes to; the codes are those of an instruction
-/// (seed 000, A-2-4).
+/// The answer to a request to shut the server down; the codes are those of an instruction (manual
+/// of variables mode, A-2-4).
 enum class ShutdownAnswer : std::uint16_t {
     Begun = 0,
-    ShutDown = 0x5000, // or shutting down
+    ShutDown = 0x5000, // or is shutting down
     Initializing = 0x5001,
     NotStarted = 0x5002,
 };
 
-/// How long clients are told to wait.
+/// The expected times from which clients' waiting time is estimated.
 struct LifeCycleOptions {
-    std::chrono::seconds download_time{60}; // or a restore
-    /// Until a preparation has been measured.
+    std::chrono::seconds download_time{60}; // also of a restore
+    /// Used until a preparation has been measured.
     std::chrono::seconds preparation_time{10};
 };
 
-/// The states of 4-2-4 and what leads from one to another: a table. It has no threads and asks no
-/// clock but for EstimatedReturnTime. Everything that only hardware or a runtime knows is a call.
+/// The states of 4-2-4 and the transitions between them, as a table. It has no threads and reads no
+/// clock except for EstimatedReturnTime. Everything that only hardware or a runtime knows is
+/// reported by calls.
 ///
-/// One thread, the server's. A call that does not fit the state does nothing.
+/// Used by one thread, the server's. A call that does not fit the state does nothing.
 class BUSBAR_API LifeCycle {
 public:
-    /// All must outlive it. `log` gets the records ServerStarted to ServerSystemError.
+    /// All arguments must outlive it. `log` gets the records ServerStarted to ServerSystemError.
     LifeCycle(ServerOperator& server, const WallClock& clock, LogSink& log,
               const LifeCycleOptions& options = {});
 
-    // Of the machine.
+    // Calls for the machine.
 
     void power_on();
-    /// A server that runs is shut down before (seed 000, 7-3-3).
+    /// A running server is shut down before (manual of variables mode, 7-3-3).
     void reset();
     void power_going();
     void mode_changed(MachineMode mode) { mode_ = mode; }
     void medium_changed(bool is_in);
-    // Faults are told as MachineFault. One that is not the server's does not stop it (seed 000,
-    // 4-1-4).
+    // Faults are recorded as MachineFault. One that is not the server's does not stop it (manual of
+    // variables mode, 4-1-4).
 
-    /// The user program stops (seed 000, 9-1-2).
+    /// The user program stops (manual of variables mode, 9-1-2).
     void major_fault();
-    /// One of the server's is a system_error().
+    /// A partial fault of the server is a system_error().
     void partial_fault(FaultOrigin origin);
-    /// Those of the server's that stop it come by preparation_failed and system_error.
+    /// Minor faults that stop the server are reported by preparation_failed and system_error
+    /// instead.
     void minor_fault(FaultOrigin origin);
-    /// The CPU's watchdog: everything stops.
+    /// The CPU's watchdog has expired: everything stops.
     void watchdog();
 
-    // Of its program and settings.
+    // Calls for its program and settings.
 
-    /// A download replaces program and settings. In between clients are out. Not before
-    /// initialized().
+    /// A download replaces program and settings; until it is done no client is connected. Not
+    /// before initialized().
     void download_begins();
-    /// The settings that are in the controller now, old ones if it failed. A project that knows no
-    /// OPC UA server has ServerSettings{}; see also MachineMemory::clear_security.
+    /// Passes the settings now in the controller, the old ones if the download failed. For a
+    /// project without an OPC UA server pass ServerSettings{}; see also
+    /// MachineMemory::clear_security.
     void download_done(const Configured<ServerSettings>& settings);
-    /// Adds variables without a reconfiguration (seed 000, 4-2-5).
+    /// Adds variables without a reconfiguration (manual of variables mode, 4-2-5).
     void online_edit();
     void restore_begins();
-    /// Restored: the server stays out until a restart, which reads the settings. Not restored: it
-    /// comes back.
+    /// If restored, the server stays stopped until a restart, which reads the settings; otherwise
+    /// it returns.
     void restore_done(bool is_restored);
     /// Bad_InvalidState in RUN (seed 000, 8-3). clear_done() is due only if there is no problem.
     [[nodiscard]] Configured<void> clear_begins();
@@ -145,45 +151,46 @@ public:
     void certificate_renewed();
     void security_changed();
 
-    /// From a tool or an instruction.
+    /// Requested by a tool or an instruction.
     ShutdownAnswer shut_down(std::string_view reason);
-    /// A fatal error was found in the server (seed 000, 9-2-2, 44180000).
+    /// Reports a fatal error in the server (manual of variables mode, 9-2-2, 44180000).
     void system_error(std::string_view text);
 
     // Answers of the ServerOperator.
 
-    /// The settings, or why they cannot be read.
+    /// Passes the settings, or the reason why they cannot be read.
     void initialized(const Configured<ServerSettings>& settings);
     void prepared(std::uint32_t number, std::string_view endpoint_url);
     void preparation_failed(std::uint32_t number, PreparationFailure failure,
                             std::string_view text);
     void stopped();
 
-    // What there is.
+    // The present state.
 
     [[nodiscard]] OperatingStatus operating_status() const;
     [[nodiscard]] ServedClients served_clients() const;
     /// In Halt error: "Configuration Error", "Server Start Error" or "OPC UA System Error", and
-    /// more about it; else empty.
+    /// more details; otherwise empty.
     [[nodiscard]] std::string halt_reason() const;
     /// False after a fault that stops the user program, until a restart.
     [[nodiscard]] bool has_program_going() const { return has_program_going_; }
-    /// With the end point as it is published.
+    /// Includes the end point as it is published.
     [[nodiscard]] MachineStatus status(const ConnectionCounts& counts) const;
     [[nodiscard]] MachineMode mode() const { return mode_; }
-    /// Settings, a restore or a cleared memory wait for power or a reset, or a fault does.
+    /// Returns whether settings, a restore, a cleared memory or a fault wait for power-on or a
+    /// reset.
     [[nodiscard]] bool is_restart_due() const { return !restart_reason().empty(); }
     /// "the controller's memory was restored or cleared"; empty if no restart is due.
     [[nodiscard]] std::string_view restart_reason() const;
-    /// The shutdown is completed: power may go (seed 000, 4-2-4).
+    /// The shutdown is completed: power may be turned off (manual of variables mode, 4-2-4).
     [[nodiscard]] bool has_stopped() const;
-    /// Of an instruction executed now; Begun where it would be.
+    /// Returns the answer that an instruction would get now; Begun if it would begin a shutdown.
     [[nodiscard]] ShutdownAnswer shutdown_answer() const;
 
 private:
-    /// What the table says of an event. `why` is for clients or for the log.
+    /// Does what the table has for an event. `why` is for clients or for the log.
     void handle(detail::LifeEvent event, std::string_view why = {});
-    /// The table's causes: what is not the server's.
+    /// Records the table's causes that are not the server's.
     void tell_cause(detail::LifeEvent event, std::string_view where);
     void tell_record(RecordKind kind, std::string_view why);
     void act(detail::LifeAction action, detail::LifeEvent event, std::string_view why);
@@ -197,16 +204,16 @@ private:
     LifeCycleOptions options_;
     detail::LifePhase phase_{};
     ServerSettings settings_{}; // those in the controller
-    /// What the controller started with is not what is in its memory.
+    /// The memory no longer holds what the controller started with.
     bool is_replaced_{false};
-    bool is_edited_{false}; // while it was prepared
+    bool is_edited_{false}; // edited while it was prepared
     std::size_t stops_{0};  // not answered yet
     MachineMode mode_{MachineMode::Program};
     std::uint32_t preparation_{0};
     DateTime preparation_began_{};
     std::chrono::seconds preparation_time_;
     std::string endpoint_url_;
-    /// Why it halts, for ServerHalted, and more about it.
+    /// The reason for ServerHalted, and more details.
     std::string_view halt_reason_;
     std::string halt_details_;
     bool has_program_going_{true};

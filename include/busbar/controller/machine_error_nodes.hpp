@@ -12,11 +12,11 @@
 
 namespace busbar::controller {
 
-/// MajorFault if one of these is, else ContinuousError for a partial or minor fault (seed 000,
-/// 6-2-1 and 9-1-2); what is less is no error.
+/// Returns MajorFault if one of these is a major fault, ContinuousError for a partial or minor
+/// fault (manual of variables mode, 6-2-1 and 9-1-2); lower levels are not errors.
 [[nodiscard]] BUSBAR_API ErrorState error_state_of(std::span<const MachineEvent> current_errors);
 
-/// The current errors of a controller, for its clients:
+/// The current errors of a controller, as nodes for its clients:
 ///
 ///     Objects/<controller name>
 ///         DeviceState
@@ -26,26 +26,25 @@ namespace busbar::controller {
 ///             Code
 ///             CurrentErrors
 ///
-/// Level and Code are what the instruction GetPLCError tells: the highest level of fault, and in
-/// that the highest event code (seed 000, 9-1-1). The manual knows them as outputs of an
-/// instruction and has no nodes for them, so that these names are our own. Level is a String,
-/// "Partial fault" or "Minor fault", and "NoError" where there is none; Code is an UInt32, then 0.
-/// CurrentErrors has a String for each error that stands, observations too, in the order in which
-/// they came: "35D40000 Unsupported Data Type: 21".
+/// Level and Code are the outputs of the instruction GetPLCError: the highest level of fault, and
+/// within it the highest event code (manual of variables mode, 9-1-1). The manual has no nodes for
+/// these outputs, so the names are our own. Level is a String, "Partial fault" or "Minor fault",
+/// and "NoError" if there is none; Code is a UInt32, then 0. CurrentErrors has a String for each
+/// current error, including observations, in the order of their occurrence: "35D40000 Unsupported
+/// Data Type: 21".
 ///
-/// On the server's thread, but for refresh(). May end before or after the server.
+/// For the server's thread, except refresh(). May be destroyed before or after the server.
 class BUSBAR_API MachineErrorNodes final : public server::DataSource {
 public:
     MachineErrorNodes() = default;
 
-    /// Adds the nodes and shows what stands. Once, before clients connect. `nodes` are those of
-    /// this server; all three must stay where they are as long as the server is served. Errors are
-    /// those of AddressSpace; nodes that were added before stay.
+    /// Adds the nodes and shows the current errors. Call it once, before clients connect. `nodes`
+    /// are those of this server; all three must stay in place as long as the server is served.
+    /// Errors are those of AddressSpace; nodes that were added before an error stay.
     [[nodiscard]] Result<void> publish(server::Server& server, const MachineNodes& nodes,
                                        const MachineEventLog& log);
-    /// Other errors stand in the log than before: clients are shown them soon, when the server next
-    /// handles completions, for which its Waker is called. Any thread; waits for nothing that
-    /// waits.
+    /// The log's current errors have changed: clients see them soon, when the server next handles
+    /// completions, for which its Waker is called. Any thread; does not wait.
     void refresh();
 
     void read(server::ReadBatch batch) override;

@@ -24,8 +24,8 @@ class MachineEventFiles;
 class MachineEventRules;
 } // namespace detail
 
-/// Learns of each event when it happens, by the thread that told the record: as LogSink::record, it
-/// must neither block nor tell anything in turn.
+/// Is called for each event when it happens, on the thread that reported the record: like
+/// LogSink::record, it must neither block nor report records itself.
 class BUSBAR_API MachineEventListener {
 public:
     MachineEventListener() = default;
@@ -34,8 +34,8 @@ public:
     virtual ~MachineEventListener() = default;
 
     virtual void happened(const MachineEvent& event) = 0;
-    /// Other errors stand than before, which MachineEventLog::current_errors has; after the event
-    /// that stands now, and also when one is over, which is no event.
+    /// The errors in MachineEventLog::current_errors have changed; called after the event that
+    /// added one, and also when one has ended, which is not an event.
     virtual void errors_changed() {}
 };
 
@@ -45,15 +45,15 @@ struct EventLevelChoice {
 };
 
 struct MachineEventLogOptions {
-    /// Events that are kept, the oldest goes; 16 to 100,000.
+    /// Maximum number of events, the oldest is dropped; 16 to 100,000.
     std::size_t max_entries{1'024};
-    /// Of the storage.
+    /// A folder of the storage.
     std::string folder{"events"};
-    /// For events whose level a user may change (seed 000, 9-2-1).
+    /// For events whose level a user may change (manual of variables mode, 9-2-1).
     std::vector<EventLevelChoice> levels{};
 };
 
-/// What GetPLCError tells (seed 000, 9-1-1).
+/// The outputs of GetPLCError (manual of variables mode, 9-1-1).
 struct PlcError {
     EventLevel level; // PartialFault or MinorFault
     std::uint32_t code;
@@ -61,14 +61,15 @@ struct PlcError {
     friend bool operator==(const PlcError&, const PlcError&) = default;
 };
 
-/// The event log of seed 000, section 9: a LogSink that turns records into events, keeps the last
-/// ones in a Storage and knows which errors stand. Everything is passed on to the next sink.
+/// The event log (manual of variables mode, section 9): a LogSink that turns records into events,
+/// keeps the last ones in a Storage and knows the current errors. Passes everything on to the next
+/// sink.
 ///
-/// record(), write() and what is asked block on no storage; load() and write_pending() do. Any
+/// record(), write() and the queries do not block on storage; load() and write_pending() do. Any
 /// thread.
 class BUSBAR_API MachineEventLog final : public LogSink {
 public:
-    /// Reads and writes nothing yet. `storage`, `clock`, `next` and `listener`, which may be null,
+    /// Does not read or write yet. `storage`, `clock`, `next` and `listener`, which may be null,
     /// must outlive the result. A problem names the option.
     [[nodiscard]] static Configured<std::unique_ptr<MachineEventLog>>
     create(Storage& storage, const WallClock& clock, LogSink& next,
@@ -79,17 +80,18 @@ public:
     void record(const Record& record) override;
     [[nodiscard]] bool wants(RecordKind kind) const override;
 
-    /// Takes in what was kept before a restart; what has happened since comes behind it. Once.
+    /// Loads the events from before a restart; events that have happened since are appended. Call
+    /// it once.
     [[nodiscard]] Stored<void> load();
-    /// Saves what is new, after load() if that has not succeeded yet.
+    /// Saves new events, after load() if that has not succeeded yet.
     [[nodiscard]] Stored<void> write_pending();
 
     /// The oldest first.
     [[nodiscard]] std::vector<MachineEvent> events() const;
-    /// Those that stand, in the order in which they came.
+    /// The current errors, in the order of their occurrence.
     [[nodiscard]] std::vector<MachineEvent> current_errors() const;
-    /// Of the current errors that are faults the highest level, and in that the highest code;
-    /// nothing if there is none.
+    /// Returns the highest level among the current errors that are faults, and the highest code
+    /// within it; nothing if there is no fault.
     [[nodiscard]] std::optional<PlcError> plc_error() const;
 
 private:
@@ -104,13 +106,13 @@ private:
     MachineEventListener* listener_;
     MachineEventLogOptions options_;
 
-    mutable std::mutex mutex_; // of the four below; never held while the storage is used
+    mutable std::mutex mutex_; // guards the four below; never held while the storage is used
     std::unique_ptr<detail::MachineEventRules> rules_;
     std::deque<MachineEvent> events_;
-    std::size_t unsaved_{0}; // the last ones
+    std::size_t unsaved_{0}; // the number of newest events not yet saved
     std::uint64_t last_number_{0};
 
-    std::mutex files_mutex_; // of the two below
+    std::mutex files_mutex_; // guards the two below
     std::unique_ptr<detail::MachineEventFiles> files_;
     bool is_loaded_{false};
 };

@@ -15,7 +15,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/device.hpp>
 
-/// What clients see of a controller that publishes its variables (seed 000, 6-2-1).
+/// The nodes of a controller that publishes its variables (manual of variables mode, 6-2-1).
 namespace busbar::controller {
 
 enum class OperatingMode : std::uint8_t { Program, Run };
@@ -34,11 +34,11 @@ struct MachineNodesOptions {
     MachineTypeOptions types{};
     /// The index that the server gave to the data source of the variables.
     std::uint32_t source{0};
-    /// The task's cycle: a client cannot sample faster.
+    /// The task's cycle, which is the shortest sampling interval for clients.
     Duration cycle{std::chrono::milliseconds{20}};
-    /// Clients may ask the folder for events.
+    /// Whether clients may subscribe to events of the folder.
     bool has_events{false};
-    // Of what runs the program, the resource of PLCopen.
+    // Describes the runtime, the resource of PLCopen.
     std::string resource_name{"CPU"};
     model::Nameplate nameplate{};
 };
@@ -55,23 +55,23 @@ struct MachineNodesOptions {
 ///         GlobalVars                 "Controller/GlobalVars"
 ///             <variables>            their names
 ///
-/// ErrorState and Mode are Strings: the manual has texts for their values, but no numbers that an
-/// enumeration would need. UnpublishedVariablesStatus is an UInt16, both numbers are UInt32. Until
-/// they are set, Mode is PROGRAM and ErrorState NoError. GlobalVars has a NodeVersion, so that
-/// clients can be told of variables that are added.
+/// ErrorState and Mode are Strings: the manual has texts for their values, but not the numbers that
+/// an enumeration would need. UnpublishedVariablesStatus is a UInt16, both numbers are UInt32.
+/// Until they are set, Mode is PROGRAM and ErrorState NoError. GlobalVars has a NodeVersion, so
+/// that clients can be notified of added variables.
 ///
-/// A variable's handle is its position among Publication::published() unless add_variables is told
-/// another one. Clients may write it unless it is CONSTANT.
+/// A variable's handle is its position in Publication::published(), unless add_variables is called
+/// with another one. Clients may write it unless it is CONSTANT.
 ///
 /// If the AddressSpace has the nodes of DI and PLCopen, the DeviceSet has a configuration of
-/// PLCopen of the controller's name ("PLCopen/Configuration") with GlobalVars, which organizes the
-/// same variables, and a resource with nameplate, tasks and programs.
+/// PLCopen with the controller's name ("PLCopen/Configuration") with GlobalVars, which organizes
+/// the same variables, and a resource with nameplate, tasks and programs.
 ///
-/// For the thread that changes the AddressSpace, which every call must be given; it may have been
+/// For the thread that changes the AddressSpace, which is passed to every call and may have been
 /// moved in between.
 class BUSBAR_API MachineNodes {
 public:
-    /// The tasks and programs are those of `program`. The problem's `where` is "variables (Speed)",
+    /// Uses the tasks and programs of `program`. The problem's `where` is "variables (Speed)",
     /// "types[3] (Point)", "tasks[1] (Fast)" or "instances[0] (Main)"; nodes that were added before
     /// stay.
     [[nodiscard]] static Configured<MachineNodes> create(model::AddressSpace& space,
@@ -79,27 +79,27 @@ public:
                                                          const Publication& publication,
                                                          const MachineNodesOptions& options);
 
-    /// Adds what was published since; `publication` is the one that the object was made with. A
-    /// failure leaves out all of that. `handles` are those of all published variables
-    /// (PublishedProgram::handles); none: each is the variable's position.
+    /// Adds the variables published since; `publication` is the one that the object was created
+    /// with. After a failure none of them is added. `handles` are those of all published variables
+    /// (PublishedProgram::handles); if empty, each handle is the variable's position.
     [[nodiscard]] Configured<void> add_variables(model::AddressSpace& space,
                                                  const Publication& publication,
                                                  std::span<const std::uint32_t> handles = {});
 
-    /// Removes nodes of variables, by their names; what watches them learns Bad_NodeIdUnknown.
-    /// DataTypes stay. add_variables comes after it.
+    /// Removes nodes of variables by their names; monitored items on them report Bad_NodeIdUnknown.
+    /// DataTypes stay. Call add_variables after it.
     void remove_variables(model::AddressSpace& space, std::span<const std::string> names);
 
     void set_mode(model::AddressSpace& space, OperatingMode mode) const;
     void set_error_state(model::AddressSpace& space, ErrorState state) const;
-    /// The status and both numbers; add_variables and create do it themselves.
+    /// Sets the status and both numbers; add_variables and create do this themselves.
     void set_publication(model::AddressSpace& space, const Publication& publication) const;
 
     [[nodiscard]] std::uint16_t namespace_index() const { return namespace_index_; }
     [[nodiscard]] model::NodeHandle folder() const { return folder_; }
     [[nodiscard]] model::NodeHandle device_state() const { return device_state_; }
     [[nodiscard]] model::NodeHandle global_vars() const { return global_vars_; }
-    /// For who makes values of the variables.
+    /// For code that creates values of the variables.
     [[nodiscard]] const MachineTypes& types() const { return types_; }
 
 private:
@@ -131,10 +131,10 @@ private:
     model::NodeHandle folder_;
     model::NodeHandle device_state_;
     model::NodeHandle global_vars_;
-    /// Of PLCopen; no_node without it.
+    /// The PLCopen node; no_node without PLCopen.
     model::NodeHandle plcopen_vars_;
     Properties properties_;
-    /// How many of the published variables have nodes.
+    /// The number of published variables that have nodes.
     std::size_t added_{0};
 };
 

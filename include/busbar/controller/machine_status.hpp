@@ -10,20 +10,21 @@
 
 namespace busbar::controller {
 
-/// Seed 000, 4-2-4.
+/// See the manual of variables mode, 4-2-4.
 enum class OperatingStatus : std::uint8_t {
-    NotStarted, // not used when power came, or no power came yet
+    NotStarted, // not used at power-on, or no power-on yet
     Initializing,
-    Preparing, // also while a download, a restore or a clearing is at work (seed 000, 9-3)
+    Preparing, // also while a download, a restore or a clearing runs (manual of variables mode,
+               // 9-3)
     Running,
     HaltError,
-    Shutdown, // done, or on the way
+    Shutdown, // completed, or in progress
 };
 
-/// Who is let in: in Halt error and after a shutdown, those who can mend it.
+/// The clients that may connect: in Halt error and after a shutdown, those that can correct it.
 enum class ServedClients : std::uint8_t { None, Administrators, All };
 
-/// "Halt error"; "---" for NotStarted.
+/// Returns "Halt error", for example; "---" for NotStarted.
 [[nodiscard]] BUSBAR_API std::string_view text(OperatingStatus status);
 
 struct ConnectionCounts {
@@ -31,11 +32,11 @@ struct ConnectionCounts {
     std::size_t users{0};
 };
 
-/// Seed 000, 4-2-1.
+/// See the manual of variables mode, 4-2-1.
 struct MachineStatus {
     bool is_used{false};
     OperatingStatus operating{OperatingStatus::NotStarted};
-    /// Counts in Running only.
+    /// Used in Running only.
     std::string end_point{};
     ConnectionCounts connected{};
 };
@@ -46,7 +47,7 @@ struct StatusLine {
     std::string value;
 };
 
-/// The five items in the order of the table, "---" where it has that.
+/// Returns the five items in the order of the table, with "---" where it has that.
 [[nodiscard]] BUSBAR_API std::array<StatusLine, 5> status_lines(const MachineStatus& status);
 
 } // namespace busbar::controller
