@@ -11,30 +11,31 @@
 
 namespace busbar::controller {
 
-/// A part of a node that can have a label, or has one (seed 001, 9.4 and 9.5).
+/// A part of a node that can have a label, or has one (manual of model mode, 9.4 and 9.5).
 struct MappablePart {
-    /// As the column Part of a mapping table has it: empty for a scalar, ".A", "[0].A", "Handle",
+    /// As in the column Part of a mapping table: empty for a scalar, ".A", "[0].A", "Handle",
     /// "Input[0]".
     std::string path{};
-    /// Of its value: "Int16", "Enumeration"; empty for a label where none can be.
+    /// The type of its value: "Int16", "Enumeration"; empty if the part cannot have a label but has
+    /// one.
     std::string type{};
     /// Empty if it has none.
     std::string label{};
-    /// What assignability() asks for; no built-in type where no label can be.
+    /// The argument for assignability(); no built-in type if the part cannot have a label.
     LeafType leaf{};
 };
 
-/// What there is to map in a project, node by node. Refers to the ModelSet, whose nodes must stay
-/// as they are; its mapping may change.
+/// Lists the mappable parts of a project, node by node. Refers to the ModelSet, whose nodes must
+/// not change; its mapping may.
 class BUSBAR_API MappableParts {
 public:
     explicit MappableParts(const ModelSet& models);
 
-    /// The parts of a Variable's value in their order; of a Method its Handle and the parts of its
-    /// InputArguments. Those that cannot have a label but have one come last. None for a node that
-    /// cannot be mapped.
+    /// Returns the parts of a Variable's value in their order, or a Method's Handle and the parts
+    /// of its InputArguments. Those that cannot have a label but have one come last. Returns none
+    /// for a node that cannot be mapped.
     [[nodiscard]] std::vector<MappablePart> of(model::NodeIndex node);
-    /// Why of() gives no part that can have a label; empty if it gives one. Printable.
+    /// Returns why of() gives no part that can have a label; empty if it gives one. Printable.
     [[nodiscard]] std::string why_none(model::NodeIndex node);
 
 private:

@@ -19,25 +19,26 @@
 #include <busbar/server/data_source.hpp>
 
 /// Variables and Methods whose values are labels of a PLC: the data input/output function of model
-/// mode (seed 001, 8.1 and 8.3).
+/// mode (manual of model mode, 8.1 and 8.3).
 namespace busbar::controller {
 
 namespace detail {
 class MappedCore;
 } // namespace detail
 
-/// A Variable with labels. One without any is none of a MappedSource's: the AddressSpace keeps it.
+/// A Variable with labels. One without labels does not belong to a MappedSource: the AddressSpace
+/// keeps it.
 struct MappedVariable {
     NodeId node{};
     /// Null for a Variable of an unsupported type: it answers Bad_NotSupported to everything, as
-    /// does one with a label for a value that no label can have.
+    /// does one that has a label for a value that cannot have one.
     std::shared_ptr<const ValueShape> shape{};
-    /// The label of each leaf of the shape; empty where there is none, and that part keeps what was
+    /// The label of each leaf of the shape; empty if there is none: that part keeps the value
     /// written to it last.
     std::vector<std::string> labels{};
-    /// Of the shape; null, or of another shape: zeros.
+    /// A value of the shape; if null, or of another shape: zeros.
     Variant initial{};
-    /// Has CurrentRead. Without it, a Variable is not sampled in each scan.
+    /// Has CurrentRead. A Variable without it is not sampled in each scan.
     bool is_readable{true};
 };
 
@@ -45,43 +46,43 @@ struct MappedVariable {
 struct MappedArgument {
     /// Null for an unsupported type, whose value is then refused if it has a label.
     std::shared_ptr<const ValueShape> shape{};
-    /// Empty, or as MappedVariable::labels. What has no label is ignored in a Call.
+    /// Empty, or like MappedVariable::labels. A value without label is ignored in a Call.
     std::vector<std::string> labels{};
 };
 
-/// A Method that a program is told of by bit 0 of its Handle.
+/// A Method whose calls are signaled to a program by bit 0 of its Handle.
 struct MappedMethod {
     NodeId node{};
     /// The Handle's label; empty: a Call answers Bad_NotImplemented.
     std::string handle{};
-    /// Of the InputArguments, from the first on; those behind the last one here have no labels.
+    /// The InputArguments, from the first on; those after the last one here have no labels.
     std::vector<MappedArgument> arguments{};
-    /// A Call answers Bad_NotSupported, and nothing is written (seed 001, 2.1, note 4).
+    /// A Call answers Bad_NotSupported, and nothing is written (manual of model mode, 2.1, note 4).
     bool has_outputs{false};
 };
 
-/// How values are collected (9.12).
+/// The way in which values are collected (9.12).
 enum class SamplingMode : std::uint8_t {
-    /// Whatever is read or sampled is asked of the PLC then.
+    /// Every read and every sample requests the value from the PLC.
     Standard,
-    /// MonitoredItems get what the newest scan sampled, Reads ask the PLC.
+    /// MonitoredItems get the values that the newest scan sampled, Reads request them from the PLC.
     MonitoredItems,
-    /// Both get what the newest scan sampled.
+    /// Both get the values that the newest scan sampled.
     AllVariables,
 };
 
-/// What one request of a client may ask of the PLC; past it, its nodes answer Bad_NoCommunication
-/// (2.1, OPC UA communication specifications, note 3).
+/// Limits what one request of a client may request from the PLC; beyond them its nodes answer
+/// Bad_NoCommunication (2.1, OPC UA communication specifications, note 3).
 struct MappedLimits {
     /// Labels, "units of mapped data".
     std::size_t max_labels{4'000'000};
-    /// Words of 16 bits that they take.
+    /// Words of 16 bits that they occupy.
     std::size_t max_words{std::size_t{64} << 20U};
-    /// Bytes that MonitoredItems may count as together (8.1, CreateMonitoredItems); past it they
+    /// Maximum size of all MonitoredItems in bytes (8.1, CreateMonitoredItems); beyond it they
     /// answer Bad_TooManyMonitoredItems.
     std::size_t max_monitored_size{std::size_t{1} << 30U};
 
-    /// 25,000 units, 2,048K words, and as many bytes as those words have for MonitoredItems.
+    /// 25,000 units, 2,048K words, and as many bytes as those words for MonitoredItems.
     [[nodiscard]] static constexpr MappedLimits rd81opc96()
     {
         constexpr std::size_t words = std::size_t{2'048} << 10U;
@@ -93,39 +94,39 @@ struct MappedOptions {
     SamplingMode sampling{SamplingMode::Standard};
     MappedLimits limits{};
     ConversionOptions conversion{};
-    /// A label that cannot be used, or whose value its node cannot have, fails the Variables and
-    /// Methods that it belongs to; else all of them, or all of the request (8.3).
+    /// A label that cannot be used, or whose value its node cannot hold, fails only the Variables
+    /// and Methods that it belongs to; otherwise it fails all of them, or the whole request (8.3).
     bool isolates_failures{false};
-    /// How often an operation is begun again because the labels were other ones meanwhile.
+    /// Maximum number of times an operation is repeated because the labels changed meanwhile.
     unsigned max_repetitions{3};
-    /// As in DataSourceOptions.
+    /// Like DataSourceOptions::timeout.
     std::chrono::milliseconds timeout{5'000};
     std::size_t max_batches{256};
     std::size_t max_items{4'000'000};
 };
 
-/// Event codes of the update of labels' addresses and types (8.3).
+/// Event codes for the update of labels' addresses and types (8.3).
 enum class LabelUpdate : std::uint16_t { Started = 24'000, Finished = 24'001, Failed = 24'003 };
 
 /// Error codes (8.3).
 enum class MappedErrorCode : std::uint16_t {
-    Unavailable = 0x1921,         // there is no such label that can be used
-    WrongType = 0x1A00,           // a label of a type that the node cannot have
-    OutOfRange = 0x1A01,          // its value is none that the node can have
-    TooManyPoints = 0x1941,       // to sample in each scan
-    UnsampledDevice = 0x1945,     // a label where that is impossible
-    SamplingUnsupported = 0x1946, // the PLC has no sampling in each scan
+    Unavailable = 0x1921,         // the label does not exist or cannot be used
+    WrongType = 0x1A00,           // the label's type does not fit the node
+    OutOfRange = 0x1A01,          // the node cannot hold the label's value
+    TooManyPoints = 0x1941,       // too many to sample in each scan
+    UnsampledDevice = 0x1945,     // the label is on a device that cannot be sampled
+    SamplingUnsupported = 0x1946, // the PLC does not sample in each scan
 };
 
 struct MappedError {
     MappedErrorCode code;
-    /// Empty, and the node null, where an error is about none in particular.
+    /// Empty, and the node null, if an error concerns no particular one.
     std::string_view label{};
     const NodeId* node{nullptr};
 };
 
-/// Who keeps events and errors. Called on the server's thread, within calls of the MappedSource,
-/// which it must not call.
+/// Records events and errors. Called on the server's thread, within calls of the MappedSource; must
+/// not call it.
 class BUSBAR_API MappedObserver {
 public:
     MappedObserver() = default;
@@ -134,53 +135,53 @@ public:
     virtual ~MappedObserver() = default;
 
     virtual void label_update(LabelUpdate event) = 0;
-    /// What it refers to is valid until it returns.
+    /// The references in the argument are valid until it returns.
     virtual void error(const MappedError& error) = 0;
 };
 
-/// Whether the PLC can be reached, as far as the last request to it says.
+/// Whether the PLC can be reached, according to the last request to it.
 enum class TargetStatus : std::uint8_t { Unknown, Communicating, Failing };
 
-/// A DataSource of the Variables and Methods that are mapped to labels of one PLC.
+/// A DataSource for the Variables and Methods that are mapped to labels of one PLC.
 ///
 /// One request of a client is one request to the PLC, or several in a row for a Call, and its nodes
 /// succeed or fail together; so do the MonitoredItems of one interval. Their source timestamp is
-/// the PLC's time when that was done. If labels are not those that were resolved, all of them are
-/// resolved anew and what was asked is repeated; what is asked meanwhile waits, except that
+/// the PLC's time at completion. If labels are no longer those that were resolved, all of them are
+/// resolved again and the request is repeated; requests that arrive meanwhile wait, except that
 /// MonitoredItems have their last values with Good_Overload (10.3). Labels that cannot be resolved
 /// or are of a wrong type make all mapped nodes answer Bad_NoCommunication (8.3) until labels
-/// change and the next request finds them well.
+/// change and the next request finds them valid.
 ///
-/// A Write with an IndexRange answers Bad_WriteNotSupported. When the PLC refuses because it has
-/// too much to do or stops, and when there are more requests than the options allow, the
-/// ServiceResult is Bad_TooManyOperations or Bad_Shutdown, see DataSourceOptions::decides_services;
-/// of a Call Bad_Shutdown only (8.1).
+/// A Write with an IndexRange answers Bad_WriteNotSupported. If the PLC refuses because it is
+/// overloaded or stops, and if there are more requests than the options allow, the ServiceResult is
+/// Bad_TooManyOperations or Bad_Shutdown, see DataSourceOptions::decides_services; for a Call only
+/// Bad_Shutdown (8.1).
 ///
-/// For the server's thread, as any DataSource; the PLC may answer on any thread, which then does
-/// nothing but queue the answer. Server, source and requests may end in any order.
+/// For the server's thread, like any DataSource; the PLC may answer on any thread, which then only
+/// queues the answer. Server, source and requests may end in any order.
 class BUSBAR_API MappedSource final : public server::DataSource {
 public:
     /// `backend`, not null, has no other listener from start() to stop(). `observer` may be null;
-    /// it outlives this.
+    /// it must outlive this object.
     explicit MappedSource(std::shared_ptr<backend::LabelBackend> backend,
                           const MappedOptions& options = {}, MappedObserver* observer = nullptr);
     ~MappedSource() override;
 
     // Before start().
 
-    /// Gives the handle of the node, for AddressSpace::bind. Labels beyond the shape's leaves are
-    /// passed over.
+    /// Returns the handle of the node, for AddressSpace::bind. Labels beyond the shape's leaves are
+    /// ignored.
     [[nodiscard]] std::uint64_t add(MappedVariable variable);
     [[nodiscard]] std::uint64_t add(MappedMethod method);
-    /// Where Calls find out that what they are for is an ObjectType (Bad_NotSupported); must
-    /// outlive the source's calls. Without it, that is not found out.
+    /// Lets Calls detect that their object is an ObjectType (Bad_NotSupported); `space` must
+    /// outlive the source's calls. Without it, that is not detected.
     void set_space(const model::SpaceReader* space);
 
-    /// Resolves all labels, when the nodes are there: before that, they answer Bad_NoCommunication.
-    /// Again: resolves them anew. Nothing is done without labels.
+    /// Resolves all labels once the nodes exist: before that, they answer Bad_NoCommunication. A
+    /// later call resolves them again. Does nothing without labels.
     void start();
-    /// Lets go of the backend, which another source may be the listener of then: what was asked
-    /// answers Bad_NoCommunication, and so does all else until start().
+    /// Releases the backend, which may then get another source as listener: pending requests answer
+    /// Bad_NoCommunication, and so do all later ones until start().
     void stop();
 
     // The values in buffer memory that the manual names.

@@ -18,34 +18,34 @@ namespace busbar::controller {
 
 class ModelSet;
 
-/// Why a node cannot be mapped (seed 001, 9.5), by where it stands. One that stands in several
-/// places can be mapped only if it could be in each.
+/// Why a node cannot be mapped (manual of model mode, 9.5), by its place. A node in several places
+/// can be mapped only if each of them allows it.
 enum class NodePlace : std::uint8_t {
     Mappable,
     StandardNode,      // in namespace 0
     NotBelowObjects,   // or also below Types
-    BelowServer,       // also
-    BelowAliases,      // also
+    BelowServer,       // even if it is also elsewhere
+    BelowAliases,      // even if it is also elsewhere
     RequiredNamespace, // another model of the project requires its namespace
     ArgumentsProperty, // the InputArguments or OutputArguments of a Method
     WrongNodeClass,    // neither a Variable nor a Method
 };
 
-/// Where all nodes of an AddressSpace stand, found in one walk. Keeps a reference to nothing.
+/// The places of all nodes of an AddressSpace, found in one walk. Keeps no reference.
 class BUSBAR_API NodePlaces {
 public:
-    /// `required` are the URIs that models require. A View shows nodes that stand elsewhere. A node
+    /// `required` are the URIs that models require. A View only refers to nodes elsewhere. A node
     /// is below another by references of hierarchical types other than HasEventSource and its
     /// subtypes, by which the Server refers to the sources of events.
     NodePlaces(const model::SpaceReader& space, const std::vector<std::string>& required);
 
-    /// `node` must be one of the AddressSpace as it was.
+    /// `node` must have been in the AddressSpace at construction.
     [[nodiscard]] NodePlace of(model::NodeIndex node) const;
-    /// Variables that count as mappable (seed 001, 2.1): below Objects, not below Server, Aliases
-    /// or a Method, whatever their namespace.
+    /// Returns whether a Variable counts as mappable (manual of model mode, 2.1): below Objects,
+    /// not below Server, Aliases or a Method, in any namespace.
     [[nodiscard]] bool is_counted(model::NodeIndex node) const;
-    /// References from Objects to the node at the least; 0 for what is not below Objects, or is
-    /// below Server.
+    /// Returns the least number of references from Objects to the node; 0 for a node that is not
+    /// below Objects, or is below Server.
     [[nodiscard]] std::uint32_t level(model::NodeIndex node) const;
 
 private:
@@ -58,14 +58,14 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// What a check is done against.
+/// The inputs of a check besides the mapping.
 struct MappingCheckOptions {
     ModelLimits limits{};
     /// URIs that models require, whose nodes cannot be mapped.
     std::vector<std::string> required{};
     /// For ModelCounters::file_size.
     std::uint64_t file_size{0};
-    /// Additionally checks the name of a label; nothing if it is good.
+    /// An additional check of a label's name; returns nothing for a valid one.
     std::function<std::optional<Problem>(std::string_view)> check_label{};
 };
 
@@ -74,16 +74,17 @@ struct MappingCheck {
     ModelCounters counters{};
 };
 
-/// The URIs that models of the project require, for MappingCheckOptions::required and NodePlaces.
+/// Returns the URIs that models of the project require, for MappingCheckOptions::required and
+/// NodePlaces.
 [[nodiscard]] BUSBAR_API std::vector<std::string> required_uris(const ModelSet& models);
 
-/// Which of `mapping` cannot be served with the nodes of `space`, and how much there is of
-/// everything: what the [Check] button of the output window does (seed 001, 4.2). Takes time in
-/// proportion to nodes and mapped parts.
+/// Returns the entries of `mapping` that cannot be served with the nodes of `space`, and the
+/// numbers of everything, as the [Check] button of the output window does (manual of model mode,
+/// 4.2). Takes time in proportion to nodes and mapped parts.
 [[nodiscard]] BUSBAR_API MappingCheck check_mapping(const model::SpaceReader& space,
                                                     const Mapping& mapping,
                                                     const MappingCheckOptions& options = {});
-/// The same of a project.
+/// Checks the mapping of a project likewise.
 [[nodiscard]] BUSBAR_API MappingCheck
 check_mapping(const ModelSet& models,
               std::function<std::optional<Problem>(std::string_view)> check_label = {});

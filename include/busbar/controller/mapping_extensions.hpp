@@ -12,12 +12,12 @@
 #include <busbar/model/nodeset_types.hpp>
 #include <busbar/model/space_reader.hpp>
 
-/// Mapping in the <Extensions> of nodes in NodeSet2 files (seed 001, appendix 8). Of the target
-/// busbar::model_mode, which needs pugixml.
+/// Mapping in the <Extensions> of nodes in NodeSet2 files (manual of model mode, appendix 8). In
+/// the target busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// Of the elements <DataMapping> and <MethodMapping>. It stands in these elements themselves or in
-/// the <Extension> around them; a declaration further out does not count.
+/// The namespace of the elements <DataMapping> and <MethodMapping>. It is declared in these
+/// elements themselves or in the <Extension> around them; a declaration further out is ignored.
 inline constexpr std::string_view mapping_namespace =
     "https://www.mitsubishielectric.com/fa/OPCUA/extension/";
 
@@ -26,26 +26,25 @@ struct ReadMapping {
     ModelReports reports{};
 };
 
-/// The mapping of the nodes in `extras`, which must be those of `space`.
+/// Reads the mapping of the nodes in `extras`, which must be those of `space`.
 ///
-/// A mapping that does not keep to the format, or a part of one without an attribute that it must
-/// have or with one that there is none of, counts as not written and is reported. An optional
-/// attribute of an impossible value is left out, with a warning; an attribute that exists but means
-/// nothing where it stands is passed over. Names of elements and attributes are told apart by case;
-/// besides `isArray` and `isStructure`, which the manual's table has, `IsArray` and `IsStructure`
-/// are read, which all its examples have.
+/// A mapping that violates the format, or a part that lacks a required attribute or has an unknown
+/// one, is skipped and reported. An optional attribute with an impossible value is left out, with a
+/// warning; a known attribute without meaning in its place is ignored. Names of elements and
+/// attributes are case-sensitive; besides `isArray` and `isStructure`, as in the manual's table,
+/// `IsArray` and `IsStructure` are accepted, as in all its examples.
 ///
-/// Takes `file` into reports; the lines of a file are not known any more. Numbers of elements and
-/// dimensions are limited by `limits.max_elements`.
+/// Reports name `file`; lines are not known any more. Numbers of elements and dimensions are
+/// limited by `limits.max_elements`.
 [[nodiscard]] BUSBAR_API ReadMapping read_mapping(const model::SpaceReader& space,
                                                   const model::NodeSetExtras& extras,
                                                   std::string_view file = {},
                                                   const ModelLimits& limits = {});
 
-/// Replaces the mapping in `extras` of all nodes of the namespaces by that of `mapping`, of which
-/// nothing is left where `mapping` has none; extensions of others stay as they are. Writes
-/// `IsArray` and `IsStructure`. What drop_unmapped leaves out is not written, and each mapping gets
-/// a new Sign.
+/// Replaces the mapping in `extras` of all nodes of the namespaces by that in `mapping`; a node
+/// without an entry there loses its mapping; extensions of others stay as they are. Writes
+/// `IsArray` and `IsStructure`. Parts that drop_unmapped removes are not written, and each mapping
+/// gets a new Sign.
 BUSBAR_API void write_mapping(const Mapping& mapping, std::span<const std::uint16_t> namespaces,
                               model::NodeSetExtras& extras);
 

@@ -10,17 +10,17 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
 
-/// What is wrong with information models and their mapping, as the output window of a configuration
-/// tool lists it (seed 001, 4.2).
+/// Reports about information models and their mapping, as listed in the output window of a
+/// configuration tool (manual of model mode, 4.2).
 namespace busbar::controller {
 
 enum class ReportResult : std::uint8_t {
-    Error,   // the operation failed, or what is meant cannot be served
-    Warning, // something to look at
+    Error,   // the operation failed, or cannot be served as intended
+    Warning, // should be checked
 };
 
-/// Codes of our own; none changes its meaning or number. The hundreds: 1 of model files, 2 of
-/// mapping in files, 3 of mapping and nodes, 4 of limits, 5 of mapping tables.
+/// Our own codes; a code never changes its meaning or number. The hundreds: 1 model files, 2
+/// mapping in files, 3 mapping and nodes, 4 limits, 5 mapping tables.
 enum class ModelCode : std::uint16_t {
     FileUnreadable = 101,
     FileInvalid = 102,
@@ -92,19 +92,19 @@ enum class ModelCode : std::uint16_t {
     TableRepeated = 507,
 };
 
-/// What all reports of a code have; constant texts.
+/// The properties common to all reports with a code; constant texts.
 struct ReportRule {
     ModelCode code;
     ReportResult result;
-    /// "Import", "Export", "Mapping", "Namespace": whose function found it.
+    /// "Import", "Export", "Mapping", "Namespace": the function that found it.
     std::string_view function;
-    /// The operation or setting that it comes from.
+    /// The operation or setting that caused it.
     std::string_view category;
     std::string_view content;
     std::string_view corrective_action;
 };
 
-/// One rule for each code, ascending.
+/// Returns one rule for each code, in ascending order.
 [[nodiscard]] BUSBAR_API std::span<const ReportRule> report_rules();
 /// `code` must be one of ModelCode.
 [[nodiscard]] BUSBAR_API const ReportRule& rule_of(ModelCode code);
@@ -112,21 +112,22 @@ struct ReportRule {
 /// One line of the output window.
 struct ModelReport {
     ModelCode code{};
-    /// Null if it is about no node.
+    /// Null if it concerns no node.
     NodeId node{};
     /// File, line, node and part as far as they are known: "cell.xml: ns=1;i=5: [2].Speed".
     std::string where{};
-    /// What was found. Printable, as text of a file may be in it.
+    /// What was found. Printable, since it may contain text of a file.
     std::string found{};
 
     friend bool operator==(const ModelReport&, const ModelReport&) = default;
 };
 
-/// "error M203 cell.xml: ns=1;i=5: An attribute is missing: Num. Write the attribute."
+/// Returns "error M203 cell.xml: ns=1;i=5: An attribute is missing: Num. Write the attribute.", for
+/// example.
 [[nodiscard]] BUSBAR_API std::string text(const ModelReport& report);
 
-/// Reports in the order in which they were found, and no more than some: of further ones only the
-/// number is kept. What is read may have a mistake in every line.
+/// Reports in the order in which they were found, up to a maximum number: beyond it they are only
+/// counted, since every line of a file may have an error.
 class BUSBAR_API ModelReports {
 public:
     static constexpr std::size_t max_kept = 1'000;
@@ -135,7 +136,7 @@ public:
     void add(ModelReports&& others);
 
     [[nodiscard]] const std::vector<ModelReport>& list() const { return list_; }
-    /// Also those that were not kept.
+    /// Includes those that were not kept.
     [[nodiscard]] std::size_t error_count() const { return error_count_; }
     [[nodiscard]] std::size_t warning_count() const { return warning_count_; }
     [[nodiscard]] bool has_errors() const { return error_count_ != 0; }

@@ -17,16 +17,17 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/nodeset.hpp>
 
-/// The information models of a project (seed 001, 9.4 and 9.6). Of the target busbar::model_mode,
-/// which needs pugixml.
+/// The information models of a project (manual of model mode, 9.4 and 9.6). In the target
+/// busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// Whether a RequiredModel is there (seed 001, 9.6). A missing one is refused at import.
+/// The state of a RequiredModel (manual of model mode, 9.6). An import with a missing one is
+/// refused.
 enum class ModelState : std::uint8_t { Imported, OtherVersion };
 
 struct RequiredModelStatus {
     std::string uri;
-    /// What is asked for.
+    /// The required version.
     std::string version;
     std::string publication_date;
     ModelState state{ModelState::Imported};
@@ -52,7 +53,7 @@ struct ModelFile {
     std::string uri;
     /// For messages.
     std::string name;
-    /// XML; its mapping is that of the import, ModelSet::mapping() the one that counts.
+    /// XML; its mapping is that of the import; the current one is ModelSet::mapping().
     std::string text;
 };
 
@@ -60,64 +61,64 @@ struct ImportResult {
     /// The namespace that was imported.
     std::string uri;
     std::size_t node_count{0};
-    /// It was there before and has been replaced.
+    /// It existed before and has been replaced.
     bool is_replacement{false};
-    /// Warnings, and errors of mapping, which keep no model from being imported.
+    /// Warnings, and errors of mapping, which do not prevent an import.
     ModelReports reports;
 };
 
-/// The information model files of a project, one namespace each, an AddressSpace of them, and what
-/// is mapped. An operation that fails changes nothing.
+/// The information model files of a project, one namespace each, with an AddressSpace of them and
+/// the mapping. An operation that fails changes nothing.
 ///
-/// An AddressSpace never loses types, so each change of the files makes a new one: references to
-/// space() and extras() end then. One thread at a time.
+/// Types cannot be removed from an AddressSpace, so each change of the files creates a new one:
+/// references to space() and extras() become invalid. One thread at a time.
 class BUSBAR_API ModelSet {
 public:
-    /// The AddressSpace has `application_uri`, unless it is empty, as namespace 1, as that of a
+    /// The AddressSpace has `application_uri`, unless it is empty, as namespace 1, like that of a
     /// server.
     explicit ModelSet(const ModelLimits& limits = {}, std::string application_uri = {});
     ModelSet(ModelSet&&) noexcept;
     ModelSet& operator=(ModelSet&&) noexcept;
     ~ModelSet();
 
-    /// Adds a file of one namespace, or replaces the file of that namespace in its place. All its
-    /// RequiredModels must have been imported; another version than the one asked for is a warning.
+    /// Adds a file of one namespace, or replaces the existing file of that namespace. All its
+    /// RequiredModels must have been imported; another version than the required one is a warning.
     ///
-    /// Of the mapping (seed 001, 9.4): what the file has of a node replaces what was there; where
-    /// it has none, what was there stays. It goes where the node is gone, and where its NodeClass
-    /// has become another one than Variable.
+    /// Mapping (manual of model mode, 9.4): a node's mapping in the file replaces the existing one;
+    /// if the file has none for a node, the existing one is kept. It is removed if the node is
+    /// gone, or if its NodeClass is no longer Variable.
     ///
-    /// Takes time in proportion to the file if its namespace is a new one, else to all of them.
-    /// The error has at least one report of ReportResult::Error.
+    /// Takes time in proportion to the file if its namespace is new, otherwise to all files. The
+    /// error has at least one report with ReportResult::Error.
     [[nodiscard]] Expected<ImportResult, ModelReports> import(const model::NodeSetSource& source);
 
-    /// Takes away the last namespace of the list and its mapping (seed 001, 9.6). NotUndermost for
-    /// another one, StandardNamespace for namespace 0, NamespaceUnknown.
+    /// Removes the last namespace of the list and its mapping (manual of model mode, 9.6).
+    /// NotUndermost for another one, StandardNamespace for namespace 0, NamespaceUnknown.
     [[nodiscard]] Expected<void, ModelReport> remove(std::string_view uri);
 
-    /// The nodes of one namespace with their mapping as a file, which import() reads as the same.
-    /// NamespaceUnknown, also for namespace 0 and that of the application.
+    /// Returns the nodes of one namespace with their mapping as a file, which import() reads as the
+    /// same. NamespaceUnknown, also for namespace 0 and that of the application.
     [[nodiscard]] Expected<std::string, ModelReport> export_text(std::string_view uri) const;
 
-    /// The same of all files(), in their order; mapped parts and nodes are gone through once.
+    /// Exports all files(), in their order; visits mapped parts and nodes only once.
     [[nodiscard]] std::vector<std::string> export_texts() const;
 
-    /// In the order of NamespaceIndex; the first is OPC UA's own.
+    /// In the order of NamespaceIndex; the first is that of OPC UA.
     [[nodiscard]] const std::vector<ModelNamespace>& namespaces() const;
-    /// In the order of import, by which each comes behind what it requires.
+    /// In the order of import: each file comes after those that it requires.
     [[nodiscard]] const std::vector<ModelFile>& files() const;
     [[nodiscard]] const model::AddressSpace& space() const;
     [[nodiscard]] const model::NodeSetExtras& extras() const;
     [[nodiscard]] const ModelLimits& limits() const;
-    /// By NodeIds of space().
+    /// Keyed by NodeIds of space().
     [[nodiscard]] const Mapping& mapping() const;
-    /// For changes; check_mapping tells whether they make sense.
+    /// For changes; check_mapping tells whether they are valid.
     [[nodiscard]] Mapping& mapping();
     /// Bytes of all files.
     [[nodiscard]] std::uint64_t file_size() const;
 
-    /// Adds the nodes to the AddressSpace of a server. Returns the mapping by the NodeIds that they
-    /// have there; `space` is as before if there is a problem.
+    /// Adds the nodes to the AddressSpace of a server. Returns the mapping with the NodeIds that
+    /// they have there; `space` is unchanged if there is a problem.
     [[nodiscard]] Expected<Mapping, ModelReports> load_into(model::AddressSpace& space) const;
 
 private:
@@ -127,10 +128,10 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// The name of a file for an exported namespace, without ".xml" (seed 001, 9.4): what is behind the
-/// last slash of the URI, without what file systems do not take (appendix 6). "_1", "_2" and so on
-/// come behind a name that is in `taken`, whatever its case, and stand for one that is empty or
-/// reserved.
+/// Returns the name of a file for an exported namespace, without ".xml" (manual of model mode,
+/// 9.4): the part after the last slash of the URI, without characters that file systems do not
+/// accept (appendix 6). "_1", "_2" and so on are appended to a name that is in `taken`, ignoring
+/// case, and are used instead of an empty or reserved name.
 [[nodiscard]] BUSBAR_API std::string default_file_name(std::string_view uri,
                                                        const std::vector<std::string>& taken = {});
 

@@ -11,17 +11,17 @@
 
 namespace busbar::controller {
 
-/// What a module shows of itself in its buffer memory (seed 001, 8.3, 10.3 and appendix 4), as
-/// values of Variables:
+/// The values that a module shows in its buffer memory (manual of model mode, 8.3, 10.3 and
+/// appendix 4), as Variables:
 ///
 /// - TargetDevice1Status (Un\G8448), UInt16: 0 unknown, 1 communicating, 2 failing. The manual does
-///   not say what it holds; these are our own.
+///   not define its values; these are our own.
 /// - LabelUpdateRunningStatus (Un\G8617), UInt16: 1 while labels are updated.
 /// - RevisedSamplingIntervalMinimum (Un\G12419), UInt32: milliseconds, 0 without items.
 /// - ActualSamplingIntervalMinimum (Un\G12421), UInt32: milliseconds, 0 before there are two
 ///   samples.
 ///
-/// For the server's thread. `source`, `server` and `clock` must outlive its last read.
+/// For the server's thread. `source`, `server` and `clock` must stay valid until its last read.
 class BUSBAR_API ModuleStatus final : public server::DataSource {
 public:
     ModuleStatus(const MappedSource& source, const server::Server& server, const WallClock& clock)
@@ -38,8 +38,9 @@ private:
     const WallClock* clock_;
 };
 
-/// Adds these Variables below `parent`, in the namespace of that index. `status` must have been
-/// added to the server. Errors are those of AddressSpace::add_variable; then some may be there.
+/// Adds these Variables below `parent`, in the namespace with that index. `status` must have been
+/// added to the server. Errors are those of AddressSpace::add_variable; some Variables may have
+/// been added then.
 [[nodiscard]] BUSBAR_API Result<void> add_module_status_nodes(model::AddressSpace& space,
                                                               model::NodeIndex parent,
                                                               std::uint16_t namespace_index,

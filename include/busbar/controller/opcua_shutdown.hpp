@@ -12,61 +12,62 @@ namespace busbar::controller {
 
 class LifeCycle;
 
-/// Where instructions of PLC tasks meet the server's thread: so many places, each taken by one
-/// instruction from its start to its end. Nobody ever waits for anybody.
+/// Connects instructions of PLC tasks with the server's thread: a fixed number of places, each
+/// taken by one instruction from its start to its end. Neither side ever waits for the other.
 class BUSBAR_API InstructionDesk {
 public:
-    /// OPC UA instructions that may be executed at the same time (seed 000, A-2-4).
+    /// The maximum number of OPC UA instructions executed at the same time (manual of variables
+    /// mode, A-2-4).
     static constexpr std::size_t places = 32;
-    /// Error code of one more.
+    /// The error code of an instruction beyond that number.
     static constexpr std::uint16_t too_many = 0x041D;
 
     InstructionDesk() = default;
     InstructionDesk(const InstructionDesk&) = delete;
     InstructionDesk& operator=(const InstructionDesk&) = delete;
 
-    /// On the server's thread, every few milliseconds and when LifeCycle changes: shuts the server
-    /// down if an instruction asks for it, and tells instructions how far it is. Errors are records
-    /// InstructionFailed.
+    /// Call it on the server's thread, every few milliseconds and when LifeCycle changes: shuts the
+    /// server down if an instruction requests it, and reports the progress to instructions. Errors
+    /// are recorded as InstructionFailed.
     void serve(LifeCycle& life, LogSink& log);
 
 private:
     friend class OpcuaShutdown;
 
-    /// In a place: nobody, a request, one that is carried out, done, or with an error code in the
-    /// lower half.
+    /// The state of a place: free, a request, one that is carried out, completed, or failed with an
+    /// error code in the lower half.
     enum : std::uint32_t { Free, Requested, Accepted, Finished, Failed = 0x1'0000 };
     static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
-    /// `places` if there is none.
+    /// Returns `places` if none is free.
     [[nodiscard]] std::size_t take_place();
 
     std::array<std::atomic<std::uint32_t>, places> states_{};
-    /// Instructions that found no place, and how many of them were told of.
+    /// The number of instructions that found no place, and how many of them were reported.
     std::atomic<std::uint32_t> turned_away_{0};
     std::uint32_t told_{0};
 };
 
-/// The function block OPCUA_Shutdown (seed 000, A-2-1): asks for the end of the OPC UA functions so
-/// that power can be turned off. An instance belongs to one PLC task, which calls it each scan;
-/// calls take a bounded number of steps, whatever the server does.
+/// The function block OPCUA_Shutdown (manual of variables mode, A-2-1): requests the end of the OPC
+/// UA functions so that power can be turned off. An instance belongs to one PLC task, which calls
+/// it in each scan; calls take a bounded number of steps, whatever the server does.
 class BUSBAR_API OpcuaShutdown {
 public:
     /// `desk` must outlive this object.
     explicit OpcuaShutdown(InstructionDesk& desk) : desk_{&desk} {}
     OpcuaShutdown(const OpcuaShutdown&) = delete;
     OpcuaShutdown& operator=(const OpcuaShutdown&) = delete;
-    /// What it asked for goes on.
+    /// A shutdown that was requested continues.
     ~OpcuaShutdown();
 
-    /// Starts when Execute changes to TRUE, and then goes on to its end whatever Execute is.
-    /// Outputs stay while Execute is TRUE, and at least for the call that finds the end.
+    /// Starts when Execute changes to TRUE, and then continues to its end regardless of Execute.
+    /// Outputs are kept while Execute is TRUE, and at least for the call that finds the end.
     void operator()(bool execute);
 
     [[nodiscard]] bool done() const { return is_done_; }
     [[nodiscard]] bool busy() const { return place_ != InstructionDesk::places; }
     [[nodiscard]] bool error() const { return error_id_ != 0; }
-    /// 16#041D, 16#5000, 16#5001 or 16#5002; 0 without an error.
+    /// Returns 16#041D, 16#5000, 16#5001 or 16#5002; 0 without an error.
     [[nodiscard]] std::uint16_t error_id() const { return error_id_; }
 
 private:

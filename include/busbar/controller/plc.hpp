@@ -25,7 +25,7 @@ class PlcStep;
 class PlcWatch;
 } // namespace detail
 
-/// What moves a PLC's variables.
+/// Changes the values of a PLC's variables.
 class BUSBAR_API PlcLogic {
 public:
     PlcLogic() = default;
@@ -33,52 +33,51 @@ public:
     PlcLogic& operator=(const PlcLogic&) = delete;
     virtual ~PlcLogic() = default;
 
-    /// Called in each scan, after what clients wrote was taken in and before it is published, by
-    /// the thread that scans: it must not wait. `elapsed` is the time since the scan before.
+    /// Called in each scan, after clients' writes were applied and before values are published, by
+    /// the scanning thread: it must not wait. `elapsed` is the time since the previous scan.
     virtual void scan(DateTime now, Duration elapsed) = 0;
 };
 
-/// A PLC as a server shows it: variables in a process image, what moves them in each scan, and
-/// events. What moves them are the small programs of the configuration, which simulate a PLC, or
-/// logic of a runtime.
+/// A PLC as a server shows it: variables in a process image, logic that changes them in each scan,
+/// and events. The logic is either the small programs of the configuration, which simulate a PLC,
+/// or that of a runtime.
 ///
-/// It has no clock: whoever calls scan() says what time it is. scan(), halt() and the task's side
-/// of image() belong to one thread at a time; they never wait, allocate or free. The rest is for
-/// any thread.
+/// It has no clock: the caller of scan() passes the time. scan(), halt() and the task's side of
+/// image() belong to one thread at a time; they never wait, allocate or free. The rest is for any
+/// thread.
 class BUSBAR_API Plc {
 public:
-    /// What is wrong with `config` is told with its place in there: "variables[2].type",
+    /// Errors in `config` are reported with their place in it: "variables[2].type",
     /// "programs[0].target", "events[1].limit".
     [[nodiscard]] static Configured<std::unique_ptr<Plc>> create(const PlcConfig& config,
                                                                  server::ImageOptions options = {});
-    /// With the variables of a program, which are those of `image`, instead of the configuration's,
-    /// of which there is none then. Programs and events may name what is in them: "Press.Speed",
-    /// "Stations[2].Count".
+    /// Uses the variables of a program, which are those of `image`; the configuration must then
+    /// have none. Programs and events may name parts of them: "Press.Speed", "Stations[2].Count".
     [[nodiscard]] static Configured<std::unique_ptr<Plc>>
     create(const PlcConfig& config, const ProgramTypes& types, const ProgramImage& image);
     Plc(const Plc&) = delete;
     Plc& operator=(const Plc&) = delete;
     ~Plc();
 
-    /// Runs this instead of the configuration's programs. Before the first scan; `logic` must
-    /// outlive the last one.
+    /// Runs `logic` instead of the configuration's programs. Call it before the first scan; `logic`
+    /// must outlive the last one.
     void use(PlcLogic& logic) { logic_ = &logic; }
-    /// One cycle: takes in what clients wrote, runs the logic, looks for events, publishes. `now`
-    /// becomes the source timestamp; `elapsed` is the time since the scan before.
+    /// One cycle: applies clients' writes, runs the logic, detects events, publishes. `now` becomes
+    /// the source timestamp; `elapsed` is the time since the previous scan.
     void scan(DateTime now, Duration elapsed);
-    /// The programs of the configuration, once. For logic, within a scan.
+    /// Runs the programs of the configuration once. For logic, within a scan.
     void run_programs(Duration elapsed);
-    /// The PLC stops until the next scan, see ProcessImage::halt.
+    /// Stops the PLC until the next scan, see ProcessImage::halt.
     void halt() { image_->halt(); }
 
-    /// The events of the last scan, as indices into events(). For the thread that scans; valid
-    /// until the next scan.
+    /// The events of the last scan, as indices into events(). For the scanning thread; valid until
+    /// the next scan.
     [[nodiscard]] std::span<const std::uint32_t> occurrences() const { return occurrences_; }
     /// Sets the targets of Increment programs to 0 at the next scan.
     void reset_counters() { is_reset_requested_ = true; }
-    /// Of the programs' instructions, for the server's thread. Not served, they are busy for ever.
+    /// The programs' instructions, for the server's thread. If they are not served, they stay busy.
     [[nodiscard]] InstructionDesk& instructions() { return *instructions_; }
-    /// How many variables reset_counters() affects.
+    /// Returns the number of variables that reset_counters() affects.
     [[nodiscard]] std::size_t counter_count() const;
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
@@ -87,16 +86,16 @@ public:
         std::string name;
         bool is_writable;
     };
-    /// The variables by their handles.
+    /// Indexed by handle.
     [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
     /// The events of the configuration.
     [[nodiscard]] const std::vector<PlcEvent>& events() const { return events_; }
-    /// The variable that an event is about, or in which that lies.
+    /// Returns the variable of an event, or the variable that contains the event's value.
     [[nodiscard]] std::uint32_t event_handle(std::size_t event) const
     {
         return event_handles_[event];
     }
-    /// The handle of a variable.
+    /// Returns the handle of a variable.
     [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const;
 
 private:

@@ -9,10 +9,10 @@
 
 namespace busbar::controller {
 
-/// Adds the Methods of the simulated machine to the folder that publish_variables made:
+/// Adds the Methods of the simulated machine to the folder created by publish_variables:
 ///
-/// - ResetCounters: what Increment programs count begins again at 0 with the next scan. Returns how
-///   many variables (`count`, UInt32) these are.
+/// - ResetCounters: the targets of Increment programs restart at 0 with the next scan. Returns the
+///   number of these variables (`count`, UInt32).
 ///
 /// `source` is the index that the server gave to `table`, which must not outlive `plc`. Errors are
 /// those of AddressSpace.

@@ -10,17 +10,17 @@ namespace busbar::controller {
 
 struct PlcNodesOptions {
     std::string namespace_uri{"urn:busbar:plc"};
-    /// The folder below Objects that has the variables; its NodeId is this text, too.
+    /// The folder below Objects for the variables; its NodeId is this text, too.
     std::string folder{"PLC"};
     /// The index that the server gave to the PLC's ImageSource.
     std::uint32_t source{0};
-    /// The task's cycle: a client cannot sample faster.
+    /// The task's cycle, which is the shortest sampling interval for clients.
     Duration cycle{std::chrono::milliseconds{20}};
 };
 
-/// Adds a folder, and in it a node for each of the PLC's variables: its NodeId and BrowseName are
-/// the variable's name, its handle the one in the PLC's image. Gives the folder. Errors are those
-/// of AddressSpace; what was added before an error stays.
+/// Adds a folder with a node for each of the PLC's variables: its NodeId and BrowseName are the
+/// variable's name, its handle the one in the PLC's image. Returns the folder. Errors are those of
+/// AddressSpace; nodes that were added before an error stay.
 BUSBAR_API Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space,
                                                       const Plc& plc,
                                                       const PlcNodesOptions& options);

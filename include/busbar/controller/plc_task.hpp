@@ -13,15 +13,15 @@
 
 namespace busbar::controller {
 
-/// Runs a PLC's scans in a thread of its own, at equal intervals.
+/// Runs a PLC's scans in its own thread, at equal intervals.
 ///
-/// The thread asks the system for SCHED_FIFO with `realtime_priority`, 1 to 99 or 0 for none; it
-/// takes a privilege (CAP_SYS_NICE, or RLIMIT_RTPRIO as high); realtime_priority() says what was
-/// granted. Without it, anything that runs on the machine can make a scan begin late: see
+/// The thread requests SCHED_FIFO with `realtime_priority`, 1 to 99 or 0 for none, from the system;
+/// that requires a privilege (CAP_SYS_NICE, or RLIMIT_RTPRIO as high); realtime_priority() returns
+/// what was granted. Without it, anything that runs on the machine can delay a scan: see
 /// keep_priority().
 ///
-/// `plc` and `clock` must outlive it; from start() to stop() nobody else may use the scan's side of
-/// `plc`. start() and stop() belong to one thread.
+/// `plc` and `clock` must outlive it; from start() to stop() no other code may use the scan's side
+/// of `plc`. start() and stop() belong to one thread.
 class BUSBAR_API PlcTask {
 public:
     /// Above most threads of a system, below those of its drivers.
@@ -33,39 +33,40 @@ public:
     PlcTask& operator=(const PlcTask&) = delete;
     ~PlcTask() { stop(); }
 
-    /// Runs `action` in the task's thread after each scan, with the scan's time. It may take what
-    /// is left of the cycle and no longer. What it throws goes to `log`, which may be null and must
-    /// outlive the task; the scans go on. Before start().
+    /// Runs `action` in the task's thread after each scan, with the scan's time. It may take the
+    /// rest of the cycle and no longer. Its exceptions go to `log`, which may be null and must
+    /// outlive the task; the scans continue. Call it before start().
     void after_scan(std::function<void(DateTime time)> action, LogSink* log = nullptr)
     {
         after_scan_ = std::move(action);
         log_ = log;
     }
-    /// Within such an action: the scans are those of `plc` from the next one on, and the one before
-    /// is not used any more, not even halted. Outlives the task, as that one.
+    /// Within such an action: from the next scan on `plc` is scanned, and the previous one is not
+    /// used any more, not even halted. `plc` must outlive the task too.
     void replace(Plc& plc) { plc_ = &plc; }
-    /// Tasks that start later have the priority that the calling thread has now, even if it, or who
-    /// starts them, gives way to others by then: a thread has the priority of its maker and cannot
-    /// raise it. The first call counts. Any thread.
+    /// Tasks that start later have the priority that the calling thread has now, even if it, or the
+    /// thread that starts them, has lowered its own by then: a thread inherits the priority of its
+    /// creator and cannot raise it. Only the first call has an effect. Any thread.
     static void keep_priority();
 
-    /// The first scan begins at once.
+    /// The first scan begins immediately.
     void start();
-    /// Waits for a scan that runs, then halts the PLC.
+    /// Waits for a running scan, then halts the PLC.
     void stop();
 
     struct Statistics {
         std::uint64_t scans{0};
-        /// Cycles that were left out because the scan before was too long or began too late.
+        /// Cycles that were skipped because the previous scan took too long or began too late.
         std::uint64_t missed_cycles{0};
-        /// How much later than planned a scan began, and how long one took, at worst.
+        /// The longest delay of a scan's beginning, and the longest duration of a scan.
         Duration worst_lateness{0};
         Duration worst_scan{0};
     };
     /// Since start(); from any thread.
     [[nodiscard]] Statistics statistics() const;
     [[nodiscard]] Duration cycle() const { return cycle_; }
-    /// What the system granted, since start(): 1 to 99, or 0 for an ordinary thread. Any thread.
+    /// The priority granted by the system, since start(): 1 to 99, or 0 for an ordinary thread. Any
+    /// thread.
     [[nodiscard]] int realtime_priority() const { return granted_priority_; }
 
 private:
