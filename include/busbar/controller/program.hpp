@@ -7,8 +7,8 @@
 
 #include <busbar/core/variant.hpp>
 
-/// What a controller's program declares: data types and global variables, as IEC 61131-3 has them.
-/// Plain values, made by a reader of declarations or by a vendor from a symbol table of its own;
+/// The declarations of a controller's program: data types and global variables as in IEC 61131-3.
+/// Plain values, created by a reader of declarations or by a vendor from its symbol table;
 /// ProgramTypes::create checks them.
 namespace busbar::controller {
 
@@ -35,7 +35,7 @@ enum class ElementaryType : std::uint8_t {
     String,
 };
 
-/// Both ends belong to it.
+/// Both are included.
 struct Bounds {
     std::int64_t lower{0};
     std::int64_t upper{0};
@@ -43,33 +43,33 @@ struct Bounds {
     friend bool operator==(const Bounds&, const Bounds&) = default;
 };
 
-/// What a variable, a member or an alias is declared as.
+/// The declared type of a variable, a member or an alias.
 struct TypeUse {
-    /// Counts where `type_name` is empty.
+    /// Used if `type_name` is empty.
     ElementaryType elementary{ElementaryType::Int};
-    /// A type of the program; upper and lower case are the same.
+    /// A type of the program; case is ignored.
     std::string type_name{};
-    /// None: no array. The outermost first; types that are arrays themselves come within these.
+    /// Empty if it is not an array. The outermost first; dimensions of types that are arrays
+    /// themselves follow these.
     std::vector<Bounds> dimensions{};
-    /// Of String: the most bytes of UTF-8, without the zero behind them.
+    /// For String: the maximum bytes of UTF-8, without the terminating zero.
     std::uint32_t string_length{255};
-    /// Of integers: what values are allowed.
+    /// For integers: the allowed values.
     std::optional<Bounds> subrange{};
 };
 
-/// Where something is declared, for who reads a Problem of it. Lines and columns count from 1; 0 is
-/// not known.
+/// The place of a declaration, for Problems. Lines and columns count from 1; 0 is unknown.
 struct ProgramPlace {
     std::uint32_t line{0};
     std::uint32_t column{0};
 };
 
-/// What something is before the program sets it. All default: zero, the first enumerator, an empty
-/// text.
+/// The value of something before the program sets it. All default: zero, the first enumerator, an
+/// empty text.
 struct InitialValue {
-    /// Tells values apart that are the same in `value`.
+    /// Distinguishes notations that have the same `value`.
     enum class Notation : std::uint8_t {
-        Unknown, // whatever the type needs
+        Unknown, // any that the type needs
         Number,
         Text,
         Enumerator,
@@ -79,18 +79,18 @@ struct InitialValue {
         DateAndTime,
     };
 
-    /// The member that it is for, within a structure.
+    /// Within a structure, the member that it initializes.
     std::string member{};
-    /// How many elements in turn have it, within an array.
+    /// Within an array, the number of consecutive elements with this value.
     std::uint32_t repeat{1};
-    /// Of an elementary type or, as a String, the name of an enumerator. Numbers are Int64, UInt64
-    /// or Double whatever the type, TRUE and FALSE also Boolean, times Double in milliseconds,
-    /// dates DateTime, times of day DateTime on 1601-01-01; null where there are parts.
+    /// The value of an elementary type or, as a String, the name of an enumerator. Numbers are
+    /// Int64, UInt64 or Double regardless of the type, TRUE and FALSE also Boolean, times Double in
+    /// milliseconds, dates DateTime, times of day DateTime on 1601-01-01; null if there are parts.
     Variant value{};
-    /// Members of a structure or elements of an array: of one with several dimensions either all of
-    /// them, the last index first, or a list of lists, in which each is for one index.
+    /// Members of a structure or elements of an array; with several dimensions either all elements,
+    /// the last index varying fastest, or nested lists, with one list for each index.
     std::vector<InitialValue> parts{};
-    /// The enumeration that `value` is said to be of, as in `Mode#On`; empty: not said.
+    /// The enumeration that qualifies `value`, as in `Mode#On`; empty: not qualified.
     std::string enumeration{};
     Notation notation{Notation::Unknown};
     ProgramPlace place{};
@@ -121,21 +121,21 @@ struct DerivedType {
 
     std::string name;
     Kind kind{Kind::Structure};
-    TypeUse alias{};                       // of an Alias
-    std::vector<Enumerator> enumerators{}; // of an Enumeration
-    std::vector<Member> members{};         // of a Structure or Union
-    /// Of variables that have none of their own.
+    TypeUse alias{};                       // for an Alias
+    std::vector<Enumerator> enumerators{}; // for an Enumeration
+    std::vector<Member> members{};         // for a Structure or Union
+    /// For variables without their own.
     InitialValue initial{};
     std::string comment{};
     ProgramPlace place{};
 };
 
-/// Who sees a variable (seed 000, 3-3-1). All but Hidden are the same to OPC UA.
+/// The visibility of a variable (manual of variables mode, 3-3-1). All except Hidden are the same
+/// for OPC UA.
 enum class NetworkPublish : std::uint8_t { Hidden, PublishOnly, Input, Output };
 
 struct GlobalVariable {
-    /// Any text for a vendor's own names; identifiers in declarations. Upper and lower case are the
-    /// same.
+    /// Any text for a vendor's own names; identifiers in declarations. Case is ignored.
     std::string name;
     TypeUse type{};
     InitialValue initial{};
@@ -143,24 +143,24 @@ struct GlobalVariable {
     bool is_constant{false};
     /// RETAIN: keeps its value over a restart.
     bool is_retained{false};
-    /// AT: "%IX0.0"; empty: wherever.
+    /// AT: "%IX0.0"; empty: any address.
     std::string address{};
     std::string comment{};
     ProgramPlace place{};
 };
 
-/// What runs the program, as far as clients see it.
+/// A task that runs program instances, as far as clients see it.
 struct ProgramTask {
     std::string name;
     std::uint32_t priority{0};
-    /// As IEC 61131-3 writes it: "T#10ms".
+    /// As in IEC 61131-3: "T#10ms".
     std::string interval{};
 };
 
 struct ProgramInstance {
     std::string name;
     std::string type_name;
-    /// Of a ProgramTask; empty: none.
+    /// The name of a ProgramTask; empty: none.
     std::string task{};
 };
 

@@ -14,63 +14,65 @@
 
 namespace busbar::controller {
 
-/// The project that a server module keeps (seed 001, 9.13), and one that a tool transfers: staged
-/// in the Storage, checked as a whole, and then in the place of the other one, in one step. A
-/// transfer that is interrupted, refused or cut off by a power failure leaves the old one.
+/// The project stored by a server module (manual of model mode, 9.13), and one that a tool
+/// transfers: staged in the Storage, checked as a whole, and then put in place of the other one in
+/// one step. A transfer that is interrupted, refused or cut off by a power failure leaves the old
+/// one.
 ///
-///     const auto transfer = store.begin();   // nobody else is at it
-///     store.write(*transfer, bytes);         // as often as it takes
+///     const auto transfer = store.begin();   // no other transfer is running
+///     store.write(*transfer, bytes);         // any number of times
 ///     store.commit(*transfer);
 ///
-/// Not thread-safe; nobody else changes the folder.
+/// Not thread-safe; no other code changes the folder.
 class BUSBAR_API ProjectStore {
 public:
-    /// Whether a server could run the project: load_models, and what else there is. What check()
-    /// says is looked at before.
+    /// Decides whether a server could run the project: load_models, and further checks. check() is
+    /// called before it.
     using Check = std::function<Configured<void>(const Project&)>;
 
-    /// `storage` must outlive this object; `folder` is this object's own and is made when it is
+    /// `storage` must outlive this object; `folder` belongs to this object and is created when
     /// needed.
     ProjectStore(Storage& storage, std::string folder, Check check,
                  const ProjectLimits& limits = {});
 
-    /// What new projects are checked with instead: one that was stored before and is served stays
-    /// one, whatever is asked of others since.
+    /// Sets the check for new projects: a project that was stored before and is served is kept,
+    /// even if it would fail the new check.
     void check_new_with(Check check) { check_new_ = std::move(check); }
 
-    /// Forgets a transfer that the power cut and reads the project; there may be none. Once, before
-    /// anything else. A problem with the file, or with the medium, is no project: another one can
-    /// be transferred.
+    /// Discards a transfer that was interrupted by a power failure and reads the project; there may
+    /// be none. Call it once, before all other functions. A problem with the file or the medium
+    /// means that there is no project: another one can be transferred.
     [[nodiscard]] Configured<void> recover();
 
-    /// Null: there is none. Until the next commit().
+    /// Null if there is none. Valid until the next commit().
     [[nodiscard]] const Project* current() const { return current_ ? &*current_ : nullptr; }
-    /// Its file as it lies there. Bad_NotFound if there is none.
+    /// Returns the bytes of its file. Bad_NotFound if there is none.
     [[nodiscard]] Configured<std::string> document() const;
 
-    /// Begins a transfer; its number. Bad_InvalidState while there is another one.
+    /// Begins a transfer and returns its number. Bad_InvalidState while another one is running.
     [[nodiscard]] Configured<std::uint32_t> begin();
-    /// Adds to its file. After a problem the transfer is over; Bad_InvalidState if it was before.
+    /// Appends to its file. After a problem the transfer is over; Bad_InvalidState if it was over
+    /// before.
     [[nodiscard]] Configured<void> write(std::uint32_t transfer, std::span<const std::byte> bytes);
     /// Checks the file and makes it the current project. The transfer is over in any case, and
-    /// after a problem everything is as it was before it.
+    /// after a problem everything is as before it.
     [[nodiscard]] Configured<void> commit(std::uint32_t transfer);
     /// Ends it, if it is not over.
     void cancel(std::uint32_t transfer);
     [[nodiscard]] bool is_busy() const { return transfer_.has_value(); }
 
-    /// What stage() has checked.
+    /// A file that stage() has checked.
     class Staged {
         friend class ProjectStore;
         explicit Staged(Project project) : project_{std::move(project)} {}
         Project project_;
     };
-    /// A transfer as a whole, in two steps. The first one stages and checks the file, which takes
-    /// long: it may run on another thread than the rest, one at a time, while nobody has begun a
-    /// transfer. The second one makes it the current project.
+    /// A complete transfer, in two steps. The first one stages and checks the file, which takes
+    /// long: it may run on another thread than the rest, one at a time, while no transfer is
+    /// running. The second one makes it the current project.
     [[nodiscard]] Configured<Staged> stage(std::span<const std::byte> document) const;
     [[nodiscard]] Configured<void> take_up(Staged staged);
-    /// Both at once.
+    /// Both steps together.
     [[nodiscard]] Configured<void> replace(std::span<const std::byte> document);
 
 private:

@@ -18,28 +18,28 @@
 
 namespace busbar::controller {
 
-/// What an online edit has changed.
+/// The changes made by an online edit.
 struct ProgramAddition {
-    /// What became of the new variables; see tell().
+    /// The result for the new variables; see tell().
     PublicationGroup group{};
-    /// Those that are published, and RETAIN variables that are not.
+    /// The published ones, and RETAIN variables that are not published.
     ProgramImageAddition image{};
-    /// Variables that the image had before and that are RETAIN in the edited program only, each as
+    /// Variables that were in the image before and are RETAIN only in the edited program, each as
     /// an addition of one.
     std::vector<ProgramImageAddition> retained{};
-    /// Names of variables that were published and are not any more, as their nodes have them.
+    /// Node names of variables that are no longer published.
     std::vector<std::string> removed{};
-    /// Of the edited program. Lives as long as the PublishedProgram.
+    /// The types of the edited program. Lives as long as the PublishedProgram.
     const ProgramTypes* types{nullptr};
 };
 
-/// A program with what of it is published, as one object that stays where it is. Made in any
-/// thread, then of the server's.
+/// A program with its published variables, as one object that stays in place. Created on any
+/// thread, then used by the server's.
 class BUSBAR_API PublishedProgram {
     struct Key {};
 
 public:
-    /// A program that it was made with, or edited to.
+    /// The program from creation, or one that it was edited to.
     using Edition = std::shared_ptr<const CheckedProgram>;
 
     [[nodiscard]] static std::unique_ptr<PublishedProgram> create(Edition program,
@@ -51,53 +51,53 @@ public:
     PublishedProgram(const PublishedProgram&) = delete;
     PublishedProgram& operator=(const PublishedProgram&) = delete;
 
-    /// The program that it was made with, without what was edited.
+    /// Returns the program from creation, without edits.
     [[nodiscard]] const Program& program() const { return editions_.front()->program(); }
     [[nodiscard]] const ProgramTypes& types() const { return editions_.front()->types(); }
-    /// The first one is what it was made with, the last one the program as it is. A copy serves to
-    /// check edits in another thread.
+    /// The first is that from creation, the last the current program. A copy allows another thread
+    /// to check edits.
     [[nodiscard]] const std::vector<Edition>& editions() const { return editions_; }
     [[nodiscard]] const Publication& publication() const { return *publication_; }
-    /// Of the published variables, in their order.
+    /// The handles of the published variables, in their order.
     [[nodiscard]] std::span<const std::uint32_t> handles() const { return handles_; }
-    /// The image of the published variables, in the order of their handles, and behind them the
-    /// RETAIN variables that are not published: they have no nodes, but each scan has their values,
-    /// for RetainedValues. Unions are not among these. `namespace_index` is that of MachineNodes.
+    /// Creates the image of the published variables, in the order of their handles, followed by the
+    /// RETAIN variables that are not published: they have no nodes, but every scan has their
+    /// values, for RetainedValues. Unions are not among these. `namespace_index` is that of
+    /// MachineNodes.
     [[nodiscard]] Configured<ProgramImage>
     make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
-    /// Whether the program is one that these can be edited to; the problem names a type or a
-    /// variable that is another one than it was, which takes a download. The image is not looked
-    /// at. Any thread.
+    /// Checks whether `editions` can be edited to this program; the problem names a type or a
+    /// variable that has changed, which requires a download. The image is not checked. Any thread.
     [[nodiscard]] static Configured<void> check_edit(std::span<const Edition> editions,
                                                      const CheckedProgram& edited);
-    /// Takes in an online edit (seed 000, 3-3-2, 4-2-5 and 6-2-2): `edited` is the whole program.
-    /// Variables whose names are new are added, with their types, and those that it does not have
-    /// any more are removed; another publish attribute counts as one of the two. `image` is the one
-    /// of make_image(), and gets what is added; its task may run, and waits for nothing. The place
-    /// of a variable that was removed stays unused, and is not given to another one.
+    /// Applies an online edit (manual of variables mode, 3-3-2, 4-2-5 and 6-2-2): `edited` is the
+    /// whole program. Variables with new names are added, with their types, and those that it no
+    /// longer has are removed; a changed publish attribute counts as one of the two. `image` is the
+    /// one from make_image(), and is extended; its task may run, and does not wait. The place of a
+    /// removed variable stays unused, and is not given to another one.
     ///
-    /// After it come RetainedValues::add, MachineNodes::remove_variables and add_variables, which
-    /// is given publication() again and handles(); should that fail, the variables are without
-    /// nodes until a later call of it, and nothing else is wrong.
+    /// Afterwards call RetainedValues::add, MachineNodes::remove_variables and add_variables, with
+    /// publication() again and handles(); if that fails, the variables are without nodes until a
+    /// later call of it, and nothing else is wrong.
     ///
-    /// check_edit() must have found nothing against it. The problem is one of ProgramImage::add;
-    /// nothing was changed then.
+    /// check_edit() must have succeeded. The problem is that of ProgramImage::add; nothing has been
+    /// changed then.
     [[nodiscard]] Configured<ProgramAddition> edit(Edition edited, std::uint16_t namespace_index,
                                                    ProgramImage& image);
-    /// Checks the program first; the problem may be that of create() or of check_edit(), too.
+    /// Checks the program first; the problem may also be that of create() or of check_edit().
     [[nodiscard]] Configured<ProgramAddition> edit(Program edited, std::uint16_t namespace_index,
                                                    ProgramImage& image);
 
 private:
     struct NewHandles;
-    /// Variables that are new in the image have handles from `first` on.
+    /// The handles of variables that are new in the image begin with `first`.
     void take(NewHandles handles, std::uint32_t first) noexcept;
 
     std::vector<Edition> editions_;
     std::optional<Publication> publication_;
     std::vector<std::uint32_t> handles_;
-    /// Of all in the image, by their folded names.
+    /// All in the image, keyed by their folded names.
     std::unordered_map<std::string, std::uint32_t> in_image_;
 };
 

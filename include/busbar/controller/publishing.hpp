@@ -17,7 +17,8 @@ namespace busbar {
 class LogSink;
 } // namespace busbar
 
-/// What of a program is published to clients (seed 000, 6-2-2), decided without any server.
+/// Decides which variables of a program are published to clients (manual of variables mode, 6-2-2),
+/// without a server.
 namespace busbar::controller {
 
 namespace detail {
@@ -28,14 +29,15 @@ struct VariableFacts;
 /// A limit of all variables together.
 enum class PublishingLimit : std::uint8_t { Variables, Values, DataTypes };
 
-/// As logs have it: "MaxVariables", "MaxValues", "MaxDataTypes" (seed 000, 7-1-6, code 0100).
+/// Returns the name used in logs: "MaxVariables", "MaxValues", "MaxDataTypes" (manual of variables
+/// mode, 7-1-6, code 0100).
 [[nodiscard]] BUSBAR_API std::string_view name(PublishingLimit limit);
 
-using PublishingLimitSet = std::bitset<3>; // by PublishingLimit
+using PublishingLimitSet = std::bitset<3>; // indexed by PublishingLimit
 
-/// Why a variable by itself is not published, in the order in which it is looked for: that of the
-/// conditions of seed 000, 1-2-2. Other tables of the manual have other orders; in that of 7-1-6
-/// no variable could have too many elements, since its size would be found before.
+/// The reason why a variable by itself is not published, in the order of the checks: that of the
+/// conditions in the manual of variables mode, 1-2-2. Other tables of the manual have other orders;
+/// in that of 7-1-6 no variable could have too many elements, since its size would be found first.
 enum class UnpublishedReason : std::uint8_t {
     MatrixOfStructures,
     MatrixInStructure,
@@ -47,23 +49,24 @@ enum class UnpublishedReason : std::uint8_t {
     MaxSize,
 };
 
-/// As logs have it, spelled as the manual spells it: "MultiDimensionalArray" for the first two,
-/// "NestedStructre", "Union", "SubscriptOfArray", "MaxArrayElements", "MaxMembers", "MaxSize"
-/// (seed 000, 7-1-6, code 0101).
+/// Returns the name used in logs, with the manual's spelling: "MultiDimensionalArray" for the first
+/// two, "NestedStructre", "Union", "SubscriptOfArray", "MaxArrayElements", "MaxMembers", "MaxSize"
+/// (manual of variables mode, 7-1-6, code 0101).
 [[nodiscard]] BUSBAR_API std::string_view name(UnpublishedReason reason);
-/// The bit of the attached information of event 35D40000 (seed 000, 9-2-2).
+/// Returns the bit of the attached information of event 35D40000 (manual of variables mode, 9-2-2).
 [[nodiscard]] BUSBAR_API std::uint16_t event_bit(UnpublishedReason reason);
 
 struct PublishedVariable {
     const GlobalVariable* variable{nullptr};
-    /// Whose variable it is.
+    /// The program that the variable belongs to.
     const ProgramTypes* program{nullptr};
-    /// Bytes, as ProgramTypes::size_of counts them.
+    /// In bytes, as in ProgramTypes::size_of.
     std::uint64_t size{0};
-    /// One of a single value, one for each element of an array, and in structures all that are not
-    /// structures themselves (6-2-2, *1). A union has as many as the member that has most.
+    /// One for a single value, one for each element of an array, and for structures all members
+    /// that are not structures themselves (6-2-2, *1). A union has as many as the member that has
+    /// most.
     std::uint64_t values{0};
-    /// Of the structure that it is of, not of those within; 0 if it is no structure.
+    /// The members of its structure, without those of nested ones; 0 if it is not a structure.
     std::uint64_t members{0};
 };
 
@@ -71,75 +74,75 @@ struct UnpublishedVariable {
     const GlobalVariable* variable{nullptr};
     UnpublishedReason reason{};
     std::uint64_t size{0};
-    /// How many were published before this one was looked at.
+    /// The number of variables published before this one was checked.
     std::size_t position{0};
 };
 
-/// What became of variables that were looked at together. Numbers are positions in the lists of the
-/// Publication, whose ends the group was added to.
+/// The result for variables that were checked together. Numbers are positions in the lists of the
+/// Publication, to whose ends the group was appended.
 struct PublicationGroup {
     std::size_t first_published{0};
     std::size_t first_unpublished{0};
-    /// The limit over all that kept variables of the group away.
+    /// The limit over all that excluded variables of the group.
     std::optional<PublishingLimit> exceeded{};
 };
 
-/// Which variables are published. Kept up to date while variables are added.
+/// The decision which variables are published. Kept up to date while variables are added.
 ///
-/// Variables are looked at in the order of their names: by UTF-16 code units, the letters A to Z
-/// as capitals whatever they are. Each is first held against the limits over all, then against
-/// those of one variable; what is published counts towards the former, nothing else.
+/// Variables are checked in the order of their names: by UTF-16 code units, with the letters A to Z
+/// as capitals. Each is compared first with the limits over all, then with those of one variable;
+/// only published variables count towards the former.
 ///
-/// The first variable with which a limit over all would be exceeded ends the publication: neither
-/// it nor any later one is published, though a smaller one might have had room. So the manual has
-/// it of variables that are added online; and what clients see is the front of the list then, which
-/// whoever has to shorten the list can tell at a glance. That variable may be one that by itself
-/// could not be published either. Of several limits that it would exceed the first is told, in the
-/// order of PublishingLimit: a variable too many has a value too many as well.
+/// The first variable that would exceed a limit over all ends the publication: neither it nor any
+/// later one is published, even if a smaller one would fit. The manual requires that for variables
+/// that are added online; and clients then see the beginning of the list, which is clear to a
+/// person who has to shorten the list. That variable may be one that could not be published by
+/// itself either. If it would exceed several limits the first in the order of PublishingLimit is
+/// reported: a variable too many is also a value too many.
 ///
-/// Structure definitions are the structures and unions that the published variables are made of,
-/// each once, also those that are only elements of an array in another (6-2-2, *2).
+/// Structure definitions are the structures and unions that the published variables consist of,
+/// each once, including those that are only elements of an array in another (6-2-2, *2).
 class BUSBAR_API Publication {
 public:
     /// `program` must outlive it.
     explicit Publication(const ProgramTypes& program, PublishingLimits limits = {});
 
-    /// Looks at those variables of `program` whose names, upper and lower case being the same, are
-    /// new: only among themselves, and not at all if a limit over all is reached or exceeded; the
-    /// first such limit then counts as exceeded. For variables that were added while the server
-    /// runs; what was decided before stays. `program`, which must outlive it, may have all
-    /// variables or the new ones only; types of the same name must be what they were.
+    /// Checks those variables of `program` whose names, ignoring case, are new: only among
+    /// themselves, and not at all if a limit over all is reached or exceeded; the first such limit
+    /// then counts as exceeded. For variables that are added while the server runs; earlier
+    /// decisions stay. `program`, which must outlive it, may have all variables or only the new
+    /// ones; types with the same name must be unchanged.
     PublicationGroup add(const ProgramTypes& program);
 
-    /// What was decided of these variables, by their folded names, counts no more; what was kept
-    /// away by a limit stays away, since only what is added is looked at (seed 000, 6-2-2). Gives
-    /// the names of those that were published.
+    /// Discards the decisions about these variables, given by their folded names; variables
+    /// excluded by a limit stay excluded, since only added ones are checked (manual of variables
+    /// mode, 6-2-2). Returns the names of those that were published.
     std::vector<std::string> remove(const std::unordered_set<std::string>& names);
 
-    /// In the order of looking; groups one behind another.
+    /// In the order of the checks; one group after another.
     [[nodiscard]] const std::vector<PublishedVariable>& published() const { return published_; }
-    /// By a rule for single variables.
+    /// Those excluded by a rule for single variables.
     [[nodiscard]] const std::vector<UnpublishedVariable>& unpublished() const
     {
         return unpublished_;
     }
-    /// How many were kept away by a limit over all.
+    /// The number of variables excluded by a limit over all.
     [[nodiscard]] std::size_t left_out() const { return left_out_; }
-    /// The limits over all that kept any away.
+    /// The limits over all that excluded any.
     [[nodiscard]] PublishingLimitSet exceeded() const { return exceeded_; }
     [[nodiscard]] bool exceeds(PublishingLimit limit) const
     {
         return exceeded_[static_cast<std::size_t>(limit)];
     }
 
-    /// Of all that are published.
+    /// The values of all published variables.
     [[nodiscard]] std::uint64_t values() const { return values_; }
     [[nodiscard]] std::uint64_t data_types() const { return data_types_.size(); }
 
-    /// UnpublishedVariablesStatus (seed 000, 6-2-1): bits 0 to 2 for the limits over all, bit 3 if
-    /// a variable by itself is not published.
+    /// UnpublishedVariablesStatus (manual of variables mode, 6-2-1): bits 0 to 2 for the limits
+    /// over all, bit 3 if a variable by itself is not published.
     [[nodiscard]] std::uint16_t status_bits() const;
-    /// The event_bits of those variables that are not published, from position `first` on.
+    /// The event_bits of the variables that are not published, from position `first` on.
     [[nodiscard]] std::uint16_t event_bits(std::size_t first = 0) const;
 
 private:
@@ -148,7 +151,7 @@ private:
                  detail::TypeFactsTable& facts, PublicationGroup& group);
     [[nodiscard]] std::optional<PublishingLimit> exceeded_with(const detail::VariableFacts& facts,
                                                                std::size_t new_data_types) const;
-    /// The totals of what is published.
+    /// Computes the totals of the published variables.
     void count();
 
     PublishingLimits limits_;
@@ -157,14 +160,14 @@ private:
     std::size_t left_out_{0};
     PublishingLimitSet exceeded_;
     std::uint64_t values_{0};
-    /// Folded names of the definitions that count, and of all variables that were looked at.
+    /// Folded names of the counted definitions, and of all checked variables.
     std::unordered_set<std::string> data_types_;
     std::unordered_set<std::string> known_;
 };
 
-/// Tells what became of all variables, or of a group that was added: VariablePublished and
-/// VariableNotPublished as they were looked at, then PublishingLimitExceeded, then
-/// VariablesCounted with the totals (seed 000, 7-1-7).
+/// Records the result for all variables, or for a group that was added: VariablePublished and
+/// VariableNotPublished in the order of the checks, then PublishingLimitExceeded, then
+/// VariablesCounted with the totals (manual of variables mode, 7-1-7).
 BUSBAR_API void tell(LogSink& log, const Publication& publication);
 BUSBAR_API void tell(LogSink& log, const Publication& publication, const PublicationGroup& group);
 

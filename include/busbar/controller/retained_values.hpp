@@ -17,16 +17,16 @@
 namespace busbar::controller {
 
 struct RetainedOptions {
-    /// In a folder that is there.
+    /// In an existing folder.
     std::string file{"retained"};
-    /// How often it is looked whether a value has changed.
+    /// The interval at which values are checked for changes.
     Duration interval{std::chrono::minutes{1}};
 };
 
-/// What came of restoring.
+/// The result of restoring.
 struct RetainedRestore {
     std::size_t restored{0};
-    /// Why others were not: the file cannot be read, or a variable has another type than it had.
+    /// The reasons why others were not: the file cannot be read, or a variable's type has changed.
     std::vector<Problem> problems;
 };
 
@@ -35,66 +35,69 @@ class RetainedJournal;
 struct JournalEntry;
 } // namespace detail
 
-/// Keeps the values of a program's RETAIN variables, as far as they are in its image, over restarts
-/// and power cuts. They lie in one file, which is replaced as a whole: after a power cut it has
-/// what the last save() that succeeded has written, or what the one that was cut was to write.
+/// Keeps the values of a program's RETAIN variables, if they are in its image, over restarts and
+/// power failures. They are in one file, which is replaced as a whole: after a power failure it
+/// contains what the last successful save() wrote, or what the interrupted one was to write.
 ///
-/// What clients write goes to a journal besides, before they are told that it was written: keep().
-/// From then on it outlasts the end of the program, however that comes, and from the next sync() on
-/// a power cut. restore() puts it over the file's values. What the program itself changes is in the
-/// file alone, as the last save() had it.
+/// Clients' writes are also written to a journal before they are acknowledged: keep(). From then on
+/// they survive the end of the program, however it ends, and from the next sync() on a power
+/// failure. restore() applies the journal to the file's values. Changes by the program itself are
+/// in the file only, as of the last save().
 ///
-/// In the file each value stands with its variable's name and a print of its type, all of it under
-/// a checksum. A variable whose type has changed begins as declared, the others get their values. A
-/// file that cannot be used is moved to `file` + ".kept" before another takes its place.
+/// In the file each value is stored with its variable's name and a fingerprint of its type, all of
+/// it under a checksum. A variable whose type has changed starts as declared, the others get their
+/// values. A file that cannot be used is renamed to `file` + ".kept" before another takes its
+/// place.
 ///
 /// Not for the task's thread, but for one thread at a time, since it waits for the medium; keep()
-/// and add() are the server's thread's, and keep() waits for none of the others. restore() before
-/// the task starts and before variables are added.
+/// and add() are for the server's thread, and keep() does not wait for any of the others. Call
+/// restore() before the task starts and before variables are added.
 class BUSBAR_API RetainedValues {
 public:
-    /// `storage` must outlive it; `types` has made the image and is not needed afterwards.
+    /// `storage` must outlive it; `types` was used to create the image and is not needed
+    /// afterwards.
     RetainedValues(Storage& storage, const ProgramTypes& types, const ProgramImage& image,
                    RetainedOptions options = {});
     RetainedValues(const RetainedValues&) = delete;
     RetainedValues& operator=(const RetainedValues&) = delete;
     ~RetainedValues();
 
-    /// Keeps also the RETAIN variables that were added to the image while the task runs: `types` is
-    /// what they were added from, and not needed afterwards. They are as they begin; a restart
-    /// restores them, if its program has them. One of a name that is kept takes its place.
+    /// Also keeps the RETAIN variables that were added to the image while the task runs: `types` is
+    /// the one that they were added from, and is not needed afterwards. They have their initial
+    /// values; a restart restores them, if its program has them. A variable replaces one with the
+    /// same name.
     void add(const ProgramTypes& types, const ProgramImageAddition& added);
 
-    /// Keeps no longer what is not RETAIN in the edited program: one of the name that comes back
-    /// begins as declared. The file has it until the next save().
+    /// Stops keeping variables that are not RETAIN in the edited program: if one with such a name
+    /// returns, it starts as declared. The file contains it until the next save().
     void drop_others(const Program& edited);
 
-    /// How many variables are kept.
+    /// Returns the number of variables that are kept.
     [[nodiscard]] std::size_t size() const { return variables_.size(); }
-    /// Puts what the file and the journal have into the image's memory. If there is a journal the
-    /// file is replaced then. Without both nothing is restored and all is well.
+    /// Copies the values of the file and the journal to the image's memory. If there is a journal
+    /// the file is then replaced. Without both nothing is restored, which is not a problem.
     [[nodiscard]] RetainedRestore restore();
-    /// Writes the values of the latest scan, if they are not what the file has; for power that is
-    /// going, and before a stop. Success without any scan, with the file as it is. If the image has
-    /// no pin to give it is Failed, to be tried again.
+    /// Writes the values of the latest scan, if they differ from the file; for a power failure, and
+    /// before a stop. Without any scan it succeeds and leaves the file. If the image has no pin
+    /// left, the result is Failed; try again.
     [[nodiscard]] Stored<void> save();
 
     [[nodiscard]] bool is_of(const server::ProcessImage& image) const { return &image == &*image_; }
-    /// Whether a variable of the image is kept.
+    /// Returns whether a variable of the image is kept.
     [[nodiscard]] bool keeps(std::uint32_t handle) const
     {
         return handle < by_handle_.size() && by_handle_[handle] != 0;
     }
-    /// Takes in what the task has applied and published of one Write call to such variables, all or
+    /// Records what the task has applied and published of one Write call to such variables, all or
     /// nothing. After an error all are refused until a save() succeeds, which is due then.
     [[nodiscard]] Stored<void> keep(std::span<const server::ImageWrite> writes);
-    /// What was taken in outlasts a power cut.
+    /// Lets everything recorded survive a power failure.
     [[nodiscard]] Stored<void> sync();
 
-    /// When to call handle_deadline(); at once until the first call, and if the journal has grown
-    /// large or refuses Writes.
+    /// Returns when to call handle_deadline(); immediately until the first call, and if the journal
+    /// has grown large or refuses Writes.
     [[nodiscard]] TimePoint next_deadline() const;
-    /// save(), and again an interval later.
+    /// Calls save(), and again an interval later.
     [[nodiscard]] Stored<void> handle_deadline(TimePoint now);
 
 private:
@@ -108,7 +111,7 @@ private:
                  std::uint32_t first_handle);
     class Restoring;
 
-    /// Null for a variable that has no value.
+    /// Null for a variable without a value.
     using BytesOf = FunctionRef<const std::byte*(std::uint32_t handle)>;
     [[nodiscard]] std::vector<std::byte> content(BytesOf bytes_of, std::uint64_t last_write) const;
     [[nodiscard]] Stored<void> save(std::vector<std::byte> now);
@@ -119,12 +122,12 @@ private:
     std::shared_ptr<server::ProcessImage> image_;
     ElementaryTypes elementary_;
     std::vector<Variable> variables_;
-    /// By the name in lower case: the index in variables_.
+    /// The index in variables_, keyed by the name in lower case.
     std::unordered_map<std::string, std::size_t> by_name_;
-    /// By the handle: the index in variables_ plus 1, 0 for another variable.
+    /// Keyed by the handle: the index in variables_ plus 1, 0 for another variable.
     std::vector<std::size_t> by_handle_;
     std::unique_ptr<detail::RetainedJournal> journal_;
-    /// What the file has, as far as is known.
+    /// The contents of the file, as far as known.
     std::vector<std::byte> saved_;
     bool has_unusable_file_{false};
     TimePoint deadline_{};

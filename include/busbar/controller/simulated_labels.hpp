@@ -18,15 +18,15 @@ struct LabelExchange;
 } // namespace detail
 
 struct SimulatedLabelsOptions {
-    /// Requests that may wait for scans. More answer TooManyOperations.
+    /// Maximum number of requests waiting for scans. More answer TooManyOperations.
     std::size_t max_waiting{64};
     /// Points, which are words or single bits, that all requests together read and write at the end
-    /// of one scan (seed 001, 8.3: access unit); what is more waits for the next ones. 0: all of
-    /// them at once, so that nothing is torn. One value is never divided, however long it is.
+    /// of one scan (manual of model mode, 8.3: access unit); the rest waits for the next scans. 0:
+    /// all at once, so that nothing is torn. One value is never divided, however long it is.
     std::uint32_t access_unit{0};
     /// Whether labels can be sampled in each scan at all.
     bool can_sample{true};
-    /// Of one Sample request; its points are rounded up to the next 8,192.
+    /// The points of one Sample request, which are rounded up to the next multiple of 8,192.
     std::uint32_t max_sampled_points{32'768};
 
     friend bool operator==(const SimulatedLabelsOptions&, const SimulatedLabelsOptions&) = default;
@@ -35,10 +35,10 @@ struct SimulatedLabelsOptions {
 /// The labels of a simulated PLC: a backend whose program runs in this process.
 ///
 /// Requests wait for the end of a scan, where they are served in their order, with the scan's time;
-/// only what does not wait for anything, as one too many, is answered within start(). A Write is
-/// refused as a whole or done as a whole, unless labels change or communication ends between the
-/// scans over which it is divided. From the arrival of a Write to its end the labels that it is for
-/// are not sampled: they stay as they were.
+/// only requests that need no waiting, such as one too many, are answered within start(). A Write
+/// is refused as a whole or done as a whole, unless labels change or communication ends between the
+/// scans over which it is divided. From the arrival of a Write to its end its labels are not
+/// sampled: they keep their last sample.
 ///
 /// Threads: the functions of LabelBackend are for one thread, end_of_scan(), halt() and memory()
 /// for another one, the PLC's, the rest for any thread.
@@ -52,20 +52,20 @@ public:
     void attach(backend::LabelListener* listener) override;
     std::uint64_t sampled(std::span<std::byte> bytes, DateTime& time) override;
 
-    /// Serves what waits, then samples. Never waits, allocates or frees: a bounded number of steps,
-    /// which grows with the options, and with the size of a program if that is replaced.
+    /// Serves waiting requests, then samples. Never waits, allocates or frees: a bounded number of
+    /// steps, which grows with the options, and with the size of a program if that is replaced.
     void end_of_scan(DateTime now);
-    /// The PLC stops: what waits answers NoCommunication, and so does all else until the next
-    /// end_of_scan().
+    /// The PLC stops: waiting requests answer NoCommunication, and so do all later ones until the
+    /// next end_of_scan().
     void halt(DateTime now);
-    /// What the PLC's programs work in now. Stays the same until an end_of_scan() after
+    /// The memory that the PLC's programs work in now. Unchanged until an end_of_scan() after
     /// replace_program().
     [[nodiscard]] server::ImageMemory& memory();
 
-    /// An online change: from now on names are those of `program`, and what was resolved before
-    /// answers Mismatch. At the next end of a scan variables of the same name and type take their
-    /// values with them, and memory() is another one; the old one stays as long as an image() of it
-    /// is held. The listener is told from within this call. Nothing changes with a Problem.
+    /// An online change: from now on names are those of `program`, and labels resolved before
+    /// answer Mismatch. At the next end of a scan variables with the same name and type keep their
+    /// values, and memory() changes; the old one lives as long as an image() of it is held. The
+    /// listener is called from within this call. Nothing changes with a Problem.
     [[nodiscard]] Configured<void> replace_program(Program program);
     /// The newest program.
     [[nodiscard]] std::shared_ptr<const LabelProgram> program() const;
