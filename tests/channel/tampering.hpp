@@ -11,6 +11,7 @@
 #include <busbar/types/secure_channel.hpp>
 
 #include "channel/conversation.hpp"
+#include "channel/remembered_rsa.hpp"
 #include "support/byte_pipe.hpp"
 #include "support/channel_pair.hpp"
 
@@ -323,6 +324,7 @@ struct Recording {
 
     Script<Engine> script;
     std::vector<Bytes> opening;
+    RememberedRsa rsa; // of all that is opened with this
 };
 
 /// What a server answers; nothing else than the status can be told from it.
