@@ -87,6 +87,9 @@ Checked<void> ServerControl::check(const Wish& wish) const
                             "a reason of " + std::to_string(wish.reason.size()) +
                                 " bytes, expected at most " + std::to_string(max_reason));
     }
+    if (wish.state == ServerState::Running && !wish.restarts) {
+        return check_run();
+    }
     if (!wish.restarts || !needs_.replace || !needs_.may_replace) {
         return {};
     }
@@ -97,6 +100,12 @@ Checked<void> ServerControl::check(const Wish& wish) const
         return refuse_state(may.error().status, text(may.error()));
     }
     return {};
+}
+
+Checked<void> ServerControl::check_run() const
+{
+    const auto may = needs_.may_run ? needs_.may_run() : Configured<void>{};
+    return may ? Checked<void>{} : refuse_state(may.error().status, text(may.error()));
 }
 
 void ServerControl::request(MethodCall call)
@@ -141,12 +150,18 @@ void ServerControl::carry_out(const Wish& wish)
                                        std::chrono::seconds{wish.seconds_till_shutdown},
                                        wish.return_time, *this)) {
         restarts_ = wish.restarts;
+        reason_ = wish.reason;
     }
 }
 
-void ServerControl::countdown_ended()
+ServerState ServerControl::countdown_ended()
 {
+    if (!restarts_ && needs_.shut_down) {
+        needs_.shut_down(reason_);
+        return ServerState::Failed;
+    }
     restarts_ ? needs_.restart() : needs_.stop();
+    return ServerState::Shutdown;
 }
 
 } // namespace busbar::administration::detail

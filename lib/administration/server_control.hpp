@@ -18,7 +18,8 @@ namespace busbar::administration::detail {
 /// RunningServer::change_state has them, and Shutdown. The other states say how a server finds
 /// itself: who asks for one gets Bad_InvalidState.
 ///
-/// A Shutdown counts down (Part 5, 12.10), and Running takes it back until it is over.
+/// A Shutdown counts down (Part 5, 12.10), and Running takes it back until it is over. After it the
+/// program ends, or goes on without its server, which is Failed then.
 ///
 /// A restart is a Shutdown after which the program starts again and is Running, so that it is taken
 /// with these two states only.
@@ -30,6 +31,8 @@ public:
         LogSink& log;
         /// What ends what serves, for good and to start again, see AdministrationParts.
         const std::function<void()>& stop;
+        const std::function<void(const std::string&)>& shut_down;
+        const std::function<Configured<void>()>& may_run;
         const std::function<void()>& restart;
         const std::function<void(const RestartWish&)>& replace;
         const std::function<Configured<void>()>& may_replace;
@@ -58,11 +61,14 @@ private:
     /// Good, or what the Method answers.
     [[nodiscard]] Checked<void> check(const Wish& wish) const;
     void carry_out(const Wish& wish);
-    void countdown_ended() override;
+    /// Whether what the server is out for can be ended by Running.
+    [[nodiscard]] Checked<void> check_run() const;
+    [[nodiscard]] ServerState countdown_ended() override;
 
     Needs needs_;
-    /// Whether the countdown ends with a restart.
+    // Of the countdown.
     bool restarts_{false};
+    std::string reason_;
 };
 
 } // namespace busbar::administration::detail

@@ -136,7 +136,7 @@ struct PlainTransfers final : administration::TransferOwner {
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
     /// How the program starts its server again.
-    enum class Restart : std::uint8_t { Not, ByEnding, ByReplacing };
+    enum class Restart : std::uint8_t { Not, ByEnding, ByReplacing, ByGoingOn };
 
     explicit ManagedFixture(server::Worker* w = nullptr,
                             administration::Authorities of = administration::Authorities::Standard,
@@ -170,6 +170,10 @@ struct ManagedFixture {
         if (restart_how != Restart::Not) {
             restart = [this] { ++restarts; };
         }
+        std::function<void(const std::string&)> shut_down;
+        if (restart_how == Restart::ByGoingOn) {
+            shut_down = [this](const std::string& reason) { told_reason = reason; };
+        }
         if (restart_how == Restart::ByReplacing) {
             replace = [this](const administration::RestartWish& asked) { wish = asked; };
         }
@@ -183,6 +187,8 @@ struct ManagedFixture {
                 .random = &random,
                 .worker = worker,
                 .stop = [this] { ++stops; },
+                .shut_down = std::move(shut_down),
+                .may_run = [this] { return out ? Unexpected{*out} : Configured<void>{}; },
                 .restart = std::move(restart),
                 .replace = std::move(replace),
                 .may_replace =
@@ -332,6 +338,10 @@ struct ManagedFixture {
     int stops{0};
     int restarts{0};
     std::optional<administration::RestartWish> wish;
+    /// Of a shutdown that the program outlives.
+    std::string told_reason;
+    /// Why the server may not run.
+    std::optional<Problem> out;
     /// Why a restart would not work.
     std::optional<Problem> refusal;
     /// Why users and roles may not change; nothing: they may.

@@ -37,6 +37,11 @@ struct Replacing : Control {
     Replacing() : Control{Restart::ByReplacing} {}
 };
 
+/// A program that goes on without its server.
+struct GoingOn : Control {
+    GoingOn() : Control{Restart::ByGoingOn} {}
+};
+
 } // namespace
 
 TEST_CASE_METHOD(Control, "server control: an administrator stops the server",
@@ -211,6 +216,30 @@ TEST_CASE_METHOD(Replacing, "server control: a restart that would not work is no
     refusal.reset();
     CHECK(request(admin, ServerState::Running, 5, true) == "Good");
     CHECK(wish);
+}
+
+TEST_CASE_METHOD(GoingOn,
+                 "server control: a program that goes on keeps its server for administrators")
+{
+    auto admin = log_in();
+    CHECK(request(admin, ServerState::Shutdown, 5) == "Good");
+    CHECK(told_reason.empty());
+    advance(5s);
+    CHECK(told_reason == "maintenance");
+    CHECK(stops == 0);
+    CHECK(admin.is_closed());
+    auto again = log_in();
+    CHECK(read(again, id::Server_ServerStatus_State).value == Variant{ServerState::Failed});
+    out = Problem{status::Bad_InvalidState, "the server", "is shut down"};
+    CHECK(request(again, ServerState::Running) == "Bad_InvalidState");
+    out.reset();
+    CHECK(request(again, ServerState::Running) == "Good");
+    CHECK(read(again, id::Server_ServerStatus_State).value == Variant{ServerState::Running});
+    // A reset ends the program all the same.
+    CHECK(name(call(again, NodeId{0, id::ServerConfiguration},
+                    NodeId{0, id::ServerConfiguration_ResetToServerDefaults}, {})
+                   .status_code) == "Good");
+    CHECK(stops == 1);
 }
 
 TEST_CASE_METHOD(Control, "server control: who gives no reason has the usual one told")

@@ -176,7 +176,11 @@ TEST_CASE_METHOD(StateFixture, "a server enters no state that is not its own to 
 TEST_CASE_METHOD(StateFixture, "a countdown serves the server's own Methods, and can be taken back")
 {
     struct Heir final : server::CountdownHeir {
-        void countdown_ended() override { is_told = true; }
+        ServerState countdown_ended() override
+        {
+            is_told = true;
+            return ServerState::Shutdown;
+        }
         bool is_told{false};
     } heir;
     const auto begin = [&] {
@@ -204,6 +208,24 @@ TEST_CASE_METHOD(StateFixture, "a countdown serves the server's own Methods, and
     server.handle_deadline(now);
     CHECK_FALSE(heir.is_told);
     CHECK(client.is_closed());
+}
+
+TEST_CASE_METHOD(StateFixture, "a countdown may end in a server that is open to administrators")
+{
+    struct Heir final : server::CountdownHeir {
+        ServerState countdown_ended() override { return ServerState::Failed; }
+    } heir;
+    REQUIRE(server::RunningServer{server}.begin_countdown("the line is moved", 60s, {}, heir));
+    now += 61s;
+    server.handle_deadline(now);
+    CHECK(client.is_closed());
+    CHECK_FALSE(server.is_stopped());
+    CHECK(server::RunningServer{server}.state() == ServerState::Failed);
+    CHECK(server.connect("192.0.2.9", now));
+    now += 61s;
+    server.handle_deadline(now);
+    CHECK(server::RunningServer{server}.state() == ServerState::Failed);
+    CHECK(change(ServerState::Running));
 }
 
 } // namespace server_state_test

@@ -62,6 +62,14 @@ struct AdministrationParts {
     /// thread, when its server has shut down, or has begun to after a reset. If empty, clients
     /// cannot stop it.
     std::function<void()> stop{};
+    /// Called instead of `stop` for a shutdown that is not a reset: the program goes on without its
+    /// server, which has closed all connections before the call, in a callback of the server, and
+    /// is Failed from then on, so that administrators can look and request a restart. If empty,
+    /// `stop` is called.
+    std::function<void(const std::string& reason)> shut_down{};
+    /// Returns whether a client may set the server to Running without a restart; the problem is
+    /// sent to the client. If empty, it may.
+    std::function<Configured<void>()> may_run{};
     /// Likewise for a restart: the serving program ends and starts again. If empty, clients cannot
     /// request one.
     std::function<void()> restart{};

@@ -18,8 +18,10 @@ namespace busbar::server {
 /// Is called at the end of a countdown of RunningServer.
 class BUSBAR_API CountdownHeir {
 public:
-    /// The server has closed all connections. Called within a call of the server.
-    virtual void countdown_ended() = 0;
+    /// The server has closed all connections. Returns its state from now on: Shutdown, in which it
+    /// ends, or Failed, in which it accepts connections again, as after change_state(). Called
+    /// within a call of the server.
+    [[nodiscard]] virtual ServerState countdown_ended() = 0;
 
 protected:
     ~CountdownHeir() = default;

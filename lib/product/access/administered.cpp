@@ -126,6 +126,8 @@ void Administered::attach(const ToAdminister& what)
                                               .log = &audit_,
                                               .roles = &roles_,
                                               .stop = what.stop,
+                                              .shut_down = what.shut_down,
+                                              .may_run = what.may_run,
                                               .replace = what.restart,
                                               .may_replace = what.may_restart};
     parts.authorities = what.config.users.authorities;

@@ -31,6 +31,10 @@ struct ToAdminister {
     server::Worker& worker;
     /// Ends the program.
     std::function<void()> stop;
+    /// Goes on without the server; empty: the program ends.
+    std::function<void(const std::string& reason)> shut_down;
+    /// Whether the server may go on without a restart, and if not, why not.
+    std::function<Configured<void>()> may_run;
     /// Has another server take over, soon.
     std::function<void(const administration::RestartWish& wish)> restart;
     /// Whether that would work, and if not, why not.

@@ -41,6 +41,18 @@ std::int32_t local_utc_offset(DateTime now)
                : 0;
 }
 
+/// Only a restart lets a machine's server in again that is out (seed 000, 4-1-2).
+Configured<void> check_run(const Machine* machine)
+{
+    const std::string why = machine != nullptr ? machine->why_out() : std::string{};
+    return why.empty() ? Configured<void>{}
+                       : misconfigured("the OPC UA server",
+                                       "found that " + why +
+                                           ", expected a restart first: busbar admin shutdown "
+                                           "--restart, or a start of the controller",
+                                       status::Bad_InvalidState);
+}
+
 /// What is done after each scan, by the thread that scans. All must outlive it.
 std::function<void(DateTime)> following_scans(const Plant& plant, Administered& administered,
                                               Machine* machine)
@@ -186,6 +198,8 @@ void Generation::attach(const Requests& requests)
          .settings = *settings_,
          .worker = worker_,
          .stop = requests.stop,
+         .shut_down = around_.machine != nullptr ? requests.shut_down : nullptr,
+         .may_run = [machine = around_.machine] { return check_run(machine); },
          .restart = requests.restart,
          .may_restart = requests.may_restart,
          .is_in_run =

@@ -153,7 +153,9 @@ void RunningController::listen(const ControllerConfig& config, Listening::Listen
 
 void RunningController::listen_as_told()
 {
-    if (!listening_.can_go_as_told()) {
+    const bool is_shut_down =
+        machine_ && machine_->life().operating_status() == controller::OperatingStatus::Shutdown;
+    if (is_shut_down || !listening_.can_go_as_told()) {
         return;
     }
     try_to([&] {
@@ -223,6 +225,7 @@ Requests RunningController::requests()
 {
     return {
         .stop = [this] { loop_.stop(); },
+        .shut_down = [this](const std::string& reason) { machine_->shut_server_down(reason); },
         .restart = [this](const administration::RestartWish& wish) { restart(wish); },
         .renewed =
             [this] {
@@ -299,6 +302,16 @@ void RunningController::follow(HardwareEvent event)
         log_.write(LogLevel::Error, "controller",
                    "the hardware has the OPC UA server halt, until a restart");
         halt("the hardware has the OPC UA server halt");
+    }
+    if (!machine_->life().has_program_going()) {
+        current_->halt();
+    }
+}
+
+void RunningController::stay_out()
+{
+    if (const std::string why = machine_->why_out(); !why.empty()) {
+        halt(why);
     }
     if (!machine_->life().has_program_going()) {
         current_->halt();
@@ -405,6 +418,7 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     }
     if (machine_ && !listening_.is_halted()) {
         machine_->replace(cause, *current_->plant().program(), current_->config());
+        stay_out();
     }
     clients_.use(current_->clients());
     renewed();

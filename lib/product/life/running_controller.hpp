@@ -100,6 +100,9 @@ private:
     /// Clients see why it does not serve any more, and an administrator may have it start again.
     /// Suspended still tells what was done.
     void halt(const std::string& why, ServerState state = ServerState::Failed);
+    /// A download brings back neither a server that is out until a restart nor a program that a
+    /// fault has stopped (seed 000, 4-1-2).
+    void stay_out();
     void refuse_beginning(const Beginning& beginning);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();

@@ -202,6 +202,7 @@ void Machine::hold_files(FunctionRef<void()> act)
 bool Machine::memory_replaced()
 {
     const auto before = life_->operating_status();
+    is_memory_replaced_ = true;
     life_->restore_begins();
     life_->restore_done(true);
     return has_left_running(before);
@@ -242,8 +243,8 @@ LogSink& Machine::log()
 void Machine::run(MachineProgram& program, const std::string& endpoint_url)
 {
     events_.tell(&program.events());
-    if (!settings_.is_used) {
-        return;
+    if (life_->operating_status() != controller::OperatingStatus::Preparing) {
+        return; // not used, or out until a restart
     }
     tell(log(), program.publication());
     life_->prepared(preparation_, endpoint_url);
@@ -269,6 +270,7 @@ bool Machine::fits(const ControllerConfig& config) const
 
 void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config)
 {
+    is_memory_replaced_ = is_memory_replaced_ && cause != Cause::Restart;
     settings_ = settings_of(config);
     life_->mode_changed(config.machine.mode);
     if (cause == Cause::Download) {
@@ -295,15 +297,21 @@ Configured<void> Machine::edit(const MachineProgram& program, Adding add)
     adding_ = &add;
     life_->online_edit();
     adding_ = nullptr;
-    const auto added = std::exchange(added_, std::nullopt);
+    const bool is_published = added_.has_value();
+    if (!is_published && is_memory_replaced_) {
+        return misconfigured("online edit",
+                             "the controller's memory was replaced, and a restart is "
+                             "due before",
+                             status::Bad_InvalidState);
+    }
+    const auto added = is_published ? *std::exchange(added_, std::nullopt) : add();
     if (!added) {
-        return misconfigured("online edit", "the server does not run", status::Bad_InvalidState);
+        return Unexpected{added.error()};
     }
-    if (!*added) {
-        return Unexpected{added->error()};
+    retained_->keep(*added);
+    if (is_published) {
+        tell(log(), program.publication(), added->group);
     }
-    retained_->keep(**added);
-    tell(log(), program.publication(), (*added)->group);
     return {};
 }
 
@@ -318,6 +326,20 @@ void Machine::cannot_start(const std::string& why)
 {
     life_->preparation_failed(preparation_, controller::PreparationFailure::Start, why);
     save_now();
+}
+
+void Machine::shut_server_down(const std::string& reason)
+{
+    static_cast<void>(life_->shut_down(reason));
+}
+
+std::string Machine::why_out() const
+{
+    if (life_->served_clients() == controller::ServedClients::All) {
+        return {};
+    }
+    const std::string_view reason = life_->restart_reason();
+    return reason.empty() ? life_->halt_reason() : std::string{reason};
 }
 
 void Machine::shut_down()

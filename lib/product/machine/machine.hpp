@@ -109,13 +109,18 @@ public:
     /// A server with this program, which was made with `config`, has taken the place of another
     /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
     void replace(Cause cause, MachineProgram& program, const ControllerConfig& config);
-    /// The program that runs was edited online: `add` adds to it what is new. The problem is that
-    /// of `add`, or that there is no server that runs.
+    /// The program that runs was edited online: `add` adds to it what is new, to the server, too,
+    /// if that is out. The problem is that of `add`, or that the memory was replaced.
     [[nodiscard]] Configured<void> edit(const MachineProgram& program, Adding add);
     /// The server that runs goes on with that: here it needs not be stopped for it.
     void changed(Change change, const MachineProgram& program, const std::string& endpoint_url);
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
+    /// The server is out until a restart, and all else goes on: the state is Shutdown, and logs are
+    /// saved (seed 000, 4-1-3).
+    void shut_server_down(const std::string& reason);
+    /// Why the server is out; empty: it is not.
+    [[nodiscard]] std::string why_out() const;
     /// It is not served any more: the state is Shutdown, and logs are saved.
     void shut_down();
 
@@ -186,6 +191,8 @@ private:
     std::optional<MachineRetained> retained_;
     std::unique_ptr<controller::LifeCycle> life_;
     std::uint32_t preparation_{0};
+    /// A restart is due (seed 000, 8-2 and 8-3).
+    bool is_memory_replaced_{false};
     /// Of an online edit, while that is made.
     const Adding* adding_{nullptr};
     std::optional<Configured<controller::ProgramAddition>> added_;

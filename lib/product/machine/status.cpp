@@ -136,6 +136,8 @@ std::vector<administration::StatusFact> status_facts(const StatusSources& source
         {"RestartReasons", list, [sources] { return texts(restart_reasons(sources)); }},
         {"PendingChanges", list, [sources] { return texts(pending_changes(sources)); }},
         {"CurrentErrors", list, [sources] { return texts(current_errors(sources.machine)); }},
+        {"GoesOnWithoutServer", Variant{true},
+         [sources] { return Variant{sources.machine != nullptr}; }},
     };
 }
 

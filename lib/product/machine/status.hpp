@@ -55,7 +55,8 @@ struct StatusSources {
 
 /// What the server's status says (seed 000, 4-2-1): Use, OperatingStatus, EndPoint (empty unless it
 /// is Running), ConnectedClients, ConnectedUsers and their names; and beyond that HaltReason,
-/// RestartReasons (empty: none is due), PendingChanges and CurrentErrors, each with what to do.
+/// RestartReasons (empty: none is due), PendingChanges and CurrentErrors, each with what to do, and
+/// GoesOnWithoutServer (a shutdown does not end the controller).
 [[nodiscard]] std::vector<administration::StatusFact> status_facts(const StatusSources& sources);
 
 } // namespace busbar::product

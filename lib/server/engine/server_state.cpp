@@ -134,8 +134,9 @@ void Server::Impl::finish_shutdown()
     for (detail::PeerLink* link : links) {
         link->close(status::Bad_Shutdown, "the server stops");
     }
-    if (CountdownHeir* const heir = std::exchange(countdown_heir, nullptr); heir != nullptr) {
-        heir->countdown_ended();
+    CountdownHeir* const heir = std::exchange(countdown_heir, nullptr);
+    if (heir != nullptr && heir->countdown_ended() == ServerState::Failed) {
+        enter(ServerState::Failed, life.shutdown_reason, {});
     }
 }
 

@@ -185,15 +185,25 @@ Exit reset(Context& context, Connection& connection, const AdminArguments& argum
 Exit shut_down(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const bool restarts = arguments.restarts;
-    make_sure(context, arguments, restarts ? "Restart the server?" : "Stop the server?");
+    const bool goes_on = fact(connection, "GoesOnWithoutServer").value_or<bool>(false);
+    make_sure(context, arguments,
+              restarts  ? "Restart the server?"
+              : goes_on ? "Stop the server, until a restart?"
+                        : "Stop the server, and the controller with it?");
     call(connection, standard(id::Server), standard(id::Server_RequestServerStateChange),
          {Variant{
               static_cast<std::int32_t>(restarts ? ServerState::Running : ServerState::Shutdown)},
           Variant{DateTime{}}, Variant{static_cast<std::uint32_t>(arguments.seconds)},
           Variant{LocalizedText{"", arguments.reason}}, Variant{restarts}},
          restarts ? "restarting the server" : "stopping the server");
-    return report(context, std::string{"the server "} + (restarts ? "restarts" : "stops") + " in " +
-                               std::to_string(arguments.seconds) + " s");
+    const std::string when = " in " + std::to_string(arguments.seconds) + " s";
+    if (restarts) {
+        return report(context, "the server restarts" + when);
+    }
+    return report(context, "the server stops" + when +
+                               (goes_on ? ", and the controller's program goes on; busbar admin "
+                                          "shutdown --restart starts the server again"
+                                        : ", and the controller ends"));
 }
 
 void add_status(CLI::App& admin, Run& run)
@@ -207,7 +217,9 @@ void add_shutdown(CLI::App& admin, Run& run)
     Group group{admin, run, nullptr, ""};
     auto& arguments = group.arguments();
     constexpr unsigned max_seconds = 86'400;
-    auto* command = group.add("shutdown", "Stops the server.", 0, "URL", shut_down);
+    auto* command = group.add(
+        "shutdown", "Stops the server; a machine's program goes on, another controller ends.", 0,
+        "URL", shut_down);
     command->add_option("--seconds", arguments.seconds, "how long clients are told before")
         ->check(CLI::Range(0U, max_seconds))
         ->capture_default_str();

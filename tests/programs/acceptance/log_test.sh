@@ -164,9 +164,11 @@ serve --config controller.toml
 one_step
 before=$(records 'SERVER 0006 Shutdown$')
 chief 0 admin shutdown "$url" --seconds 0 --reason "maintenance" --yes
-await ended
 await has_more_than "$before" 'SERVER 0006 Shutdown$'
 [ "$(tail -n 1 "$log" | tr -d '\r' | cut -f 6)" = 0006 ] || fail "something follows the shutdown"
 grep -q 95D10000 state/events/events.log || fail "the shutdown is no event"
 logged maintenance || fail "the log does not say why"
+chief 0 admin status "$url"
+says '^Server operating status: *Shutdown$'
+shut_down
 finish

@@ -79,5 +79,8 @@ says ' Run$'
 # 3-1: disconnect, shut down, switch off.
 one_step
 chief 0 admin shutdown "$url" --seconds 0 --yes
-await ended
+await logged 'the OPC UA server is shut down'
+chief 0 admin status "$url"
+says '^Server operating status: *Shutdown$'
+shut_down
 finish

@@ -41,8 +41,10 @@ configure() {
         account engineer '"Engineer"'
         account op '"Operator"'
         machine "$1
-simulated_hardware = true"
+simulated_hardware = true
+retained_ms = 500"
         printf '[[plc.program]]\nkind = "shutdown"\ntarget = "Trigger"\nsets = "Outcome"\n'
+        printf '[[plc.program]]\nkind = "increment"\ntarget = "Cycles"\n'
     } > controller.toml
 }
 # program SPEED [MORE]
@@ -54,6 +56,9 @@ VAR_GLOBAL
     Trigger : BOOL;
     Outcome : UINT;
     ${2:-}
+END_VAR
+VAR_GLOBAL RETAIN
+    Cycles : UDINT;
 END_VAR
 END
 }
@@ -81,16 +86,49 @@ restart
 status_is Running
 
 entry variables 4-1: start, stop, conditions
-# Stopped by an administrator: until the controller starts again there is none.
+# Stopped by an administrator: there is no server until a restart, and all else goes on.
+one_step
 before=$(count Shutdown)
 chief 0 admin shutdown "$url" --seconds 0 --reason maintenance --yes
-await ended
-counted Shutdown $((before + 1)) || fail "the shutdown is not recorded"
-run 3 --user chief --password-file password --trust admin status "$url"
-serve --config controller.toml
-step_ends
+says "the server stops in 0 s, and the controller's program goes on"
+await counted Shutdown $((before + 1))
+logged 'shutdown: maintenance' || fail "clients are not told why"
+status_is Shutdown
+says '^End point: *---$'
+says '^Restart due: *the OPC UA server was shut down$'
+serves_nobody "after a shutdown"
+chief 0 admin events "$url" --code 95D10000 --last 1
+says '95D10000 OPC UA Server Stopped'
+# The program counts on, into a variable that is kept.
+kept=$(cksum state/retained)
+counts() { [ "$(cksum state/retained)" != "$kept" ]; }
+await counts
+# Neither its files, nor another program, nor a second shutdown starts it: a restart does.
+runs=$(count Run)
+hang_up 'read again'
+downloaded() { [ "$(grep -c 'downloaded: press.st' log)" -eq "$1" ]; }
+for kind in DINT INT; do
+    program 17 "Kind : $kind;"
+    kill -HUP "$pid"
+    await downloaded $((${downloads:-0} + 1))
+    downloads=1
+done
+chief 0 admin shutdown "$url" --seconds 0 --yes
+await logged 'shutdown: an administrator stops the server'
+status_is Shutdown
+serves_nobody "after all of that"
+[ "$(count Run)" -eq "$runs" ] || fail "it ran in between"
+restart
 value Speed 17
-lacks variables 4-1: start, stop, conditions -- admin shutdown ends the program as well, OPCUA_Shutdown lets it go on
+step_ends
+one_step
+before=$(count Shutdown)
+chief 0 admin shutdown "$url" --seconds 0 --yes
+await counted Shutdown $((before + 1))
+power_cycle
+step_ends
+status_is Running
+value Speed 17
 # By the instruction, out of the program.
 one_step
 chief 0 write "$url" "$(node Trigger)" true
