@@ -27,7 +27,7 @@ struct ProgramLimits {
     /// Nested types.
     std::size_t max_depth{64};
     std::size_t max_dimensions{16};
-    /// Bytes of one variable.
+    /// Bytes of one variable, both in the CPU and in a process image.
     std::uint64_t max_variable_size{64U << 20U};
     std::size_t max_name_length{512}; // like a BrowseName (Part 3, 8.3)
 };
@@ -72,30 +72,41 @@ public:
     /// plus one. Members are at multiples of their alignment, a structure's size is a multiple of
     /// the largest one, and a union is as large as its largest member.
     [[nodiscard]] std::uint64_t size_of(const TypeUse& use) const;
+    /// Bytes that it takes in a process image at most, which keeps a byte for each BOOL, also of an
+    /// array, and a text's length in four bytes before it. A union, which no image can have, counts
+    /// as its largest member.
+    [[nodiscard]] std::uint64_t image_size_of(const TypeUse& use) const;
 
 private:
     friend class detail::ProgramChecker;
     explicit ProgramTypes(const Program& program) : program_{&program} {}
 
+    enum class Memory : std::uint8_t { Cpu, Image };
     /// Size and alignment of a value.
     struct Layout {
         std::uint64_t size{0};
         std::uint64_t alignment{1};
     };
+    struct Layouts {
+        Layout in_cpu;
+        Layout in_image;
+    };
 
-    /// Returns the layout of one value, based on those of the types in it.
-    [[nodiscard]] Layout layout_of_type(const DerivedType& type) const;
-    [[nodiscard]] Layout layout_of_one(const ResolvedType& type) const;
-    [[nodiscard]] Layout layout_of(const TypeUse& use) const;
+    [[nodiscard]] static Layout layout_of(ElementaryType type, std::uint32_t length, Memory memory);
+    /// Returns the layouts of one value, based on those of the types in it.
+    [[nodiscard]] Layouts layouts_of_type(const DerivedType& type) const;
+    [[nodiscard]] Layout layout_of_members(const DerivedType& type, Memory memory) const;
+    [[nodiscard]] Layout layout_of_one(const ResolvedType& type, Memory memory) const;
+    [[nodiscard]] Layout layout_of(const TypeUse& use, Memory memory) const;
 
     const Program* program_;
     /// Keyed by the name in lower case.
     std::unordered_map<std::string, std::size_t> by_name_;
-    /// The layout of one value of each type, so that types nested repeatedly cost nothing.
-    std::vector<Layout> layouts_;
+    /// The layouts of one value of each type, so that types nested repeatedly cost nothing.
+    std::vector<Layouts> layouts_;
 };
 
-/// Returns the bytes of one value, except for String.
+/// Returns the bytes of one value in the CPU, except for String.
 [[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
 /// The DataTypes of elementary types.
 enum class ElementaryTypes : std::uint8_t {

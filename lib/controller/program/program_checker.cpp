@@ -204,7 +204,7 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
             return found;
         }
         depths_[index] = below + 1;
-        types_->layouts_[index] = types_->layout_of_type(type);
+        types_->layouts_[index] = types_->layouts_of_type(type);
     }
     if (level + depths_[index] > limits_->max_depth + 1) {
         return problem(more_than(limits_->max_depth, "types in and around it"));
@@ -259,6 +259,11 @@ std::optional<Problem> ProgramChecker::check_variables() const
         if (types_->size_of(variable.type) > limits_->max_variable_size) {
             return problem_at(where, variable.place,
                               more_than(limits_->max_variable_size, "bytes"));
+        }
+        if (types_->image_size_of(variable.type) > limits_->max_variable_size) {
+            return problem_at(where, variable.place,
+                              more_than(limits_->max_variable_size,
+                                        "bytes in a process image, which keeps one for each BOOL"));
         }
     }
     return {};

@@ -50,6 +50,8 @@ std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
 }
 
 constexpr std::uint64_t bits_of_word = 16;
+/// Of a text in a process image.
+constexpr std::uint64_t size_of_length = 4;
 
 std::uint64_t rounded_up(std::uint64_t size, std::uint64_t multiple)
 {
@@ -129,44 +131,62 @@ ResolvedType ProgramTypes::resolve(const TypeUse& use) const
 
 std::uint64_t ProgramTypes::size_of(const TypeUse& use) const
 {
-    return layout_of(use).size;
+    return layout_of(use, Memory::Cpu).size;
 }
 
-ProgramTypes::Layout ProgramTypes::layout_of(const TypeUse& use) const
+std::uint64_t ProgramTypes::image_size_of(const TypeUse& use) const
+{
+    return layout_of(use, Memory::Image).size;
+}
+
+ProgramTypes::Layout ProgramTypes::layout_of(const TypeUse& use, Memory memory) const
 {
     const ResolvedType type = resolve(use);
-    const Layout one = layout_of_one(type);
-    const bool is_bool = type.kind == ResolvedType::Kind::Elementary &&
-                         type.elementary == ElementaryType::Bool && type.is_array();
+    const Layout one = layout_of_one(type, memory);
+    const bool has_bits = memory == Memory::Cpu && type.kind == ResolvedType::Kind::Elementary &&
+                          type.elementary == ElementaryType::Bool && type.is_array();
     const std::uint64_t count =
-        is_bool ? rounded_up(type.elements(), bits_of_word) / bits_of_word : type.elements();
+        has_bits ? rounded_up(type.elements(), bits_of_word) / bits_of_word : type.elements();
     return {saturating_product(one.size, count), one.alignment};
 }
 
-ProgramTypes::Layout ProgramTypes::layout_of_one(const ResolvedType& type) const
+ProgramTypes::Layout ProgramTypes::layout_of_one(const ResolvedType& type, Memory memory) const
 {
     switch (type.kind) {
-    case ResolvedType::Kind::Elementary: {
-        if (type.elementary == ElementaryType::String) {
-            return {std::uint64_t{type.string_length} + 1, 1};
-        }
-        const std::uint64_t size = controller::size_of(type.elementary);
-        return {size, size};
-    }
-    case ResolvedType::Kind::Enumeration: {
-        const std::uint64_t size = controller::size_of(ElementaryType::Dint);
-        return {size, size};
-    }
+    case ResolvedType::Kind::Elementary:
+        return layout_of(type.elementary, type.string_length, memory);
+    case ResolvedType::Kind::Enumeration:
+        return layout_of(ElementaryType::Dint, 0, memory);
     default:
-        return layouts_[static_cast<std::size_t>(type.type - program_->types.data())];
+        const Layouts& both =
+            layouts_[static_cast<std::size_t>(type.type - program_->types.data())];
+        return memory == Memory::Cpu ? both.in_cpu : both.in_image;
     }
 }
 
-ProgramTypes::Layout ProgramTypes::layout_of_type(const DerivedType& type) const
+ProgramTypes::Layout ProgramTypes::layout_of(ElementaryType type, std::uint32_t length,
+                                             Memory memory)
+{
+    if (type == ElementaryType::String) {
+        return memory == Memory::Cpu
+                   ? Layout{std::uint64_t{length} + 1, 1}
+                   : Layout{rounded_up(size_of_length + length, size_of_length), size_of_length};
+    }
+    const bool is_byte = memory == Memory::Image && type == ElementaryType::Bool;
+    const std::uint64_t size = is_byte ? 1 : controller::size_of(type);
+    return {size, size};
+}
+
+ProgramTypes::Layouts ProgramTypes::layouts_of_type(const DerivedType& type) const
+{
+    return {layout_of_members(type, Memory::Cpu), layout_of_members(type, Memory::Image)};
+}
+
+ProgramTypes::Layout ProgramTypes::layout_of_members(const DerivedType& type, Memory memory) const
 {
     Layout all;
     for (const Member& member : type.members) {
-        const Layout one = layout_of(member.type);
+        const Layout one = layout_of(member.type, memory);
         const bool is_union = type.kind == DerivedType::Kind::Union;
         const std::uint64_t place = is_union ? 0 : rounded_up(all.size, one.alignment);
         all.size = std::max(all.size, std::min(max_size, place + one.size));

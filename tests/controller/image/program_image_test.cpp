@@ -300,4 +300,38 @@ TEST_CASE("Lists of initial values have to fit (6-2-2)")
           "variables[0] (v).Limits[1]: has an initial value that is no REAL");
 }
 
+TEST_CASE("Variables take in the image what ProgramTypes says of it")
+{
+    using E = ElementaryType;
+    const auto text = [](std::uint32_t length) {
+        return TypeUse{.elementary = E::String, .string_length = length};
+    };
+    DerivedType mixed{.name = "Mixed"};
+    mixed.members = {{.name = "Flag", .type = of(E::Bool)},
+                     {.name = "Name", .type = text(6)},
+                     {.name = "Flags", .type = array(of(E::Bool), {{0, 16}})},
+                     {.name = "Axes", .type = array(of("Axis"), {{1, 3}})},
+                     {.name = "End", .type = of(E::Bool)}};
+    Program program;
+    program.types = {mode(), axis(), mixed};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(E::String); ++i) {
+        program.variables.push_back(
+            {.name = "v" + std::to_string(i), .type = of(static_cast<E>(i))});
+    }
+    program.variables.push_back({.name = "text", .type = text(9)});
+    program.variables.push_back({.name = "texts", .type = array(text(8), {{0, 4}})});
+    program.variables.push_back({.name = "flags", .type = array(of(E::Bool), {{0, 4}, {0, 6}})});
+    program.variables.push_back({.name = "mode", .type = array(of("Mode"), {{0, 2}})});
+    program.variables.push_back({.name = "mixed", .type = array(of("Mixed"), {{0, 4}})});
+    const auto types = ProgramTypes::create(program);
+    const auto made = image_of(program);
+    REQUIRE(types);
+    REQUIRE(made);
+    const server::ImageLayout& layout = made->image()->memory().layout();
+    for (std::uint32_t i = 0; i < program.variables.size(); ++i) {
+        INFO(program.variables[i].name);
+        CHECK(types->image_size_of(program.variables[i].type) == layout[i].bytes());
+    }
+}
+
 } // namespace program_image_test

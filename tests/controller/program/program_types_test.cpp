@@ -98,44 +98,46 @@ TEST_CASE("What variables take in the CPU (7-1-7; W506, A-5-1)")
     struct Row {
         TypeUse use;
         std::uint64_t size;
+        std::uint64_t in_image;
     };
     for (const Row& row : {
-             Row{use(E::Bool), 2},
-             Row{use(E::Sint), 1},
-             Row{use(E::Byte), 1},
-             Row{use(E::Int), 2},
-             Row{use(E::Real), 4},
-             Row{use(E::Lreal), 8},
-             Row{use(E::Time), 8},
-             Row{use(E::Date), 8},
-             Row{text(20), 21},
-             Row{use("Mode"), 4},
-             Row{array_of(use("Mode"), {{0, 4}}), 20},
-             Row{array_of(use(E::Byte), {{0, 2}}), 3},
+             Row{use(E::Bool), 2, 1},
+             Row{use(E::Sint), 1, 1},
+             Row{use(E::Byte), 1, 1},
+             Row{use(E::Int), 2, 2},
+             Row{use(E::Real), 4, 4},
+             Row{use(E::Lreal), 8, 8},
+             Row{use(E::Time), 8, 8},
+             Row{use(E::Date), 8, 8},
+             Row{text(20), 21, 24},
+             Row{use("Mode"), 4, 4},
+             Row{array_of(use("Mode"), {{0, 4}}), 20, 20},
+             Row{array_of(use(E::Byte), {{0, 2}}), 3, 3},
              // Bits of words.
-             Row{array_of(use(E::Bool), {{0, 0}}), 2},
-             Row{array_of(use(E::Bool), {{0, 15}}), 2},
-             Row{array_of(use(E::Bool), {{1, 17}}), 4},
-             Row{array_of(use(E::Bool), {{0, 9}, {0, 9}}), 14},
-             Row{use("Flags"), 2},
+             Row{array_of(use(E::Bool), {{0, 0}}), 2, 1},
+             Row{array_of(use(E::Bool), {{0, 15}}), 2, 16},
+             Row{array_of(use(E::Bool), {{1, 17}}), 4, 17},
+             Row{array_of(use(E::Bool), {{0, 9}, {0, 9}}), 14, 100},
+             Row{use("Flags"), 2, 4},
              // Members at multiples of their own alignment, and an end at the largest one's.
-             Row{use("IntBool"), 4},
-             Row{use("Outer"), 44},
-             Row{use("Either"), 16},
-             Row{use("BoolDintBool"), 12},
-             Row{use("BoolLreal"), 16},
-             Row{array_of(use("BoolLreal"), {{0, 99}}), 1'600},
-             Row{use("Bytes"), 3},
-             Row{array_of(use("Bytes"), {{0, 9}}), 30},
-             Row{use("ByteText"), 6},
-             Row{use("ByteInner"), 32},
-             Row{use("Bits"), 8},
-             Row{use("ModeByte"), 8},
-             Row{use("Hundred"), 200},
+             Row{use("IntBool"), 4, 4},
+             Row{use("Outer"), 44, 44},
+             Row{use("Either"), 16, 16},
+             Row{use("BoolDintBool"), 12, 12},
+             Row{use("BoolLreal"), 16, 16},
+             Row{array_of(use("BoolLreal"), {{0, 99}}), 1'600, 1'600},
+             Row{use("Bytes"), 3, 3},
+             Row{array_of(use("Bytes"), {{0, 9}}), 30, 30},
+             Row{use("ByteText"), 6, 16},
+             Row{use("ByteInner"), 32, 32},
+             Row{use("Bits"), 8, 19},
+             Row{use("ModeByte"), 8, 8},
+             Row{use("Hundred"), 200, 100},
          }) {
         INFO(row.use.type_name << " " << static_cast<int>(row.use.elementary) << " "
                                << row.use.dimensions.size());
         CHECK(types->size_of(row.use) == row.size);
+        CHECK(types->image_size_of(row.use) == row.in_image);
     }
 }
 
@@ -184,6 +186,20 @@ TEST_CASE("A program that makes no sense is refused, with its place")
     {
         program.variables[0].type.dimensions = {{0, INT32_MAX - 1}, {0, INT32_MAX - 1}};
         CHECK(problem_of(program) == "variables[0] (x): has more than 67108864 bytes");
+    }
+    SECTION("too large in a process image, though bits in the CPU")
+    {
+        program.types.push_back(structure("Bits", {array_of(use(ElementaryType::Bool), {{0, 7}})}));
+        program.variables[0].type = array_of(use(ElementaryType::Bool), {{1, 64 << 20}});
+        CHECK(problem_of(program) == "");
+        program.variables[0].type = array_of(use(ElementaryType::Bool), {{0, 64 << 20}});
+        const std::string refused = "variables[0] (x): has more than 67108864 bytes in a process "
+                                    "image, which keeps one for each BOOL";
+        CHECK(problem_of(program) == refused);
+        program.variables[0].type = array_of(use("Bits"), {{1, 8 << 20}});
+        CHECK(problem_of(program) == "");
+        program.variables[0].type = array_of(use("Bits"), {{0, 8 << 20}});
+        CHECK(problem_of(program) == refused);
     }
 }
 
