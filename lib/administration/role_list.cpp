@@ -185,6 +185,21 @@ bool RoleList::is_well_known(std::string_view name)
     return std::find(well_known.begin(), well_known.end(), name) != well_known.end();
 }
 
+std::string RoleList::closed_document(std::span<const std::string> others)
+{
+    std::vector<RoleRules> roles = detail::well_known_roles();
+    for (const std::string& name : others) {
+        const bool is_there = std::ranges::find(roles, name, &RoleRules::name) != roles.end();
+        if (!is_there && roles.size() < RoleLimits{}.max_roles) {
+            roles.emplace_back().name = name;
+        }
+    }
+    for (RoleRules& role : roles) {
+        role.endpoints_exclude = is_fixed(role) || is_of_administrators(role);
+    }
+    return detail::document_of(roles);
+}
+
 Checked<void> RoleList::replace(std::vector<RoleRules> roles)
 {
     const std::string document = detail::document_of(roles);

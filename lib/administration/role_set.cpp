@@ -120,6 +120,7 @@ void RoleSet::bind_values(const std::string& name, NodeIndex node)
                 return done.error().status;
             }
             table_.raise(renew_roles_);
+            table_.raise(changed_);
             return status::Good;
         };
     };

@@ -355,6 +355,38 @@ TEST_CASE_METHOD(Fixture, "roles: their lists bind who has them without rules, t
     CHECK(left("urn:client") == Names{"Observer"});
 }
 
+TEST_CASE_METHOD(Fixture, "roles: all but SecurityAdmin can be closed until they are opened again")
+{
+    const Names given{"Welder", "Operator"};
+    const std::string document = RoleList::closed_document(given);
+    REQUIRE(storage.replace("roles.json", std::as_bytes(std::span{document}), FileAccess::Owner));
+    REQUIRE(list.load());
+    const UserIdentity configured{UserTokenType::UserName,
+                                  "op",
+                                  0xFF,
+                                  {"Welder", "Observer", "Operator", "Engineer", "Supervisor",
+                                   "ConfigureAdmin", "SecurityAdmin"}};
+    const auto left = [&] {
+        const server::RoleQuestion question{
+            .user = configured, .application_uri = "urn:client", .is_trusted = true};
+        return list.limited(question, {0xFF, configured.roles}).roles;
+    };
+    CHECK(left() == Names{"SecurityAdmin"});
+    CHECK(roles(pat(), true) == Names{"TrustedApplication"}); // by what it means
+    REQUIRE(list.set_endpoints_exclude("Operator", true));
+    REQUIRE(list.set_endpoints_exclude("Welder", true));
+    CHECK(left() == Names{"Welder", "Operator", "SecurityAdmin"});
+    // As many as there may be.
+    Names many;
+    for (int i = 0; i < 100; ++i) {
+        many.push_back("Role " + std::to_string(i));
+    }
+    const std::string most = RoleList::closed_document(many);
+    REQUIRE(storage.replace("roles.json", std::as_bytes(std::span{most}), FileAccess::Owner));
+    REQUIRE(list.load());
+    CHECK(list.roles().size() == administration::RoleLimits{}.max_roles);
+}
+
 TEST_CASE_METHOD(Fixture,
                  "roles: a file that is wrong is refused with its place, and nothing changes")
 {

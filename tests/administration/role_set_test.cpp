@@ -111,8 +111,11 @@ struct Fixture {
     PlainUsers users;
     storage::MemoryStorage storage;
     administration::RoleList roles{storage, "roles.json"};
+    int changes{0};
     administration::Administration administration{
-        {.wall_clock = &wall_clock, .log = &log, .roles = &roles}};
+        {.wall_clock = &wall_clock, .log = &log, .roles = &roles, .changed = [this] {
+             ++changes;
+         }}};
     NoteWaker waker;
     TimePoint now{};
     server::Server server{
@@ -188,7 +191,9 @@ TEST_CASE_METHOD(Fixture, "role set: applications, and who is excluded",
     CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Good");
     CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Bad_AlreadyExists");
     CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{true});
+    const int before = changes;
     CHECK(write(admin, NodeId{0, applications_exclude}, Variant{false}) == status::Good);
+    CHECK(changes > before);
     CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{false});
     CHECK_FALSE(roles.find("Operator")->applications_exclude);
     constexpr std::uint32_t add_endpoint = 16232;

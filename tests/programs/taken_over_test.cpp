@@ -95,4 +95,33 @@ TEST_CASE("taken over: a damaged part is not there")
     CHECK(all->project == everything().project);
 }
 
+TEST_CASE("taken over: a copy of a file is kept as long as there is one, and not if it is damaged")
+{
+    storage::MemoryStorage storage;
+    const auto put = [&](std::string_view text) {
+        REQUIRE(storage.replace("roles.json", std::as_bytes(std::span{text}), FileAccess::Owner));
+    };
+    TakenOverFiles files{storage};
+    REQUIRE(files.keep_copy("roles.json"));
+    CHECK_FALSE(TakenOverFiles{storage}.copy("roles.json"));
+    put("some");
+    REQUIRE(files.keep_copy("roles.json"));
+    CHECK(TakenOverFiles{storage}.copy("roles.json") == "some");
+    put("other");
+    CHECK(TakenOverFiles{storage}.copy("roles.json") == "some");
+    REQUIRE(files.keep_copy("roles.json"));
+    CHECK(TakenOverFiles{storage}.copy("roles.json") == "other");
+    flip(storage, "taken-over/roles.json");
+    CHECK_FALSE(TakenOverFiles{storage}.copy("roles.json"));
+    REQUIRE(TakenOverFiles{storage}.keep_copy("roles.json"));
+    CHECK(TakenOverFiles{storage}.copy("roles.json") == "other");
+    REQUIRE(storage.remove("roles.json"));
+    REQUIRE(TakenOverFiles{storage}.keep_copy("roles.json"));
+    CHECK_FALSE(storage.entry("taken-over/roles.json"));
+    // Nothing of it is what a controller ran with.
+    put("some");
+    REQUIRE(TakenOverFiles{storage}.keep_copy("roles.json"));
+    CHECK_FALSE(TakenOverFiles{storage}.read());
+}
+
 } // namespace taken_over_test

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,6 +69,11 @@ public:
     /// Returns null if there is none with this name.
     [[nodiscard]] const RoleRules* find(std::string_view name) const;
     [[nodiscard]] static bool is_well_known(std::string_view name);
+    /// Returns a document in which every role but SecurityAdmin is closed: no session has it,
+    /// whichever way it was granted, until an administrator opens it again (EndpointsExclude). It
+    /// replaces a list whose restrictions are lost. `others` are roles that are not well-known, as
+    /// many as the limit allows.
+    [[nodiscard]] static std::string closed_document(std::span<const std::string> others);
     /// Returns the identities that get the role: by the configuration, and by the role's own rules.
     /// Empty for an unknown role.
     [[nodiscard]] std::vector<IdentityMappingRuleType> identities_of(std::string_view role) const;

@@ -11,7 +11,6 @@
 #include "product/configuration/mode_guard.hpp"
 #include "product/configuration/toml_reader.hpp"
 #include "product/store/received_program.hpp"
-#include "product/store/taken_over.hpp"
 
 namespace busbar::product {
 
@@ -22,7 +21,7 @@ bool manages_certificates(const ControllerConfig& config)
 
 Administered::Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
                            LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, "roles.json", {}, &configured_},
+    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, roles_file, {}, &configured_},
       file_systems_{config.files}
 {
     expect(roles_.load());
@@ -62,9 +61,10 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
     setup_.emplace(files_, admission.clients(), admission.passwords());
     show_accounts();
     users_.emplace(
-        files_, "users.json", config.users.password_rules, admission.passwords(),
+        files_, users_file, config.users.password_rules, admission.passwords(),
         [this](const administration::User& user) { return is_administrator(user); }, &configured_);
     expect(users_->load());
+    keep_lists();
     if (config.users.has_setup && !users_->has_administrator()) {
         if (!manages_certificates(config)) {
             throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
@@ -111,13 +111,24 @@ Configured<void> Administered::reset()
 {
     // Whoever set the first account's password at the machine keeps it.
     static constexpr std::array<std::string_view, 5> names{
-        "users.json", "roles.json", "settings.json", ReceivedProgram::file_name, "setup.code"};
+        users_file, roles_file, "settings.json", ReceivedProgram::file_name, "setup.code"};
     static constexpr std::array<std::string_view, 15> folders{
         TakenOverFiles::folder, "own/certs",         "own/private",         "own/crl",
         "own/replaced",         "trusted/certs",     "trusted/crl",         "issuers/certs",
         "issuers/crl",          "rejected/certs",    "users/trusted/certs", "users/trusted/crl",
         "users/issuers/certs",  "users/issuers/crl", "users/rejected/certs"};
     return administration::remove_files(files_, names, folders);
+}
+
+void Administered::keep_lists()
+{
+    for (const char* const file : {users_file, roles_file}) {
+        if (const auto kept = copies_.keep_copy(file); !kept) {
+            audit_.write(LogLevel::Warning, "controller",
+                         "there is no copy of " + std::string{file} +
+                             " for a start at which it is damaged: " + text(kept.error()));
+        }
+    }
 }
 
 void Administered::attach(const ToAdminister& what)
@@ -137,6 +148,7 @@ void Administered::attach(const ToAdminister& what)
     parts.file_transfers = what.file_transfers;
     parts.status = what.status;
     parts.random = &random_;
+    parts.changed = [this] { keep_lists(); };
     parts.worker = &what.worker;
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
@@ -169,6 +181,7 @@ void Administered::attach(const ToAdminister& what)
         };
         parts.changed = [this, &server = what.server, offer_changed = what.offer_changed,
                          users_changed = what.users_changed] {
+            keep_lists();
             end_setup(server);
             offer_changed();
             if (users_changed) {

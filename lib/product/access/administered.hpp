@@ -14,6 +14,7 @@
 #include "listener_roles.hpp"
 #include "product/configuration/config.hpp"
 #include "product/configuration/settings.hpp"
+#include "product/store/taken_over.hpp"
 #include "setup.hpp"
 
 namespace busbar::product {
@@ -56,6 +57,9 @@ struct ToAdminister {
 /// What administrators change while the controller runs, kept in the folder of certificates.
 class Administered {
 public:
+    static constexpr const char* users_file = "users.json";
+    static constexpr const char* roles_file = "roles.json";
+
     /// Throws a ConfigError if what is kept in `files`, the folder of certificates, cannot be read.
     /// All must outlive it.
     Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
@@ -88,6 +92,8 @@ private:
     void end_setup(server::Server& server);
     /// Shows administrators the accounts that `admission_` and the setup have.
     void show_accounts();
+    /// For a start at which they are damaged.
+    void keep_lists();
     /// What administrators changed, and all certificates.
     [[nodiscard]] Configured<void> reset();
     /// Any thread.
@@ -104,6 +110,7 @@ private:
     administration::RoleList roles_;
     ListenerRoles listener_roles_{roles_};
     std::optional<administration::UserList> users_;
+    TakenOverFiles copies_{files_};
     administration::ManagedCertificates certificates_;
     FileSystems file_systems_;
     std::optional<administration::Administration> administration_;

@@ -10,9 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/administration/role_list.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
+#include "product/access/administered.hpp"
 #include "product/configuration/toml_text.hpp"
 #include "product/store/received_program.hpp"
 #include "startup.hpp"
@@ -133,25 +135,79 @@ private:
     bool is_used_{false};
 };
 
-/// Returns true if the problem is a damaged list of users or roles, which lies beside as .refused
-/// from then on: no machine has to stand still for it. Its users are not let in, and roles are as
-/// the configuration has them, without what was changed of them online.
-bool set_aside(Storage& folder, const Problem& problem)
-{
-    constexpr std::size_t most = 64U << 20U;
-    for (const char* const name : {"users.json", "roles.json"}) {
-        if (problem.where.starts_with(folder.place(name)) && read_file(folder, name, most)) {
-            const auto moved =
-                folder.move(name, std::string{name} + ".refused", WhenThere::Replace);
-            return moved.has_value();
+/// Lists of users and roles that are damaged: no machine has to stand still for one, and nobody may
+/// do more than before. It lies beside as .refused from then on, and its last good copy counts; if
+/// there is none, its users are not let in, or all roles but SecurityAdmin are closed.
+class DamagedLists {
+public:
+    explicit DamagedLists(Storage& folder) : folder_{folder} {}
+
+    /// Own roles that this configuration gives to tokens are closed with the well-known ones.
+    void give(const UserConfig& users)
+    {
+        given_.clear();
+        if (users.tokens) {
+            for (const auto& [role, access] : users.tokens->roles) {
+                given_.push_back(role);
+            }
         }
     }
-    return false;
-}
+    /// Puts another list in the place of the one that the problem is of, and returns what was done,
+    /// in words; nothing if it is of none, or the Storage refuses it.
+    std::optional<std::string> replace(const Problem& problem)
+    {
+        for (const char* const name : {Administered::users_file, Administered::roles_file}) {
+            if (problem.where.starts_with(folder_.place(name))) {
+                return set_aside(name) ? put_other(name) : std::nullopt;
+            }
+        }
+        return std::nullopt;
+    }
 
-/// Calls `make` until no such list is in its way, each time with what was set aside.
+private:
+    /// While there is no other one, it stays where it is, too: without a list of roles there are no
+    /// restrictions.
+    bool set_aside(const std::string& name)
+    {
+        constexpr std::size_t most = 64U << 20U;
+        const auto bytes = read_file(folder_, name, most);
+        return bytes && folder_.replace(name + ".refused", *bytes, FileAccess::Owner);
+    }
+    std::optional<std::string> put_other(const std::string& name)
+    {
+        const auto times = std::ranges::count(replaced_, name);
+        if (times > 1) {
+            return std::nullopt;
+        }
+        replaced_.push_back(name);
+        const auto copy = times == 0 ? TakenOverFiles{folder_}.copy(name) : std::nullopt;
+        if (copy) {
+            return put(name, *copy, ", and its last good copy counts");
+        }
+        if (name == Administered::roles_file) {
+            return put(name, administration::RoleList::closed_document(given_),
+                       " and does not count; every role but SecurityAdmin is closed until an "
+                       "administrator opens it");
+        }
+        return folder_.remove(name) ? std::optional<std::string>{" and does not count"}
+                                    : std::nullopt;
+    }
+    std::optional<std::string> put(const std::string& name, std::string_view document,
+                                   const char* done)
+    {
+        const auto bytes = std::as_bytes(std::span{document});
+        return folder_.replace(name, bytes, FileAccess::Owner) ? std::optional<std::string>{done}
+                                                               : std::nullopt;
+    }
+
+    Storage& folder_;
+    std::vector<std::string> given_;
+    std::vector<std::string> replaced_;
+};
+
+/// Calls `make` until no such list is in its way, each time with what was done about them.
 std::unique_ptr<RunningController>
-without_damaged(Storage& folder,
+without_damaged(DamagedLists& lists,
                 FunctionRef<std::unique_ptr<RunningController>(const std::string& damage)> make)
 {
     std::string damage;
@@ -159,11 +215,12 @@ without_damaged(Storage& folder,
         try {
             return make(damage);
         } catch (const ConfigError& error) {
-            if (!set_aside(folder, error.problem())) {
+            const auto done = lists.replace(error.problem());
+            if (!done) {
                 throw;
             }
             damage += (damage.empty() ? "" : "; ") + std::string{error.what()} +
-                      ", which lies beside as .refused and does not count";
+                      ", which lies beside as .refused" + *done;
         }
     }
 }
@@ -199,17 +256,19 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Configuration&
 std::unique_ptr<RunningController> start(const Configuration& configuration, Runtime& runtime,
                                          LogSink& log, const ControllerOptions& options)
 {
+    storage::FolderStorage folder{kept_in(configuration)};
+    DamagedLists lists{folder};
     const auto make = [&](Beginning beginning) {
+        lists.give(beginning.reading.config.users);
         return std::make_unique<RunningController>(configuration, std::move(beginning), runtime,
                                                    log, options);
     };
-    storage::FolderStorage folder{kept_in(configuration)};
     auto last = TakenOverFiles{folder}.read();
     if (last && !configuration.file.empty() && !last->files.contains(configuration.file)) {
         last.reset(); // of another controller, which has the same folder
     }
     try {
-        return without_damaged(folder, [&](const std::string& damage) {
+        return without_damaged(lists, [&](const std::string& damage) {
             Substitutes substitutes{.project = last ? last->project : std::string{}};
             return make({read(configuration, std::move(substitutes)), last, {}, damage});
         });
@@ -223,7 +282,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
                 continue;
             }
             try {
-                return without_damaged(folder, [&](const std::string& damage) {
+                return without_damaged(lists, [&](const std::string& damage) {
                     return start_by(way, configuration, *last, folder, error.what(), damage, make);
                 });
             } catch (const ConfigError&) {

@@ -153,6 +153,37 @@ Configured<void> TakenOverFiles::forget_file(const std::string& path)
     return keep_part(files_name, text_of(*files));
 }
 
+Configured<void> TakenOverFiles::keep_copy(std::string_view file)
+{
+    const auto remove = [&] {
+        static_cast<void>(storage_->remove(storage_path(folder, file)));
+        known_.erase(std::string{file});
+    };
+    const auto bytes = read_file(*storage_, file, max_part_size);
+    if (!bytes && bytes.error() == StorageError::NotFound) {
+        remove();
+        return {};
+    }
+    if (!bytes) {
+        return misconfigured(storage_->place(file), std::string{busbar::text(bytes.error())},
+                             status_of(bytes.error()));
+    }
+    if (!known_.contains(file)) {
+        static_cast<void>(part(file));
+    }
+    auto kept = keep_part(file, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    if (!kept) {
+        remove();
+    }
+    return kept;
+}
+
+std::optional<std::string> TakenOverFiles::copy(std::string_view file)
+{
+    std::string text = part(file);
+    return text.empty() ? std::nullopt : std::optional{std::move(text)};
+}
+
 std::string TakenOverFiles::part(std::string_view name)
 {
     const auto bytes = read_file(*storage_, storage_path(folder, name), max_part_size);

@@ -46,6 +46,13 @@ public:
     /// Nothing if the controller never ran. A part that is damaged counts as one that is not there.
     [[nodiscard]] std::optional<TakenOver> read();
 
+    /// Keeps a copy of a file at the root of the Storage, which could be read, as it is now; of
+    /// none, there is no copy from now on. The problem is one of the Storage; then there is no copy
+    /// either, where that can be had: an old one may have what was taken back since.
+    [[nodiscard]] Configured<void> keep_copy(std::string_view file);
+    /// Nothing if there is none, or it is damaged.
+    [[nodiscard]] std::optional<std::string> copy(std::string_view file);
+
 private:
     [[nodiscard]] Configured<void> keep_part(std::string_view name, std::string text);
     [[nodiscard]] std::string part(std::string_view name);
