@@ -27,6 +27,7 @@ simulate() { as engineer "$1" call "$url" "$hardware" Simulate "$2"; }
 count() { [ "$(grep -c -e "$2" log)" -eq "$1" ]; }
 records() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log | grep -c -e "$1"; }
 recorded() { [ "$(records "$2")" -eq "$1" ]; }
+coded() { grep -s -e 15000000 state/events/events.log | grep -q -e "$1"; }
 
 echo "patience is all" > password
 hash=$(quick_hash password)
@@ -70,7 +71,24 @@ await logged 'medium: the medium is away'
 state 0
 simulate 0 "medium in"
 await logged 'medium: the medium is in again'
+# Somebody takes it without a word, and brings it back.
+simulate 0 "medium taken"
+await count 2 'medium: the medium is away'
+state 0
+simulate 0 "medium in"
+await count 2 'medium: the medium is in again'
 grep -q -s -e 15000000 state/events/events.log && fail "what waits is told as lost"
+# One that cannot be written to has an event, with the reason as its code.
+simulate 0 "medium full"
+state 0
+await coded 0005
+simulate 0 "medium in"
+await logged 'records of the execution log are saved again'
+simulate 0 "medium protected"
+state 0
+await coded 0003
+simulate 0 "medium in"
+await count 2 'records of the execution log are saved again'
 
 # One of the server does, until a restart.
 simulate 0 "partial fault of the server"

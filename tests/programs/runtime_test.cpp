@@ -120,10 +120,12 @@ public:
     }
 
     std::shared_ptr<backend::LabelBackend> labels() override { return all_labels; }
+    StorageMedium* medium() override { return &card; }
 
     Story story;
     std::shared_ptr<backend::LabelBackend> all_labels;
     RuntimeHost* host_{nullptr};
+    StorageMedium card;
     bool has_task{false};
     double level{41};
 };
@@ -186,6 +188,30 @@ TEST_CASE("a runtime's program runs in the controller's task, in the runtime's m
                                                           "scanned", "edited: 2 more, 1 less",
                                                           "PROGRAM", "unloaded", "end"});
     CHECK(runtime.level > 41);
+}
+
+TEST_CASE("the execution log lies where a runtime's card is, and waits for it")
+{
+    constexpr const char* log_folder = "card/packages/OPCUA_Server/ExecutionLog";
+    Place place;
+    ToldRuntime runtime;
+    runtime.card.lie_in(place.path("card"));
+    runtime.card.set(StorageMedium::State::Away);
+    std::filesystem::create_directory(place.path("card"));
+    auto controller = Controller::create(
+        place.file("c.toml", place.machine() + "execution_log = true\n"), runtime, place.options);
+    REQUIRE(controller);
+    std::thread serving{[&] { CHECK((*controller)->run()); }};
+    runtime.story.wait_for("scanned");
+    const auto has_log = [&] { return std::filesystem::exists(place.path(log_folder)); };
+    CHECK_FALSE(has_log());
+    runtime.card.set(StorageMedium::State::Usable);
+    while (!has_log()) {
+        std::this_thread::yield();
+    }
+    CHECK_FALSE(std::filesystem::exists(place.path("medium")));
+    (*controller)->stop();
+    serving.join();
 }
 
 TEST_CASE("a runtime's own task scans instead of the controller's and is stopped with it")

@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/program.hpp>
@@ -35,6 +38,47 @@ enum class HardwareEvent : std::uint8_t {
     Watchdog,
     MediumOut, // it is going to be removed: its power switch was pressed
     MediumIn,
+};
+
+/// The storage medium of a runtime, on which the execution log is written (seed 000, 7-4): a memory
+/// card, for example. The runtime reports each change of its state, also before the controller
+/// starts; the controller looks several times a second, as it does at its own folder. Any thread.
+class StorageMedium {
+public:
+    enum class State : std::uint8_t {
+        Usable,    // as far as its folder is
+        Away,      // not inserted: what is to be written waits for it
+        Full,      // nothing more can be written
+        Protected, // nothing can be changed
+    };
+
+    [[nodiscard]] State state() const
+    {
+        const std::lock_guard lock{mutex_};
+        return state_;
+    }
+    void set(State state)
+    {
+        const std::lock_guard lock{mutex_};
+        state_ = state;
+    }
+    /// Returns the folder of its files; empty, as at first, for that of the configuration.
+    [[nodiscard]] std::string folder() const
+    {
+        const std::lock_guard lock{mutex_};
+        return folder_;
+    }
+    /// Changes that folder from now on.
+    void lie_in(std::string folder)
+    {
+        const std::lock_guard lock{mutex_};
+        folder_ = std::move(folder);
+    }
+
+private:
+    mutable std::mutex mutex_;
+    State state_{State::Usable};
+    std::string folder_;
 };
 
 /// The functions of the controller for its runtime. Called from any thread; none waits.
@@ -117,6 +161,10 @@ public:
     /// Returns the labels that a project of model mode is mapped to; null, the default, if there
     /// are none, and a project is refused.
     [[nodiscard]] virtual std::shared_ptr<backend::LabelBackend> labels() { return nullptr; }
+    /// Returns the runtime's storage medium, which must live as long as the runtime. Null, the
+    /// default: the medium is the folder of the configuration, and the file system tells its state.
+    /// A pressed power switch, before the medium is taken out, is told by RuntimeHost::happen.
+    [[nodiscard]] virtual StorageMedium* medium() { return nullptr; }
     /// Returns whether the configuration may define the PLC's behaviour ([[plc.program]]) and
     /// clients may operate its hardware: only in simulations.
     [[nodiscard]] virtual bool is_simulated() const { return false; }

@@ -76,7 +76,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
     Reading& reading = beginning.reading;
     ControllerConfig& config = reading.config;
     if (config.machine.program) {
-        machine_.emplace(config, clock_, log_, [this](bool is_in) {
+        machine_.emplace(config, runtime_.medium(), clock_, log_, [this](bool is_in) {
             loop_.post([this, is_in] { machine_->medium_is(is_in); });
         });
     }

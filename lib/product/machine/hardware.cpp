@@ -28,6 +28,18 @@ constexpr std::array event_names{
     EventName{HardwareEvent::MediumIn, "medium in"},
 };
 
+/// What becomes of the medium, before the server is told of what happened, if it is.
+struct MediumName {
+    StorageMedium::State state;
+    std::string_view name;
+};
+constexpr std::array medium_names{
+    MediumName{StorageMedium::State::Usable, "medium in"},
+    MediumName{StorageMedium::State::Away, "medium taken"},
+    MediumName{StorageMedium::State::Full, "medium full"},
+    MediumName{StorageMedium::State::Protected, "medium protected"},
+};
+
 model::NodeAccess for_those_who_may_stop()
 {
     constexpr auto may = static_cast<std::uint32_t>(PermissionType::Browse) |
@@ -44,21 +56,35 @@ model::NodeAccess for_those_who_may_stop()
     return access;
 }
 
-void simulate(server::MethodCall call, const std::function<void(HardwareEvent)>& happened)
+std::string expected_names(bool has_medium)
+{
+    std::string names;
+    for (const EventName& each : event_names) {
+        names += (names.empty() ? "expected " : ", ") + std::string{each.name};
+    }
+    for (const MediumName& each : medium_names) {
+        const bool is_new = has_medium && each.state != StorageMedium::State::Usable;
+        names += is_new ? ", " + std::string{each.name} : "";
+    }
+    return names;
+}
+
+void simulate(server::MethodCall call, StorageMedium* medium,
+              const std::function<void(HardwareEvent)>& happened)
 {
     const auto* const text = call.inputs()[0].get_if<String>();
     const std::string_view wanted = text != nullptr ? text->view() : std::string_view{};
-    const auto* const found =
-        std::find_if(event_names.begin(), event_names.end(),
-                     [&](const EventName& each) { return each.name == wanted; });
-    if (found == event_names.end()) {
-        std::string names;
-        for (const EventName& each : event_names) {
-            names += (names.empty() ? "expected " : ", ") + std::string{each.name};
-        }
-        return call.refuse({StatusCode{status::Bad_OutOfRange}}, std::move(names));
+    const auto* const event = std::ranges::find(event_names, wanted, &EventName::name);
+    const auto* const state = std::ranges::find(medium_names, wanted, &MediumName::name);
+    const bool is_of_medium = medium != nullptr && state != medium_names.end();
+    if (is_of_medium) {
+        medium->set(state->state);
     }
-    happened(found->event);
+    if (event != event_names.end()) {
+        happened(event->event);
+    } else if (!is_of_medium) {
+        return call.refuse({StatusCode{status::Bad_OutOfRange}}, expected_names(medium != nullptr));
+    }
     call.succeed();
 }
 
@@ -66,7 +92,7 @@ void simulate(server::MethodCall call, const std::function<void(HardwareEvent)>&
 
 Result<void> publish_hardware(model::AddressSpace& space, model::NodeIndex folder,
                               server::MethodTable& table, std::uint32_t source,
-                              std::function<void(HardwareEvent)> happened)
+                              StorageMedium* medium, std::function<void(HardwareEvent)> happened)
 {
     const std::uint16_t index = space.node_id(folder).namespace_index();
     model::NewNode node;
@@ -83,8 +109,8 @@ Result<void> publish_hardware(model::AddressSpace& space, model::NodeIndex folde
     model::NewMethod method;
     method.input_arguments = {{"Event", NodeId{0, id::String}, -1, {}, {}}};
     method.source = source;
-    method.handle = table.add([happened = std::move(happened)](server::MethodCall call) {
-        simulate(std::move(call), happened);
+    method.handle = table.add([medium, happened = std::move(happened)](server::MethodCall call) {
+        simulate(std::move(call), medium, happened);
     });
     const auto added = space.add_method(node, method);
     if (!added) {

@@ -11,13 +11,15 @@ namespace busbar::product {
 
 /// The Object "Hardware" in a machine's folder, with the Method Simulate. Its argument is "major
 /// fault", "partial fault", "partial fault of the server", "minor fault", "minor fault of the
-/// server", "watchdog", "medium out" or "medium in", anything else is Bad_OutOfRange. For those who
-/// may stop a server: Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1).
+/// server", "watchdog", "medium out", "medium in", or of a medium "medium taken", "medium full" or
+/// "medium protected", until it is in; anything else is Bad_OutOfRange. For those who may stop a
+/// server: Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1).
 ///
 /// `happened` is called within the Call, on the server's thread. `table`, whose index is `source`,
-/// must outlive the server.
+/// and `medium`, which may be null, must outlive the server.
 [[nodiscard]] Result<void> publish_hardware(model::AddressSpace& space, model::NodeIndex folder,
                                             server::MethodTable& table, std::uint32_t source,
+                                            StorageMedium* medium,
                                             std::function<void(HardwareEvent)> happened);
 
 } // namespace busbar::product

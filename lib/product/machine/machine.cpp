@@ -35,27 +35,30 @@ controller::ServerSettings settings_of(const ControllerConfig& config)
     return settings;
 }
 
-void make_root(storage::FolderStorage& folder)
+void make_root(Storage& folder)
 {
-    if (const auto made = folder.make_folder("", FileAccess::Owner); !made) {
+    const auto made = folder.make_folder("", FileAccess::Owner);
+    if (!made && made.error() != StorageError::Away) {
         throw ConfigError{folder.place(""), std::string{text(made.error())}};
     }
 }
 
 } // namespace
 
-Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
-                 MediumFound medium_found)
+Machine::Machine(const ControllerConfig& config, const StorageMedium* card, const WallClock& clock,
+                 LogSink& lines, MediumFound medium_found)
     : config_{config.machine}, files_folder_{config.certificates.folder},
       max_variables_{std::max(usual_variables, config.machine.program->program().variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
-      medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
+      medium_{config.machine.medium_folder, card},
       event_files_{state_, controller::MachineEventLogOptions{}.folder}, events_{lines},
       log_folder_{medium_, controller::ExecutionLogOptions{}.folder}, medium_found_{
                                                                           std::move(medium_found)}
 {
     make_root(state_);
-    make_root(medium_);
+    if (medium_.is_configured()) {
+        make_root(medium_);
+    }
     busbar::detail::remove_unfinished_below(state_, "");
     // The event log comes behind the execution log, which tells it what cannot be saved.
     event_log_ = expect(controller::MachineEventLog::create(
@@ -404,9 +407,8 @@ void Machine::medium_changed(bool is_in)
 {
     if (execution_log_ && is_medium_in_.exchange(is_in) != is_in) {
         log().write(is_in ? LogLevel::Info : LogLevel::Warning, "execution log",
-                    config_.medium_folder +
-                        (is_in ? ": the medium is in again, and records are saved"
-                               : ": the medium is away, and records wait for it"));
+                    medium_.place("") + (is_in ? ": the medium is in again, and records are saved"
+                                               : ": the medium is away, and records wait for it"));
     }
 }
 

@@ -22,6 +22,7 @@
 
 #include "hardware.hpp"
 #include "machine_events.hpp"
+#include "machine_medium.hpp"
 #include "machine_program.hpp"
 #include "machine_retained.hpp"
 #include "product/configuration/config.hpp"
@@ -73,10 +74,10 @@ public:
     /// Has the servers' thread call medium_is(). Called by another one.
     using MediumFound = std::function<void(bool is_in)>;
 
-    /// `config` has a program. Throws ConfigError. The others must outlive it, and so must what
-    /// `medium_found` uses.
-    Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
-            MediumFound medium_found);
+    /// `config` has a program, `card` is the runtime's medium or null. Throws ConfigError. The
+    /// others must outlive it, and so must what `medium_found` uses.
+    Machine(const ControllerConfig& config, const StorageMedium* card, const WallClock& clock,
+            LogSink& lines, MediumFound medium_found);
     ~Machine() override;
 
     /// The log that everything goes through.
@@ -174,7 +175,7 @@ private:
     std::size_t max_variables_;
     controller::ServerSettings settings_;
     storage::FolderStorage state_;
-    storage::FolderStorage medium_;
+    MachineMedium medium_;
     StorageFolder event_files_;
     MachineEvents events_;
     std::unique_ptr<controller::MachineEventLog> event_log_;

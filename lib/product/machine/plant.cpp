@@ -51,7 +51,7 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
                      "the events");
     if (program_ && config_.machine.simulates_hardware && runtime_.is_simulated()) {
         expect(publish_hardware(space, folder, methods_, server.add_source(methods_),
-                                std::move(hardware)),
+                                runtime_.medium(), std::move(hardware)),
                "the hardware");
     }
     if (!program_) {

@@ -10,7 +10,12 @@ class SimulatedRuntime final : public Runtime {
 public:
     [[nodiscard]] Configured<std::unique_ptr<LoadedProgram>>
     load(controller::Plc& plc, const controller::Program* program) override;
+    /// Clients play it as the other hardware.
+    [[nodiscard]] StorageMedium* medium() override { return &medium_; }
     [[nodiscard]] bool is_simulated() const override { return true; }
+
+private:
+    StorageMedium medium_;
 };
 
 } // namespace busbar::product
