@@ -10,8 +10,8 @@ namespace {
 // Part 6, 5.2.2.15
 enum class Encoding : std::uint8_t { None, ByteString, Xml };
 
-/// The length stands before the body, so the body is counted first. While something around it is
-/// being counted the length's value does not matter, which keeps nested objects at one extra pass.
+/// The length precedes the body, so the body is counted first. While something around it is being
+/// counted the length's value does not matter, which limits nested objects to one extra pass.
 std::size_t body_size(const binary::Writer& writer, const ExtensionObject& value)
 {
     if (writer.is_measuring()) {

@@ -59,7 +59,8 @@ void encode_node_id(binary::Writer& writer, const NodeId& value, std::uint16_t i
     }
 }
 
-/// Makes `value` anew: a NodeId on the way would be moved and destroyed for each item of a request.
+/// Constructs `value` in place: a temporary NodeId would be moved and destroyed for each item of a
+/// request.
 template <typename T>
 void make(NodeId& value, std::uint16_t index, T identifier)
 {

@@ -22,7 +22,7 @@ std::span<const std::byte> bytes_of(const String& text)
     return std::as_bytes(std::span{text.view()});
 }
 
-/// The bytes of a String or ByteString that is not null; `is_null` tells when it is.
+/// Returns the bytes of a String or ByteString; sets `is_null` if it is null.
 std::span<const std::byte> decode_text(binary::Reader& reader, std::uint32_t limit, bool& is_null)
 {
     const std::int32_t length = reader.text_length(limit);

@@ -30,7 +30,7 @@ bool is_matrix_of(std::span<const std::uint32_t> dimensions, std::size_t count)
     return product == count;
 }
 
-/// The dimensions behind an array of `count` elements. None for a vector or an empty array.
+/// Reads the dimensions after an array of `count` elements. None for a vector or an empty array.
 Array<std::uint32_t> decode_dimensions(binary::Reader& reader, std::size_t count)
 {
     Array<std::uint32_t> dimensions;

@@ -7,8 +7,8 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/data_value.hpp>
 
-/// How a DataValue lies on the wire (Part 6, 5.2.2.17), for who decodes it, who only checks it, and
-/// who writes one whose parts lie in several places.
+/// The encoding of a DataValue (Part 6, 5.2.2.17), shared by code that decodes it, code that only
+/// checks it, and code that writes one whose parts are in several places.
 namespace busbar::detail {
 
 namespace data_value_mask {
@@ -26,7 +26,7 @@ inline constexpr unsigned all = 0x3F;
 
 inline constexpr std::uint16_t max_picoseconds = 9'999;
 
-/// Calls `visit` with the Bit of each field that is in the mask, in the order of the fields.
+/// Calls `visit` with the Bit of each field in the mask, in the order of the fields.
 template <typename Visit>
 void visit_data_value(unsigned mask, Visit visit)
 {
@@ -43,8 +43,8 @@ void visit_data_value(unsigned mask, Visit visit)
     visit_if(data_value_mask::ServerPicoseconds{});
 }
 
-/// Reads the mask and has `visit` read each field that follows. Bad_DecodingError if a bit is set
-/// that means nothing.
+/// Reads the mask and lets `visit` read each field that follows. Bad_DecodingError if an unused bit
+/// is set.
 template <typename Visit>
 void read_data_value(binary::Reader& reader, Visit visit)
 {
@@ -56,7 +56,7 @@ void read_data_value(binary::Reader& reader, Visit visit)
     visit_data_value(mask, visit);
 }
 
-/// What is written as a DataValue. A field that is null, Good or zero is left out.
+/// The parts to be written as a DataValue. A field that is null, Good or zero is left out.
 struct DataValueParts {
     const Variant* value{nullptr};
     StatusCode status;
@@ -78,7 +78,7 @@ struct DataValueParts {
     }
 };
 
-/// Static, so that it becomes a part of its one caller in a file.
+/// Static, so that it is inlined into its one caller in a file.
 static inline void write_data_value(binary::Writer& writer, const DataValueParts& parts)
 {
     namespace bits = data_value_mask;

@@ -53,7 +53,7 @@ std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t obje
 
 std::int32_t Reader::refuse_text(std::int32_t length, std::uint32_t limit)
 {
-    // Part 6, 5.2.2.4: only -1 is null. What is not too long is more than there is left.
+    // Part 6, 5.2.2.4: only -1 is null. A length within the limit exceeds the remaining bytes.
     const bool is_too_long = length >= 0 && static_cast<std::size_t>(length) > limit;
     fail(is_too_long ? status::Bad_EncodingLimitsExceeded : status::Bad_DecodingError);
     return -1;
@@ -102,7 +102,7 @@ const std::byte* Reader::open_window(std::size_t size)
 
 void Reader::close_window(const std::byte* outer_end)
 {
-    // After a failure nothing may be read any more, neither inside nor behind the window.
+    // After a failure nothing may be read any more, neither inside nor after the window.
     position_ = ok() ? end_ : outer_end;
     end_ = outer_end;
 }

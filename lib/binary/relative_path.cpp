@@ -81,7 +81,7 @@ private:
         return element.reference_type_id.is_null() ? status::Bad_ReferenceTypeIdInvalid
                                                    : status::Good;
     }
-    /// Up to what begins the next part; may be empty.
+    /// Reads up to the beginning of the next part; may be empty.
     [[nodiscard]] StatusCode read_name(QualifiedName& name)
     {
         const bool has_namespace = read_namespace(name.namespace_index);
@@ -99,7 +99,7 @@ private:
         name.name = plain.empty() ? String{} : String{plain};
         return status::Good;
     }
-    /// Takes "12:"; digits that no colon follows belong to the name.
+    /// Takes "12:"; digits without a colon belong to the name.
     [[nodiscard]] bool read_namespace(std::uint16_t& index)
     {
         const char* const end = text_.data() + text_.size();

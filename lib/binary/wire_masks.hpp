@@ -4,7 +4,7 @@
 
 #include <busbar/core/built_in_type.hpp>
 
-/// The encoding bytes that say what follows, for who decodes and who only checks.
+/// The encoding bytes that describe what follows, shared by decoding and checking code.
 namespace busbar::detail {
 
 /// Part 6, 5.2.2.16.
@@ -13,7 +13,7 @@ inline constexpr unsigned type = 0x3F;
 inline constexpr unsigned dimensions = 0x40;
 inline constexpr unsigned array = 0x80;
 
-/// False for a type that there is not, and for a matrix that is no array.
+/// False for an unknown type, and for a matrix that is not an array.
 [[nodiscard]] constexpr bool is_valid(unsigned mask)
 {
     constexpr unsigned last_reserved_type = 31;

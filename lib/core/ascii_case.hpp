@@ -5,13 +5,14 @@
 
 namespace busbar::detail {
 
-/// `c`, an upper-case letter of ASCII as the lower-case one; whatever the C library's locale is.
+/// Returns `c` with an upper-case ASCII letter turned into lower case, independent of the C
+/// library's locale.
 [[nodiscard]] constexpr char to_ascii_lower(char c)
 {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// Equal but for the case of ASCII letters.
+/// True if both are equal except for the case of ASCII letters.
 [[nodiscard]] inline bool is_same_ignoring_case(std::string_view a, std::string_view b)
 {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),

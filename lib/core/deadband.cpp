@@ -14,7 +14,7 @@ bool differs(T a, T b, double deadband)
 {
     if constexpr (std::is_floating_point_v<T>) {
         const double distance = std::abs(static_cast<double>(a) - static_cast<double>(b));
-        // What is not a number is as far as can be from any that is, and not from itself.
+        // NaN is infinitely far from any number, and not from itself.
         return std::isnan(distance) ? !(a == b || (std::isnan(a) && std::isnan(b)))
                                     : distance > deadband;
     } else {

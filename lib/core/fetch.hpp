@@ -4,12 +4,11 @@
 
 namespace busbar::detail {
 
-/// How many of a row are on their way from memory while one is looked at, where each is looked at
-/// for some nanoseconds.
+/// Number of elements of a row that are prefetched while one is processed, if each takes some
+/// nanoseconds.
 inline constexpr std::size_t fetched_ahead = 8;
 
-/// Has the memory at `address` brought near, and goes on without waiting for it. Any address is
-/// allowed.
+/// Prefetches the memory at `address` without waiting for it. Any address is allowed.
 inline void fetch(const void* address)
 {
 #if defined(__GNUC__)
@@ -19,7 +18,7 @@ inline void fetch(const void* address)
 #endif
 }
 
-/// The same for so many bytes from there on.
+/// Prefetches `size` bytes from there on.
 inline void fetch(const void* address, std::size_t size)
 {
     constexpr std::size_t line_size = 64;
@@ -27,10 +26,10 @@ inline void fetch(const void* address, std::size_t size)
     for (std::size_t at = 0; at < size; at += line_size) {
         fetch(begin + at);
     }
-    fetch(begin + size - 1); // it need not begin where a line does
+    fetch(begin + size - 1); // the range need not begin at a cache line
 }
 
-/// The same for all of an object.
+/// Prefetches a whole object.
 template <typename T>
 void fetch_object(const T& object)
 {

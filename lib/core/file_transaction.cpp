@@ -23,7 +23,7 @@ std::string_view folder_of(std::string_view name)
     return slash == std::string_view::npos ? std::string_view{} : name.substr(0, slash);
 }
 
-/// A text of the journal that names a file.
+/// Returns the text of the journal that names a file.
 const std::string* name_in(const Json& step, std::string_view member)
 {
     const Json* const found = step.find(member);
@@ -32,7 +32,7 @@ const std::string* name_in(const Json& step, std::string_view member)
                : nullptr;
 }
 
-/// What has been done already is not there any more.
+/// A step that was done already finds nothing.
 Stored<void> unless_gone(Stored<void> done)
 {
     return !done && done.error() == StorageError::NotFound ? Stored<void>{} : done;
@@ -75,7 +75,7 @@ Stored<void> FileTransaction::replace(std::string_view name, std::span<const std
     if (const auto there = storage_->list(folder_of(name), 0); !there) {
         return not_stored(there.error());
     }
-    // Once it is decided nothing must be in the way.
+    // Once the transaction is decided nothing may obstruct it.
     if (const auto there = storage_->entry(name);
         there && there->kind == StorageEntry::Kind::Folder) {
         return not_stored(StorageError::Failed);
@@ -139,7 +139,7 @@ Stored<void> FileTransaction::commit()
     return carry_out(std::exchange(steps_, {}));
 }
 
-/// Each step can be done again.
+/// Carries out the steps, each of which can be repeated.
 Stored<void> FileTransaction::carry_out(const std::vector<Step>& steps)
 {
     for (const Step& step : steps) {
@@ -173,7 +173,7 @@ Stored<std::vector<FileTransaction::Step>> FileTransaction::read_journal() const
         const std::string* const name = name_in(item, "name");
         const bool is_staged = item.find("staged") != nullptr;
         const std::string* const staged = name_in(item, "staged");
-        // Nothing but what lies in the folder is ever moved away.
+        // Only files in the transaction's folder are ever moved.
         if (name == nullptr ||
             (is_staged && (staged == nullptr || folder_of(*staged) != folder_))) {
             return not_stored(StorageError::Failed);
@@ -190,7 +190,7 @@ Stored<void> FileTransaction::recover()
     return finish_earlier();
 }
 
-/// Its files in the folder have the names that this one's would have.
+/// An earlier transaction's files in the folder have the names that this one's would get.
 Stored<void> FileTransaction::finish_earlier()
 {
     if (is_first_) {
@@ -215,7 +215,7 @@ void FileTransaction::cancel()
 {
     for (const Step& step : std::exchange(steps_, {})) {
         if (!step.staged.empty()) {
-            // Else recover() does it; this is the end of a destructor.
+            // If this fails, recover() does it; this is the end of a destructor.
             detail::attempt([&] { static_cast<void>(storage_->remove(step.staged)); });
         }
     }

@@ -20,7 +20,7 @@ int hex_digit(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/// The 32 digits of the text as 16 bytes in the order they stand there.
+/// Reads the 32 digits of the text as 16 bytes in their order.
 bool read_digits(std::string_view text, std::array<std::uint8_t, 16>& bytes)
 {
     std::size_t digit = 0;

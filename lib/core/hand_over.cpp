@@ -8,7 +8,7 @@ void WakerSlot::set(Waker* waker) noexcept
 {
     waker_ = waker;
     while (callers_ != 0) {
-        // They are inside of Waker::wake, which does not block.
+        // Those threads are inside Waker::wake, which does not block.
     }
 }
 

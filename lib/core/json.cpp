@@ -30,7 +30,7 @@ void append_utf8(std::string& to, std::uint32_t code)
     add_rest(0);
 }
 
-/// The value of a hexadecimal digit, 16 of another character.
+/// Returns the value of a hexadecimal digit, 16 for another character.
 std::uint32_t digit_of(char c)
 {
     constexpr std::string_view hexadecimal = "0123456789abcdef";
@@ -38,7 +38,7 @@ std::uint32_t digit_of(char c)
     return static_cast<std::uint32_t>(std::min(hexadecimal.find(lower), hexadecimal.size()));
 }
 
-/// The length of the digits in front of `text`.
+/// Returns the number of digits at the front of `text`.
 std::size_t digits_in_front(std::string_view text)
 {
     return std::min(text.find_first_not_of("0123456789"), text.size());
@@ -65,7 +65,7 @@ bool is_number(std::string_view word)
     return word.empty();
 }
 
-/// Reads from the front to the back; the first error stays.
+/// Reads from front to back and keeps the first error.
 class JsonReader {
 public:
     JsonReader(std::string_view text, const JsonLimits& limits) : text_{text}, limits_{limits} {}

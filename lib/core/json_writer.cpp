@@ -67,7 +67,7 @@ void JsonWriter::open(char bracket)
     text_ += bracket;
 }
 
-/// Nothing ends in one of these but what opens, names or separates.
+/// Output that ends in one of these characters has just opened, named or separated something.
 void JsonWriter::separate()
 {
     constexpr std::string_view openings = "{[:";

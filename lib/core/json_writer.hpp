@@ -8,20 +8,20 @@
 
 namespace busbar::detail {
 
-/// Writes JSON (RFC 8259) and sets the commas. The caller opens and closes what belongs together,
-/// and gives each value in an object its name first.
+/// Writes JSON (RFC 8259) and sets the commas. The caller opens and closes lists and objects, and
+/// gives each value in an object its name first.
 class BUSBAR_API JsonWriter {
 public:
     void begin_object() { open('{'); }
     void end_object() { text_ += '}'; }
     void begin_list() { open('['); }
     void end_list() { text_ += ']'; }
-    /// Of the value that comes next.
+    /// Writes the name of the next value.
     void name(std::string_view name);
-    /// In quotes, safe to print on a terminal: what is no UTF-8 becomes U+FFFD, control characters
-    /// are escaped.
+    /// Writes a text in quotes, safe to print on a terminal: bytes that are not UTF-8 become
+    /// U+FFFD, control characters are escaped.
     void string(std::string_view text);
-    /// A number, true, false or null, as it stands.
+    /// Writes a number, true, false or null unchanged.
     void word(std::string_view word);
 
     [[nodiscard]] const std::string& document() const { return text_; }

@@ -25,7 +25,7 @@ namespace {
 
 thread_local KeptMemory* in_use = nullptr;
 
-// Nobody may touch what is kept, which only a sanitizer can tell.
+// Kept memory must not be accessed, which only a sanitizer can detect.
 
 void forbid([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t size)
 {

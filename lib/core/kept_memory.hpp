@@ -9,11 +9,11 @@
 
 namespace busbar::detail {
 
-/// Large blocks that requests use in turn (see large_memory.hpp): as many bytes as it was told, and
-/// none that nobody has needed for a while. Belongs to one thread.
+/// Large blocks that requests use in turn (see large_memory.hpp): up to a set number of bytes,
+/// without blocks that have not been used for a while. Belongs to one thread.
 class BUSBAR_API KeptMemory {
 public:
-    /// How long a block lies here at least; at most twice that.
+    /// Minimum time that a block is kept; the maximum is twice that.
     static constexpr Duration age = std::chrono::seconds{10};
 
     explicit KeptMemory(std::size_t max_bytes) : max_bytes_{max_bytes} {}
@@ -21,7 +21,7 @@ public:
     KeptMemory& operator=(const KeptMemory&) = delete;
     ~KeptMemory();
 
-    /// While it lives, this thread takes large memory from `kept` and gives it there.
+    /// While it lives, this thread takes large memory from `kept` and returns it there.
     class BUSBAR_API Use {
     public:
         explicit Use(KeptMemory& kept);
@@ -34,7 +34,7 @@ public:
     };
 
     [[nodiscard]] std::size_t held() const { return held_; }
-    /// To be called at the end of each Use: from then on the time of its blocks runs.
+    /// Call it at the end of each Use: from then on the age of its blocks counts.
     void note(TimePoint now)
     {
         if (held_ != 0 && deadline_ == no_deadline) {
@@ -42,16 +42,17 @@ public:
         }
     }
     [[nodiscard]] TimePoint next_deadline() const { return deadline_; }
-    /// Gives back what was not used since the last time.
+    /// Frees blocks that were not used since the last call.
     void handle_deadline(TimePoint now);
 
-    // For allocate_large and free_large. The size of a block is what follows its header.
+    // For allocate_large and free_large. The size of a block is that of the memory after its
+    // header.
 
     struct Header;
-    /// Null if there is none that has the size, or at most an eighth more: who holds it is charged
-    /// for what he asked for.
+    /// Returns a block of this size, or at most an eighth more, since its user is charged for the
+    /// requested size; null if there is none.
     [[nodiscard]] Header* take(std::size_t bytes);
-    /// False if it must be freed.
+    /// Returns false if the caller must free it.
     [[nodiscard]] bool keep(Header* memory);
 
 private:
@@ -65,7 +66,7 @@ private:
 
     std::size_t max_bytes_;
     std::size_t held_{0};
-    /// Few are looked through faster than they are allocated.
+    /// So few blocks are searched faster than memory is allocated.
     std::array<Block, 16> blocks_{};
     TimePoint deadline_{no_deadline};
 };

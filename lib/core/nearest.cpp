@@ -9,7 +9,7 @@ namespace busbar::detail {
 
 namespace {
 
-/// Letters to change, add, leave out or exchange with their neighbours.
+/// Number of letters to change, add, omit or exchange with their neighbours.
 std::size_t distance(std::string_view a, std::string_view b)
 {
     std::vector<std::size_t> before(b.size() + 1);
@@ -39,7 +39,7 @@ std::vector<std::string> nearest(std::string_view word, const std::vector<std::s
     std::vector<std::pair<std::size_t, std::string>> near;
     for (const std::string& candidate : candidates) {
         const std::size_t count = distance(word, candidate);
-        // Not all letters may differ: "xy" is no misspelt "cert".
+        // Not all letters may differ: "xy" is not a misspelt "cert".
         if (count <= most && count * 2 <= std::max(word.size(), candidate.size())) {
             near.emplace_back(count, candidate);
         }

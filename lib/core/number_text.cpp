@@ -16,7 +16,7 @@ std::size_t count_digits(std::string_view text)
     return end == std::string_view::npos ? text.size() : end;
 }
 
-/// The length of "inf", "infinity" or "nan" in front of `text`, in either case.
+/// Returns the length of "inf", "infinity" or "nan" at the front of `text`, in either case.
 std::size_t word_length(std::string_view text)
 {
     for (const std::string_view word : {"infinity", "inf", "nan"}) {
@@ -31,8 +31,8 @@ std::size_t word_length(std::string_view text)
     return 0;
 }
 
-/// The length of "1", "1.5", ".5", "1." in front of `text`, with an exponent if there is a whole
-/// one.
+/// Returns the length of "1", "1.5", ".5", "1." at the front of `text`, with an exponent if it is
+/// complete.
 std::size_t decimal_length(std::string_view text)
 {
     std::size_t length = count_digits(text);

@@ -7,7 +7,7 @@
 
 namespace busbar::detail {
 
-/// What std::from_chars does for floating point in its general format, with the C library.
+/// Reads as std::from_chars does for floating point in its general format, with the C library.
 [[nodiscard]] BUSBAR_API std::from_chars_result read_floating(const char* first, const char* last,
                                                               double& value);
 [[nodiscard]] BUSBAR_API std::from_chars_result read_floating(const char* first, const char* last,

@@ -12,7 +12,7 @@ namespace busbar::detail {
 /// A box in a row-major array: per dimension its first index and its count.
 struct Box {
     std::size_t rank{0};
-    std::array<std::size_t, NumericRange::max_dimensions> size{};  // of the whole
+    std::array<std::size_t, NumericRange::max_dimensions> size{};  // of the whole array
     std::array<std::size_t, NumericRange::max_dimensions> first{}; // of the box
     std::array<std::size_t, NumericRange::max_dimensions> count{}; // of the box
 
@@ -26,9 +26,9 @@ struct Box {
     }
 };
 
-/// The box that `bounds` cuts out of an array of `size` elements with `dimensions` (none for a
-/// vector), its far ends cut to the array's. False if a first index lies outside or the ranks
-/// differ.
+/// Makes the box that `bounds` cuts out of an array of `size` elements with `dimensions` (none for
+/// a vector), with its far ends limited to the array's. False if a first index is outside or the
+/// ranks differ.
 inline bool make_box(std::span<const NumericRange::Bounds> bounds, std::size_t size,
                      std::span<const std::uint32_t> dimensions, Box& box)
 {
@@ -49,7 +49,7 @@ inline bool make_box(std::span<const NumericRange::Bounds> bounds, std::size_t s
 }
 
 /// Calls `visit(index)` with the flat index of each element in the box, in row-major order, until
-/// it answers false.
+/// it returns false.
 template <typename Visit>
 bool walk(const Box& box, Visit&& visit)
 {

@@ -12,7 +12,7 @@ namespace {
 
 using Bounds = NumericRange::Bounds;
 
-/// Good, or why `part` cannot replace what `bounds` names.
+/// Returns Good, or the reason why `part` cannot replace the range `bounds`.
 template <typename Text>
 StatusCode check_text(const Text& target, const Bounds& bounds, const Text& part)
 {
@@ -55,7 +55,7 @@ StatusCode write_scalar(Variant& target, std::span<const Bounds> bounds, const V
     return status::Bad_IndexRangeNoData;
 }
 
-/// Every bound must lie inside: a write is all or nothing (Part 4, 5.11.4.2).
+/// Every bound must be inside: a write is all or nothing (Part 4, 5.11.4.2).
 bool is_inside(std::span<const Bounds> bounds, const detail::Box& box)
 {
     for (std::size_t i = 0; i < box.rank; ++i) {
@@ -66,7 +66,7 @@ bool is_inside(std::span<const Bounds> bounds, const detail::Box& box)
     return true;
 }
 
-/// Also of a single element: what a range names is an array (Part 4, 7.27).
+/// Applies to a single element as well: a range selects an array (Part 4, 7.27).
 template <typename T>
 std::span<const T> elements_of(const Variant& part)
 {
@@ -86,7 +86,7 @@ bool fits(const detail::Box& box, const Variant& part, std::size_t elements)
                       box.count.begin() + static_cast<std::ptrdiff_t>(box.rank));
 }
 
-/// Two passes where texts are cut, so that a mismatch changes nothing.
+/// Makes two passes if texts are cut, so that a mismatch changes nothing.
 template <typename T>
 StatusCode replace_elements(Array<T>& to, const detail::Box& box, const Bounds* cut,
                             std::span<const T> from)

@@ -54,7 +54,7 @@ bool is_bidi_control(std::string_view sequence)
 
 namespace {
 
-/// The length of the sequence at the front; 0 if it is none, or nothing that is to be read.
+/// Returns the length of the sequence at the front; 0 if it is not valid or not printable.
 std::size_t readable_sequence(std::string_view text)
 {
     const auto first = static_cast<unsigned char>(text.front());
@@ -101,7 +101,7 @@ void append_escaped(std::string& text, unsigned char byte)
     text += digits[byte & 15U];
 }
 
-/// "\u202E", for a sequence of two or three bytes.
+/// Appends "\u202E", for a sequence of two or three bytes.
 void append_code_point(std::string& text, std::string_view sequence)
 {
     constexpr std::string_view digits = "0123456789ABCDEF";

@@ -8,12 +8,12 @@ namespace busbar {
 
 namespace {
 
-/// Takes a text apart from its front; fails for good with the first part that is not there.
+/// Splits a text from its front; fails for good at the first missing part.
 class Parts {
 public:
     explicit Parts(std::string_view text) : text_{text} {}
 
-    /// A number of exactly so many digits.
+    /// Reads a number of exactly `count` digits.
     int digits(std::size_t count)
     {
         int number = 0;
@@ -35,7 +35,7 @@ public:
         return is_there;
     }
     void expect(char c) { ok_ = skip(c) && ok_; }
-    /// The digits behind a decimal point as ticks; what is finer than a tick is cut off.
+    /// Reads the digits after a decimal point as ticks; digits finer than a tick are cut off.
     std::int64_t fraction()
     {
         std::int64_t ticks = 0;
@@ -61,7 +61,7 @@ private:
     bool ok_{true};
 };
 
-/// How far local time is before UTC: "Z" or nothing for 0, else "+01:00".
+/// Reads the offset of local time from UTC: "Z" or nothing for 0, else "+01:00".
 std::chrono::minutes read_offset(Parts& parts)
 {
     if (parts.is_over() || parts.skip('Z')) {

@@ -9,9 +9,9 @@
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/core/string.hpp>
 
-/// Parts of texts, as the last dimension of a NumericRange names them (Part 4, 7.27): of a
-/// ByteString its bytes, of a String its characters (Unicode code points), which are never cut
-/// in two. Bytes that are no UTF-8 belong to the character before them.
+/// Parts of texts, as the last dimension of a NumericRange selects them (Part 4, 7.27): bytes of a
+/// ByteString, characters (Unicode code points) of a String, which are never cut in two. Bytes that
+/// are not UTF-8 belong to the character before them.
 namespace busbar::detail {
 
 inline std::string_view bytes_of(const String& text)
@@ -34,7 +34,7 @@ inline void assign(ByteString& to, std::string_view bytes)
     to = ByteString{std::as_bytes(std::span{bytes})};
 }
 
-/// Where the next character after the one at `at` begins.
+/// Returns the offset of the character after the one at `at`.
 inline std::size_t next_character(std::string_view text, std::size_t at)
 {
     do {
@@ -43,7 +43,7 @@ inline std::size_t next_character(std::string_view text, std::size_t at)
     return at;
 }
 
-/// The offset `count` units behind the one at `at`, or the text's end.
+/// Returns the offset `count` units after the one at `at`, or the text's end.
 template <typename Text>
 std::size_t skip(const Text& text, std::size_t at, std::uint64_t count)
 {
@@ -58,7 +58,7 @@ std::size_t skip(const Text& text, std::size_t at, std::uint64_t count)
     }
 }
 
-/// How many units `text` has.
+/// Returns the number of units in `text`.
 template <typename Text>
 std::size_t length_of(const Text& text)
 {

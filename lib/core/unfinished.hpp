@@ -8,9 +8,9 @@
 
 namespace busbar::detail {
 
-/// Removes what calls of Storage::replace left in a folder and in those below it when their power
-/// was cut. To be called once, at a start, for each root that a program writes below: what is left
-/// is not listed, and takes room. Folders that cannot be listed, and those too deep, keep theirs.
+/// Removes what interrupted calls of Storage::replace left in a folder and in those below it. Call
+/// it once at a start for each root that a program writes below: these files are not listed, and
+/// take space. Folders that cannot be listed, and those too deep, are skipped.
 inline void remove_unfinished_below(Storage& storage, std::string_view folder,
                                     std::size_t max_depth = 8)
 {

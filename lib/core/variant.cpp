@@ -36,7 +36,8 @@ bool equal_arrays(const Array<T>& a, const Array<T>& b)
 
 } // namespace
 
-/// What a Variant does with what it holds, per built-in type. All take the address of its storage.
+/// Operations on the content of a Variant, for one built-in type. All take the address of its
+/// storage.
 struct Variant::Operations {
     void (*destroy)(std::byte* storage, Kind kind);
     void (*copy)(std::byte* to, const std::byte* from, Kind kind);
@@ -92,7 +93,7 @@ struct Variant::OperationsOf {
     static bool scalar_equal(const Variant& a, const Variant& b)
     {
         if constexpr (std::same_as<T, Variant>) {
-            return false; // Part 6, 5.2.2.16: there is no such scalar
+            return false; // Part 6, 5.2.2.16: this scalar does not exist
         } else {
             return equal_values(*a.get_if<T>(), *b.get_if<T>());
         }
@@ -133,7 +134,7 @@ Variant& Variant::operator=(const Variant& other)
         return *this;
     }
     if (owns_memory() || other.owns_memory()) {
-        *this = Variant{other}; // as a copy may fail
+        *this = Variant{other}; // a copy, which may fail before anything changes
     } else {
         copy(other);
     }

@@ -19,7 +19,7 @@ public:
 
     [[nodiscard]] int get() const { return value_; }
     [[nodiscard]] bool is_open() const { return value_ >= 0; }
-    /// Leaves it open to somebody else who closes it.
+    /// Releases the open file to a caller who closes it.
     [[nodiscard]] int release()
     {
         const int value = value_;

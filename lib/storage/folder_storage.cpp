@@ -56,7 +56,7 @@ StorageEntry entry_of(std::string_view name, const struct stat& facts)
     return entry;
 }
 
-/// An open folder to be read, closed at the end.
+/// An open folder for reading, closed at the end.
 class Names {
 public:
     explicit Names(const std::string& path) : stream_{::opendir(path.c_str())} {}
@@ -71,7 +71,7 @@ public:
 
     [[nodiscard]] bool is_open() const { return stream_ != nullptr; }
     [[nodiscard]] int descriptor() const { return ::dirfd(stream_); }
-    /// Empty at the end; "." and ".." are left out.
+    /// Returns the next name; empty at the end. "." and ".." are left out.
     [[nodiscard]] std::string_view next()
     {
         while (const dirent* entry = ::readdir(stream_)) {
@@ -87,7 +87,7 @@ private:
     DIR* stream_;
 };
 
-/// One folder, not those that it lies in. Durable, as files are: what lies in a folder is gone if
+/// Creates one folder, not its parents. Durable, as files are: the contents of a folder are lost if
 /// the folder's own name is.
 Stored<void> make_one_folder(const std::string& path, FileAccess access)
 {
@@ -149,7 +149,7 @@ Stored<std::size_t> FolderStorage::read(std::string_view name, std::uint64_t off
     if (!is_file_name(name)) {
         return not_stored(StorageError::BadName);
     }
-    // O_NONBLOCK: whatever lies there, opening it does not wait.
+    // O_NONBLOCK: opening does not wait, whatever kind of file it is.
     const Descriptor file{::open(place(name).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     struct stat facts = {};
     if (!file.is_open() || ::fstat(file.get(), &facts) != 0) {
@@ -244,7 +244,7 @@ Stored<StorageListing> FolderStorage::list(std::string_view folder, std::size_t 
     StorageListing listing;
     for (std::string_view name = names.next(); !name.empty(); name = names.next()) {
         struct stat facts = {};
-        // What has just gone is not there.
+        // A file that was removed meanwhile is not listed.
         if (detail::is_unfinished(name) || ::fstatat(names.descriptor(), std::string{name}.c_str(),
                                                      &facts, AT_SYMLINK_NOFOLLOW) != 0) {
             continue;

@@ -217,11 +217,11 @@ Stored<void> MemoryStorage::replace(std::string_view name, std::span<const std::
     if (found != items_.end() && found->second.is_folder) {
         return not_stored(StorageError::Failed);
     }
-    // Both versions lie there for a moment.
+    // Both versions exist for a moment.
     if (used() + bytes.size() > capacity_) {
         return not_stored(StorageError::Full);
     }
-    // What needs memory comes first: without it the file is as it was.
+    // Allocate first: without memory the file stays as it was.
     Items made;
     Item& item = made[std::string{name}];
     item.access = access;

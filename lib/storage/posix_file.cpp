@@ -15,7 +15,7 @@ namespace busbar::storage::detail {
 namespace {
 
 constexpr std::string_view unfinished = ".busbar-new";
-/// Writers of one file that are at work, or died, at the same time.
+/// Maximum number of writers of one file that are active, or died, at the same time.
 constexpr int max_writers = 100;
 constexpr std::uint64_t max_copied_size = 256U << 20U;
 
@@ -39,27 +39,29 @@ bool write_all(int file, std::span<const std::byte> bytes)
     return true;
 }
 
-/// Whoever writes an unfinished file has it locked. Without locks on the medium none is.
+/// The writer of an unfinished file holds a lock on it. On a medium without locks no file is
+/// locked.
 bool is_locked(int file)
 {
     return ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
-/// Locks a file that was just made. False if it was taken for a dead writer's, and removed, before.
+/// Locks a file that was just created. Returns false if it was taken for a dead writer's, and
+/// removed, before.
 bool lock_new(int file)
 {
     struct stat facts = {};
     return !is_locked(file) && ::fstat(file, &facts) == 0 && facts.st_nlink != 0;
 }
 
-/// A new file beside `path`, its name in `name`. No other writer has the same, in this process or
-/// another; which also may be one of the same number in another container.
+/// Creates a new file next to `path` and stores its name in `name`. No other writer has the same
+/// name, in this process or another, even if a process in another container has the same number.
 int open_temporary(const std::string& path, FileAccess access, std::string& name)
 {
     for (int i = 0; i < max_writers; ++i) {
         name = path + "." + std::to_string(::getpid()) + "-" + std::to_string(i);
         name += unfinished;
-        // O_EXCL: neither a link nor a file with other rights that lies there is written through.
+        // O_EXCL: never write through an existing link or a file with other rights.
         const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
                                 mode_of(access));
         if (file < 0 ? errno != EEXIST : lock_new(file)) {
@@ -72,7 +74,7 @@ int open_temporary(const std::string& path, FileAccess access, std::string& name
     return -1;
 }
 
-/// On another disk a name cannot be given: both have it for a moment.
+/// Moves to another disk, where a rename is impossible: both have the file for a moment.
 Stored<void> copy_and_remove(const std::string& from, const std::string& to)
 {
     const Descriptor file{::open(from.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
@@ -161,7 +163,8 @@ Stored<void> save(const std::string& path, std::span<const std::byte> bytes, Fil
     if (!file.is_open()) {
         return not_stored(last_error());
     }
-    // What is not on the disk before it gets its name may be half a file after a power cut.
+    // A file that is not on the disk before it gets its name may be incomplete after a power
+    // failure.
     if (!write_all(file.get(), bytes) || ::fsync(file.get()) != 0 ||
         ::rename(temporary.c_str(), path.c_str()) != 0) {
         const StorageError error = last_error();
@@ -210,7 +213,7 @@ Stored<void> sync(const std::string& path)
 Stored<void> rename_durably(const std::string& from, const std::string& to)
 {
     if (::rename(from.c_str(), to.c_str()) == 0) {
-        // First the new name, then the missing old one.
+        // Add the new name first, then remove the old one.
         sync_folder_of(to);
         sync_folder_of(from);
         return {};

@@ -11,22 +11,22 @@
 /// The single steps of a FolderStorage. Paths are those of the operating system.
 namespace busbar::storage::detail {
 
-/// What errno says.
+/// Returns the meaning of errno.
 [[nodiscard]] StorageError last_error();
 
-/// Whether a file of this name, without its folder, is a temporary one.
+/// Returns whether a file of this name, without its folder, is a temporary one.
 [[nodiscard]] bool is_unfinished(std::string_view name);
 
-/// Removes a temporary file unless somebody is about to write it.
+/// Removes a temporary file unless it is being written.
 void remove_dead(const std::string& path);
 
-/// A new name is on the disk only when its folder is.
+/// Writes the folder to the disk, which a new name needs.
 void sync_folder_of(const std::string& path);
 
 /// See Storage::replace.
 [[nodiscard]] Stored<void> save(const std::string& path, std::span<const std::byte> bytes,
                                 FileAccess access);
-/// What the bytes that were written outlast.
+/// The event that written bytes survive.
 enum class Durability : std::uint8_t { ProgramEnd, PowerCut };
 
 /// See Storage::append and append_unsynced.
@@ -34,9 +34,9 @@ enum class Durability : std::uint8_t { ProgramEnd, PowerCut };
                                   FileAccess access, Durability durability);
 /// See Storage::sync.
 [[nodiscard]] Stored<void> sync(const std::string& path);
-/// Also to another disk. A file that is at `to` is replaced.
+/// Renames also to another disk. Replaces a file at `to`.
 [[nodiscard]] Stored<void> rename_durably(const std::string& from, const std::string& to);
-/// As many bytes as there are, of a file that is open.
+/// Reads as many bytes as there are from an open file.
 [[nodiscard]] Stored<std::size_t> read_from(int file, std::uint64_t offset,
                                             std::span<std::byte> into);
 

@@ -11,7 +11,7 @@ namespace busbar::binary::detail {
 
 namespace {
 
-/// The levels that are left inside of `depth` others.
+/// Returns the levels that are left within `depth` others.
 DecodeLimits limits_within(DecodeLimits limits, std::uint32_t depth)
 {
     limits.max_depth -= std::min(limits.max_depth, depth);
@@ -116,7 +116,7 @@ void BodyWalk::content(const DynamicField& field)
     }
 }
 
-/// The number of elements of an array or matrix; none of one that is null.
+/// Returns the number of elements of an array or matrix; 0 for a null one.
 std::int64_t BodyWalk::array_size(const DynamicField& field, std::size_t min_element_size,
                                   std::size_t object_size)
 {
@@ -154,7 +154,7 @@ void BodyWalk::built_in(const DynamicField& field)
     element<T>(&field);
 }
 
-/// One value of the field, or of no field in particular.
+/// Checks one value of the field, or of no particular field.
 template <typename T>
 void BodyWalk::element(const DynamicField* field)
 {
@@ -207,7 +207,7 @@ void BodyWalk::check_length(const DynamicField* field, std::size_t length)
     }
 }
 
-/// The type of the Variant's content.
+/// Returns the type of the Variant's content.
 BuiltInType BodyWalk::variant()
 {
     namespace mask = busbar::detail::variant_mask;
@@ -256,7 +256,7 @@ void BodyWalk::variant_array(bool has_dimensions)
     }
 }
 
-/// Part 6, 5.2.2.16: the product of the dimensions behind an array is its length.
+/// Part 6, 5.2.2.16: the product of the dimensions after an array is its length.
 void BodyWalk::variant_dimensions(std::size_t count)
 {
     const std::int32_t rank = reader_.array_length(sizeof(std::uint32_t), sizeof(std::uint32_t));

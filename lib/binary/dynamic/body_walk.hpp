@@ -4,25 +4,25 @@
 
 namespace busbar::binary::detail {
 
-/// What a check of structures goes by.
+/// The rules of a check of structures.
 struct CheckContext {
     const DynamicTypes& types;
     const DecodeLimits& limits;
 };
 
-/// Good, or why `object` is no structure that a value of `base` may be (null: any), `depth` levels
-/// deep. Good for null and for a structure that is not among the types.
+/// Returns Good, or why `object` is not a valid structure of type `base` (null: any), `depth`
+/// levels deep. Good for null and for a structure that is not among the types.
 [[nodiscard]] StatusCode check_object(const CheckContext& context, const ExtensionObject& object,
                                       const DynamicType* base, std::uint32_t depth);
 
-/// Goes through the bytes of a structure as decode_dynamic would, and into the ExtensionObjects
-/// there, but makes no objects: it takes stack for each level of nesting and no other memory.
+/// Walks through the bytes of a structure as decode_dynamic would, and into the ExtensionObjects
+/// there, but creates no objects: it takes stack for each level of nesting and no other memory.
 ///
 /// Refuses what the decoder refuses, within the same limits, and what a field's ArrayDimensions and
 /// MaxStringLength do not allow (Part 3, 8.51).
 class BodyWalk {
 public:
-    /// `depth` levels lie around the body.
+    /// The body is nested within `depth` levels.
     BodyWalk(const CheckContext& context, std::span<const std::byte> body, std::uint32_t depth);
 
     [[nodiscard]] StatusCode run(const DynamicType& type);

@@ -45,8 +45,8 @@ StatusCode check_variant(const CheckContext& context, const Variant& value)
     return status::Good;
 }
 
-/// What was decoded is a value of its C++ type; the definition may allow less, and what it holds
-/// encoded nobody has looked at.
+/// Checks a decoded value of a C++ type: the definition may allow less, and values that are still
+/// encoded in it have not been checked yet.
 StatusCode check_decoded(const CheckContext& context, const ExtensionObject& object,
                          const DynamicType& type, std::uint32_t depth)
 {

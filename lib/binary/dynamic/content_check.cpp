@@ -8,7 +8,7 @@ namespace busbar::binary::detail {
 
 namespace {
 
-/// The product of the dimensions, more than INT32_MAX past that.
+/// Returns the product of the dimensions, more than INT32_MAX if it exceeds that.
 std::size_t element_count(std::span<const std::uint32_t> dimensions)
 {
     std::size_t product = 1;
@@ -18,8 +18,8 @@ std::size_t element_count(std::span<const std::uint32_t> dimensions)
     return product;
 }
 
-/// True if `count` elements with these dimensions are a matrix of the field's rank. One without
-/// elements may come without dimensions.
+/// True if `count` elements with these dimensions are a matrix of the field's rank. A matrix
+/// without elements may have no dimensions.
 bool fits_matrix(const DynamicField& field, std::span<const std::uint32_t> dimensions,
                  std::size_t count)
 {

@@ -7,17 +7,18 @@
 
 namespace busbar::binary::detail {
 
-/// What the DataTypes at which the way up the hierarchy ends say of those below them.
+/// Facts about DataTypes that follow from the root of their hierarchy.
 struct DataTypeRoot {
     DynamicType::Kind kind{DynamicType::Kind::Simple};
     BuiltInType built_in{BuiltInType::Null};
-    /// The bits (by BuiltInType) of what a value may be; all for BaseDataType.
+    /// The bits (by BuiltInType) of the types that a value may have; all for BaseDataType.
     std::uint32_t variant_types{UINT32_MAX};
-    /// Structured option sets (Part 3, 8.40): Value and ValidBits, whatever the bits are called.
+    /// Structured option sets (Part 3, 8.40): Value and ValidBits, whatever the bits' names are.
     bool is_option_set_structure{false};
 };
 
-/// Nothing for an id that is not one of the types of Part 6, 5.1.2 or of the structures' bases.
+/// Returns nothing for an id that is not one of the types of Part 6, 5.1.2 or of the structures'
+/// bases.
 [[nodiscard]] BUSBAR_API std::optional<DataTypeRoot> data_type_root(const NodeId& data_type);
 
 /// Structure, Union and OptionSet themselves stand for any subtype (Part 6, 5.1.7).

@@ -9,8 +9,8 @@ namespace busbar::binary {
 
 namespace {
 
-/// As decode_matrix_header, with the dimensions: none for a matrix without elements, null or empty
-/// as it came.
+/// Reads as decode_matrix_header, and stores the dimensions: none for a matrix without elements,
+/// null or empty as encoded.
 std::int64_t decode_header(Reader& reader, const DynamicField& field, std::size_t min_element_size,
                            std::size_t object_size, Array<std::uint32_t>& dimensions)
 {
@@ -61,8 +61,8 @@ Variant decode_built_in(Reader& reader, const DynamicField& field)
 
 } // namespace
 
-/// Reads what a definition describes; errors stay in the Reader. What comes back after an error is
-/// of no use.
+/// Reads what a definition describes; errors stay in the Reader, and results after an error are
+/// meaningless.
 class DynamicDecoder {
 public:
     explicit DynamicDecoder(Reader& reader) : reader_{reader} {}
@@ -148,7 +148,7 @@ private:
         decode(reader_, values);
         return Variant{std::move(values)};
     }
-    /// A Variant may hold what the field's DataType does not allow.
+    /// A Variant may contain a value that the field's DataType does not allow.
     [[nodiscard]] DynamicContent checked(const DynamicField& field, Variant value)
     {
         if (reader_.ok() && !detail::fits(field, value)) {

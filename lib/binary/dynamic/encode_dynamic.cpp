@@ -10,7 +10,7 @@ using busbar::encode;
 
 void encode_structure(Writer& writer, const DynamicValue& value);
 
-/// What stands before the elements of an array or matrix (Part 6, 5.2.5).
+/// Writes the size of an array or matrix before its elements (Part 6, 5.2.5).
 void encode_size(Writer& writer, const DynamicField& field, bool is_null, std::size_t count,
                  std::span<const std::uint32_t> dimensions)
 {
@@ -57,7 +57,7 @@ void encode_content(Writer& writer, const DynamicField& field, const DynamicArra
     }
 }
 
-/// Every field has content of its kind, as DynamicValue checks what is set.
+/// Every field has content of its kind, as DynamicValue checks each set.
 void encode_field(Writer& writer, const DynamicValue& value, std::size_t index)
 {
     const DynamicField& field = value.type().fields[index];
@@ -70,7 +70,7 @@ void encode_field(Writer& writer, const DynamicValue& value, std::size_t index)
     }
 }
 
-/// One bit for each optional field that is there (Part 6, 5.2.7).
+/// Returns one bit for each optional field that is present (Part 6, 5.2.7).
 std::uint32_t encoding_mask(const DynamicValue& value)
 {
     std::uint32_t mask = 0;

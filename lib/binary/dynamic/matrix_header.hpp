@@ -18,8 +18,8 @@ namespace busbar::binary::detail {
     return count > limit / dimension ? limit + 1 : count * dimension;
 }
 
-/// Reads the dimensions in front of a matrix (Part 6, 5.2.5) and gives each to `take`. The number
-/// of elements, checked as an array's count is; -1 for a null matrix and after an error.
+/// Reads the dimensions before a matrix (Part 6, 5.2.5) and passes each to `take`. Returns the
+/// number of elements, checked as an array's count is; -1 for a null matrix and after an error.
 template <typename Take>
 [[nodiscard]] std::int64_t decode_matrix_header(Reader& reader, const DynamicField& field,
                                                 std::size_t min_element_size,

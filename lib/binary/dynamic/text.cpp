@@ -64,7 +64,7 @@ private:
             is_full_ = true;
         }
     }
-    /// False, with "..." instead, if there is no use in going on or it is too deep.
+    /// Returns false, with "..." instead, if the text is full or the value is nested too deep.
     [[nodiscard]] bool enter()
     {
         if (is_full_ || depth_ >= limits_.max_depth) {
@@ -198,7 +198,7 @@ private:
             add("@" + printable(value.locale.view(), limits_.max_string));
         }
     }
-    /// Prints a structure with its fields, if its definition is known and it is what that says.
+    /// Prints a structure with its fields, if its definition is known and the body matches it.
     [[nodiscard]] bool known_structure(const ExtensionObject& value)
     {
         const auto known = types_ == nullptr || is_full_ ? fail(status::Bad_DecodingError)

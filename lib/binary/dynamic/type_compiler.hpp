@@ -11,8 +11,8 @@
 
 namespace busbar::binary::detail {
 
-/// Turns DataTypeEntries into DynamicTypes, in steps for all types each: supertypes, then
-/// fields, then what follows from structures that lie directly within others.
+/// Turns DataTypeEntries into DynamicTypes, in steps for all types each: supertypes, then fields,
+/// then the consequences of structures directly within others.
 class TypeCompiler {
 public:
     TypeCompiler(std::vector<DataTypeEntry> from, const DynamicTypeLimits& limits);
@@ -23,7 +23,7 @@ public:
         DataTypeEntry from;
         std::unique_ptr<DynamicType> type;
         DataTypeRoot root;
-        /// Fields with those of the structures directly within.
+        /// Number of fields including those of structures directly within it.
         std::size_t nested_fields{0};
         std::size_t depth{0};
         bool is_measured{false};
@@ -62,13 +62,13 @@ private:
     std::vector<DefinitionError> errors_;
 };
 
-/// True if nothing can be known of the field's values without its type.
+/// True if the field's values cannot be interpreted without its type.
 [[nodiscard]] inline bool needs_type(const DynamicField& field)
 {
     return field.type != nullptr && (field.is_structure || !field.type->is_structure());
 }
 
-/// True if a value of the structure cannot be without one of the field's type.
+/// True if every value of the structure contains one of the field's type.
 [[nodiscard]] inline bool is_directly_within(const DynamicType& structure,
                                              const DynamicField& field)
 {

@@ -54,8 +54,8 @@ void TypeCompiler::refuse_users_of_wrong_types()
     }
 }
 
-/// Measures each type after those that lie directly within it. What is left over is part of a
-/// cycle, which would make a value infinite, or needs one that is.
+/// Measures each type after those that are directly within it. The remaining ones are part of a
+/// cycle, which would make a value infinite, or need such a type.
 void TypeCompiler::measure_all()
 {
     std::vector<std::vector<std::size_t>> users(entries_.size());
