@@ -57,8 +57,8 @@ bool set_encryption_padding(EVP_PKEY_CTX* context, const SecurityPolicy& policy)
            EVP_PKEY_CTX_set_rsa_mgf1_md(context, digest) == 1;
 }
 
-/// What the padding adds to a block: with OAEP two digests and two bytes (RFC 8017, 7.1.1), with
-/// PKCS#1 v1.5 eleven bytes (RFC 8017, 7.2.1).
+/// Returns the bytes that the padding adds to a block: with OAEP two digests and two bytes (RFC
+/// 8017, 7.1.1), with PKCS#1 v1.5 eleven bytes (RFC 8017, 7.2.1).
 std::size_t padding_size(const SecurityPolicy& policy)
 {
     switch (policy.encryption) {
@@ -71,8 +71,8 @@ std::size_t padding_size(const SecurityPolicy& policy)
     }
 }
 
-/// Copies the first `length` bytes of `from` over those of `to`. Which time it takes depends on the
-/// size of `to` only: `length` is a secret.
+/// Copies the first `length` bytes of `from` over those of `to`. The time it takes depends on the
+/// size of `to` only: `length` is secret.
 void overlay(std::span<std::byte> to, std::span<const std::byte> from, std::size_t length)
 {
     constexpr unsigned top_bit = sizeof(std::size_t) * 8 - 1;
@@ -83,7 +83,7 @@ void overlay(std::span<std::byte> to, std::span<const std::byte> from, std::size
     }
 }
 
-/// True if the number in `signature` is one that OpenSSL would refuse without calculating.
+/// True if OpenSSL would refuse the number in `signature` without calculating.
 bool exceeds_modulus(EVP_PKEY* key, std::span<const std::byte> signature)
 {
     BIGNUM* modulus = nullptr;
@@ -139,7 +139,8 @@ Result<void> asymmetric_verify(const SecurityPolicy& policy, const Certificate& 
     if (!allows_key(policy, certificate.key_bits()) || signature.size() != certificate.key_size()) {
         return failed();
     }
-    // Chance in place of a signature is often such a number. A smaller one takes as long as any.
+    // Random bytes in place of a signature are often such a number. A smaller one takes as long as
+    // any.
     if (exceeds_modulus(key, signature)) {
         Bytes smaller{signature.begin(), signature.end()};
         smaller.front() = std::byte{0};
@@ -196,7 +197,7 @@ Result<Bytes> asymmetric_decrypt(const SecurityPolicy& policy, const PrivateKey&
         !set_encryption_padding(context.get(), policy)) {
         return failed();
     }
-    // Implicit rejection: all is chance until a text is laid over it.
+    // Implicit rejection: all bytes are random until a text replaces them.
     Bytes plain(blocks * block);
     if (RAND_bytes(detail::bytes_of(std::span{plain}), static_cast<int>(plain.size())) != 1) {
         return failed();
@@ -223,7 +224,7 @@ Result<Bytes> encrypt_secret(const SecurityPolicy& policy, const Certificate& ce
     }
     const auto length = static_cast<std::uint32_t>(secret.size() + server_nonce.size());
     Bytes plain;
-    plain.reserve(4 + length); // no copies left behind by growing
+    plain.reserve(4 + length); // growing would leave copies behind
     for (unsigned shift = 0; shift < 32; shift += 8) {
         plain.push_back(static_cast<std::byte>(length >> shift));
     }
@@ -249,8 +250,8 @@ Result<Secret> decrypt_secret(const SecurityPolicy& policy, const PrivateKey& ke
     for (std::size_t i = 0; i < 4 && i < bytes.size(); ++i) {
         length |= std::to_integer<std::size_t>(bytes[i]) << (8 * i);
     }
-    // Part 4, 7.40.2.2: what the length covers ends with the nonce of this session. Some clients
-    // fill the last block behind it, so that the text may be longer.
+    // Part 4, 7.40.2.2: the bytes that the length covers end with the nonce of this session. Some
+    // clients fill the last block after it, so that the text may be longer.
     if (server_nonce.size() < min_server_nonce_size || bytes.size() < 4 ||
         length > bytes.size() - 4 || length < server_nonce.size() ||
         length - server_nonce.size() > max_size ||

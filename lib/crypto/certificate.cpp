@@ -26,8 +26,8 @@ Number key_number(const EVP_PKEY* key, const char* name)
     return Number{number};
 }
 
-/// False for RSA keys that mean nothing or cost too much: even numbers, an exponent of one or a
-/// giant one, a giant modulus. Other kinds of keys may stand in a chain.
+/// Returns false for RSA keys that are invalid or cost too much: even numbers, an exponent of one
+/// or a giant one, a giant modulus. A chain may contain other kinds of keys.
 bool is_usable(const EVP_PKEY* key)
 {
     if (EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA) {
@@ -72,8 +72,8 @@ std::string address_text(const ASN1_OCTET_STRING* address)
     return text;
 }
 
-/// How many bytes the DER element at the start of `der` has; 0 if that is not known or more than
-/// there are.
+/// Returns the size of the DER element at the start of `der`; 0 if it is unknown or exceeds the
+/// bytes.
 std::size_t element_size(std::span<const std::byte> der)
 {
     const unsigned char* const begin = detail::bytes_of(der);

@@ -10,28 +10,28 @@
 /// The steps of Part 4, 6.1.3, Table 100, each for one certificate of a path.
 namespace busbar::crypto::detail {
 
-/// A validation under way: the path from the leaf to a root and what it is held against.
+/// A validation in progress: the path from the leaf to a root and the requirements.
 struct Validation {
     const CertificateChain& path;
     const TrustList& list;
     const ValidationContext& context;
     SignatureChecks& signatures;
 
-    /// The end of a path of several certificates.
+    /// True at the end of a path of several certificates.
     [[nodiscard]] bool is_at_root(std::size_t index) const
     {
         return index != 0 && index + 1 == path.size();
     }
 };
 
-/// What a step has against a certificate.
+/// The objection of a step to a certificate.
 struct Finding {
     std::string found;
     std::string remedy;
-    bool is_mandatory{false}; // no setting suppresses it
+    bool is_mandatory{false}; // no setting can suppress it
 };
 
-/// `index` is that of the certificate in the path, 0 for the leaf.
+/// `index` is the certificate's index in the path, 0 for the leaf.
 using Check = std::optional<Finding> (*)(const Validation& validation, std::size_t index);
 
 [[nodiscard]] std::optional<Finding> check_structure(const Validation&, std::size_t index);

@@ -7,7 +7,7 @@ namespace busbar::crypto::detail {
 
 namespace {
 
-/// Commas, colons and line ends mean something in OpenSSL's extension texts.
+/// Commas, colons and line ends have a meaning in OpenSSL's extension texts.
 bool is_plain(std::string_view text, std::string_view also = "")
 {
     return std::all_of(text.begin(), text.end(), [&](char c) {

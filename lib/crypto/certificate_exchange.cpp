@@ -28,7 +28,7 @@ Result<Certificate> copy_of(X509* x509)
     return certificate;
 }
 
-/// Other blocks, such as keys, are passed over.
+/// Reads certificates; other blocks, such as keys, are skipped.
 Checked<std::vector<Certificate>> read_pem(BIO* pem)
 {
     std::vector<Certificate> certificates;

@@ -20,7 +20,7 @@
 
 namespace busbar::crypto::detail {
 
-/// PEM with more than one certificate. Which of them an administrator means is not known.
+/// True for PEM with more than one certificate: it is unknown which of them an administrator means.
 [[nodiscard]] bool holds_several_certificates(std::span<const std::byte> contents);
 
 /// One file of a folder.
@@ -30,30 +30,30 @@ struct FolderFile {
     StorageEntry::Version version{};
     std::array<std::byte, 32> digest{}; // of the contents
     std::variant<std::monostate, Certificate, RevocationList> object{};
-    std::string_view problem{}; // why there is no object
+    std::string_view problem{}; // the reason why there is no object
 
-    /// Null if the file holds something else.
+    /// Returns null if the file holds something else.
     [[nodiscard]] const Certificate* certificate() const { return std::get_if<1>(&object); }
     [[nodiscard]] const RevocationList* revocation_list() const { return std::get_if<2>(&object); }
     [[nodiscard]] bool is_usable() const { return object.index() != 0; }
     [[nodiscard]] std::string thumbprint() const;
 };
 
-/// What the files of a folder hold. Of a chain, which is concatenated DER (Part 6, 6.2.6), the leaf
+/// The kind of files in a folder. For a chain, which is concatenated DER (Part 6, 6.2.6), the leaf
 /// counts.
 enum class FolderContents : std::uint8_t { Certificates, Chains, RevocationLists };
 
-/// The certificates or the revocation lists in one folder, as they are now. Follows no links,
-/// blocks on no pipes, and reads a file only when it changed.
+/// The certificates or the revocation lists in one folder, as they are now. Does not follow links
+/// or block on pipes, and reads a file only when it has changed.
 class CertificateFolder {
 public:
     using Kind = StoreEntry::Kind;
 
-    /// The folder `name` in the storage. Whether it is missing is told unless `may_be_missing`.
+    /// Uses the folder `name` of the storage. A missing folder is reported unless `may_be_missing`.
     CertificateFolder(Storage& storage, std::string name, FolderContents contents,
                       bool may_be_missing);
 
-    /// Looks at the folder again; true if something changed. Problems are logged once.
+    /// Reads the folder again; true if something changed. Problems are logged once.
     bool refresh(const StoreLimits& limits, DateTime now, LogSink& log);
 
     [[nodiscard]] const std::vector<FolderFile>& files() const { return files_; }
@@ -67,9 +67,9 @@ public:
     {
         return storage_path(name_, file);
     }
-    /// There are more names than were looked at.
+    /// True if the folder has more names than were read.
     [[nodiscard]] bool is_cut() const { return is_cut_; }
-    /// The file may be there, unread: it or the folder cannot be read, or the folder is cut.
+    /// True if the file may exist unread: it or the folder cannot be read, or the folder is cut.
     [[nodiscard]] bool may_hold(std::string_view file) const;
 
 private:
@@ -80,7 +80,7 @@ private:
     [[nodiscard]] const FolderFile* known(std::string_view name) const;
     void tell(LogSink& log, std::string_view problem, std::string_view file = {}) const;
     void tell_changes(const std::vector<FolderFile>& files, LogSink& log) const;
-    /// What is said of the folder as a whole.
+    /// Sets the problem of the folder as a whole.
     void set_problem(std::string_view problem, LogSink& log);
 
     Storage* storage_;

@@ -29,7 +29,7 @@ DateTime notice_time(const Certificate& certificate)
     return {certificate.valid_to().ticks - expiry_notice_days * one_day.ticks};
 }
 
-/// Those of `hosts` that the certificate does not name, with commas between them.
+/// Returns those of `hosts` that the certificate does not name, separated by commas.
 std::string missing_hosts(const Certificate& certificate, std::span<const std::string> hosts)
 {
     std::string missing;
@@ -92,7 +92,7 @@ void tell_notice(LogSink& log, const Certificate& certificate, const Certificate
 
 } // namespace
 
-/// As a client compares it (Part 4, 6.1.3).
+/// Compares as a client does (Part 4, 6.1.3).
 bool names_host(const Certificate& certificate, const std::string& host)
 {
     constexpr unsigned flags = X509_CHECK_FLAG_NO_WILDCARDS | X509_CHECK_FLAG_NEVER_CHECK_SUBJECT;
@@ -132,7 +132,7 @@ DateTime CertificateWatch::check(const Certificate& certificate, DateTime now,
         const auto before = std::find_if(said_.begin(), said_.end(), [&](const Said& said) {
             return said.notice.kind == notice.kind && said.notice.matter == notice.matter;
         });
-        // A clock that was set back counts as a day that has passed.
+        // A clock that was set back counts as if a day had passed.
         const bool is_fresh =
             before != said_.end() && before->at <= now && now < before->at + one_day;
         if (!is_fresh) {

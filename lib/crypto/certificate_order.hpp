@@ -7,9 +7,9 @@
 
 namespace busbar::crypto::detail {
 
-/// The first of `certificates` that `key` belongs to and, behind it, those that signed it, each its
-/// predecessor; max_chain_length at most. Empty if `key` belongs to none. What signed nothing is
-/// left out.
+/// Returns the first of `certificates` that `key` belongs to, followed by those that signed it,
+/// each its predecessor; at most max_chain_length. Empty if `key` belongs to none. Certificates
+/// that signed none of these are left out.
 [[nodiscard]] CertificateChain chain_of(const PrivateKey& key,
                                         const std::vector<Certificate>& certificates);
 

@@ -16,8 +16,8 @@ namespace {
 
 using Candidates = std::vector<const Certificate*>;
 
-/// Whether `issuer` claims to be who signed `certificate`, by name and key identifier. Whether it
-/// may sign certificates is asked in a later step.
+/// Returns whether `issuer` may have signed `certificate`, by name and key identifier. A later step
+/// checks whether it may sign certificates.
 bool claims_to_issue(const Certificate& issuer, const Certificate& certificate)
 {
     const int result = X509_check_issued(issuer.native(), certificate.native());
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] Checked<CertificateChain> run();
 
 private:
-    /// A certificate and how many of the path there are up to it.
+    /// A certificate and its position in the path.
     struct Reached {
         const Certificate* certificate;
         std::size_t length;
@@ -62,9 +62,9 @@ private:
     const TrustList& list_;
     DateTime now_;
     SignatureChecks& signatures_;
-    Candidates path_;                            // what extend() is working on
+    Candidates path_;                            // the path that extend() is working on
     Candidates best_;                            // the first complete path, or a trusted one
-    const Certificate* badly_signed_{nullptr};   // the first that was found
+    const Certificate* badly_signed_{nullptr};   // the first one found
     const Certificate* claimed_issuer_{nullptr}; // of badly_signed_
 };
 
@@ -100,7 +100,7 @@ bool PathSearch::is_signed_by(const Certificate& certificate, const Certificate&
     return is_good;
 }
 
-/// `dead_end` has no issuer; null: every certificate has one.
+/// `dead_end` has no issuer; if null, every certificate has one.
 Refusal PathSearch::refuse_incomplete(const Certificate* dead_end, bool is_too_long) const
 {
     std::string found;
@@ -119,8 +119,9 @@ Refusal PathSearch::refuse_incomplete(const Certificate* dead_end, bool is_too_l
                       dead_end != nullptr ? *dead_end : sent_.front());
 }
 
-/// Whether names lead to a root, in not too many steps; no signature is verified yet, so that an
-/// incomplete chain costs nothing. Visits each certificate once, however they point at each other.
+/// Checks that names lead to a root, in a limited number of steps; no signature is verified yet, so
+/// that an incomplete chain costs nothing. Visits each certificate once, however they refer to each
+/// other.
 std::optional<Refusal> PathSearch::follow_names() const
 {
     Candidates seen{&sent_.front()};
@@ -165,8 +166,8 @@ bool PathSearch::finish()
     return has_trusted;
 }
 
-/// Adds issuers to path_ until it is complete and trusted; else takes back what it added. No deeper
-/// than max_chain_length, and each step has cost a signature.
+/// Adds issuers to path_ until it is complete and trusted; else removes those that it added. No
+/// deeper than max_chain_length, and each step has cost a signature.
 bool PathSearch::extend()
 {
     const Certificate& last = *path_.back();
@@ -210,7 +211,7 @@ Checked<CertificateChain> PathSearch::run()
         return refuse(*std::move(incomplete));
     }
     path_ = {&sent_.front()};
-    static_cast<void>(extend()); // false as well for a path that is complete but not trusted
+    static_cast<void>(extend()); // also false for a complete path that is not trusted
     if (best_.empty()) {
         return refuse(refuse_signature());
     }

@@ -7,12 +7,12 @@
 
 namespace busbar::crypto::detail {
 
-/// The path from sent.front() to a root, both included, every signature good; or what the steps
-/// "Build Certificate Chain" and "Signature" of Part 4, 6.1.3, Table 100 have to say. A self-signed
-/// leaf is a path by itself.
+/// Returns the path from sent.front() to a root, inclusive, with good signatures only; or the
+/// refusal of the steps "Build Certificate Chain" and "Signature" of Part 4, 6.1.3, Table 100. A
+/// self-signed leaf is a path by itself.
 ///
-/// Issuers are looked for among the trusted certificates first, then among the issuers, then in
-/// what was sent; of each, those that are valid at `now` first. A path with a trusted certificate
+/// Issuers are searched first among the trusted certificates, then among the issuers, then among
+/// the sent ones; of each, those that are valid at `now` first. A path with a trusted certificate
 /// is preferred to one without.
 [[nodiscard]] Checked<CertificateChain> find_path(const CertificateChain& sent,
                                                   const TrustList& list, DateTime now,

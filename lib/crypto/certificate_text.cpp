@@ -24,7 +24,7 @@ std::string contents_of(BIO* bio)
     return size <= 0 ? std::string{} : std::string{text, static_cast<std::size_t>(size)};
 }
 
-/// One line; what strangers wrote gets no second one.
+/// Returns one line; text from others cannot add a second one.
 std::string line(std::string_view label, std::string_view value)
 {
     constexpr std::size_t width = 14;
@@ -44,7 +44,7 @@ std::string integer_text(const ASN1_INTEGER* number)
     return contents_of(bio.get());
 }
 
-/// OpenSSL breaks what an extension says into lines.
+/// OpenSSL breaks the text of an extension into lines.
 std::string in_one_line(const std::string& text)
 {
     std::string result;
@@ -59,7 +59,7 @@ std::string in_one_line(const std::string& text)
     return result;
 }
 
-/// What is not known is in hexadecimal.
+/// Unknown extensions are shown in hexadecimal.
 std::string value_of(X509_EXTENSION* extension)
 {
     const Bio bio{BIO_new(BIO_s_mem())};
@@ -89,7 +89,7 @@ std::string name_of(const X509_EXTENSION* extension)
     return std::string{name.data()} + (is_critical ? " (critical)" : "");
 }
 
-/// A line for each extension that has none of its own.
+/// Returns a line for each extension that has none of its own.
 std::string extension_lines(const STACK_OF(X509_EXTENSION) * extensions)
 {
     std::string text;
@@ -111,8 +111,8 @@ std::string key_type(const EVP_PKEY* key)
            std::to_string(EVP_PKEY_get_bits(key)) + " bits";
 }
 
-/// The key itself, as it stands in the certificate, in groups of eight bytes between which a line
-/// may end.
+/// Returns the key itself, as in the certificate, in groups of eight bytes between which a line may
+/// break.
 std::string key_bytes(const X509* certificate)
 {
     constexpr std::size_t group = 8;
@@ -128,7 +128,7 @@ std::string key_bytes(const X509* certificate)
     return text;
 }
 
-/// Those that are revoked, with the time since when.
+/// Lists the revoked certificates with the time of revocation.
 std::string revoked_lines(const X509_CRL* list)
 {
     constexpr int max_shown = 1'000;

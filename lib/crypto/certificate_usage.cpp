@@ -16,16 +16,17 @@ bool is_critical(const Certificate& certificate, int extension)
     return at >= 0 && X509_EXTENSION_get_critical(X509_get_ext(certificate.native(), at)) != 0;
 }
 
-/// What the key is used for: an application signs and decrypts with it, a user signs. Part 6, 6.2.2
-/// lists nonRepudiation and keyEncipherment too, which the protocol never needs and not all set.
+/// The usage of the key: an application signs and decrypts with it, a user signs. Part 6, 6.2.2
+/// lists nonRepudiation and keyEncipherment too, which the protocol never needs and not all
+/// certificates have.
 std::uint32_t needed_key_usage(CertificatePurpose purpose)
 {
     return purpose == CertificatePurpose::User ? KU_DIGITAL_SIGNATURE
                                                : KU_DIGITAL_SIGNATURE | KU_DATA_ENCIPHERMENT;
 }
 
-/// Part 6, 6.2.2: serverAuth for servers, clientAuth for clients. One of these will do; all bits if
-/// nothing is asked for.
+/// Part 6, 6.2.2: serverAuth for servers, clientAuth for clients. One of these is enough; all bits
+/// if nothing is required.
 std::uint32_t possible_extended_usage(CertificatePurpose purpose)
 {
     switch (purpose) {
@@ -53,7 +54,7 @@ std::string_view extended_usage_text(CertificatePurpose purpose)
     }
 }
 
-/// Certificates below a CA that are not CAs for its own name (RFC 5280, 4.2.1.9).
+/// Returns the number of CAs below this one, without those of its own name (RFC 5280, 4.2.1.9).
 long path_length_below(const CertificateChain& path, std::size_t index)
 {
     long count = 0;
@@ -64,7 +65,7 @@ long path_length_below(const CertificateChain& path, std::size_t index)
     return count;
 }
 
-/// RFC 5280, 4.2.1.10: whether a CA may sign for the names of all that is below it.
+/// RFC 5280, 4.2.1.10: returns whether a CA may sign for the names of all certificates below it.
 bool allows_names_below(const CertificateChain& path, std::size_t index)
 {
     int critical = -1;
@@ -85,7 +86,7 @@ std::optional<Finding> check_usage(const Validation& validation, std::size_t)
 {
     const Certificate& leaf = validation.path.front();
     const CertificatePurpose purpose = validation.context.purpose;
-    // Both functions give all bits for a certificate that does not say.
+    // Both functions return all bits for a certificate without the extension.
     const std::uint32_t needed = needed_key_usage(purpose);
     if ((X509_get_key_usage(leaf.native()) & needed) != needed) {
         return Finding{purpose == CertificatePurpose::User
@@ -106,7 +107,7 @@ std::optional<Finding> check_usage(const Validation& validation, std::size_t)
     return std::nullopt;
 }
 
-/// Part 6, 6.2.4. OpenSSL would take a root of version 1 and a CA without basicConstraints.
+/// Part 6, 6.2.4. OpenSSL would accept a root of version 1 and a CA without basicConstraints.
 std::optional<Finding> check_issuer_usage(const Validation& validation, std::size_t index)
 {
     const Certificate& issuer = validation.path[index];

@@ -16,7 +16,7 @@ using detail::Validation;
 using Setting = bool ValidationSettings::*;
 
 /// A step of the table: one check for the leaf, one for each issuer, with the status and the
-/// setting that suppresses it. Null: no check, or no such setting.
+/// setting that suppresses it. Null if there is none.
 struct Step {
     struct Part {
         Check check;
@@ -33,7 +33,7 @@ constexpr Step::Part nothing{nullptr, {}, nullptr};
 constexpr std::string_view structure_step = "Certificate Structure";
 
 /// Part 4, 6.1.3, Table 100, in its order. "Build Certificate Chain" and "Signature" come second
-/// and third; find_path does them, since there is no path before.
+/// and third; find_path performs them, since there is no path before.
 constexpr std::array steps = {
     Step{structure_step,
          {detail::check_structure, status::Bad_CertificateInvalid, nullptr},
@@ -70,7 +70,7 @@ constexpr std::array steps = {
          {detail::check_revocation, status::Bad_CertificateIssuerRevoked, nullptr}},
 };
 
-/// What no peer has to send is refused before it is looked at.
+/// Refuses a chain that no peer needs to send before it is read.
 std::optional<Refusal> check_size(const CertificateChain& chain)
 {
     const std::size_t bytes = std::accumulate(chain.begin(), chain.end(), std::size_t{0},

@@ -37,7 +37,7 @@ void put_bytes(Bytes& to, std::span<const std::byte> bytes)
     to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-/// Reads from the front; after a failure there is nothing more.
+/// Reads from the front; after a failure it returns nothing more.
 class Fields {
 public:
     explicit Fields(std::span<const std::byte> bytes) : rest_{bytes} {}
@@ -72,13 +72,13 @@ private:
     bool has_failed_{false};
 };
 
-/// KeyData before encryption: three ByteStrings whose sizes the policy says.
+/// Size of KeyData before encryption: three ByteStrings whose sizes the policy sets.
 std::size_t key_data_size(const SecurityPolicy& policy)
 {
     return 12 + policy.signing_key_size + policy.encrypting_key_size + policy.block_size;
 }
 
-/// The parts that anybody can tell from each other.
+/// The parts that can be separated without a key.
 struct SealedParts {
     std::span<const std::byte> key_data;
     std::span<const std::byte> payload;
@@ -116,7 +116,7 @@ std::optional<SealedParts> sealed_parts(const SecurityPolicy& policy,
     return parts;
 }
 
-/// The keys, also if there are none in it: then what lies in their places, and `is_good` is false.
+/// Returns the keys; if there are none, the bytes in their places, with `is_good` set to false.
 SymmetricKeys keys_in(const SecurityPolicy& policy, std::span<const std::byte> plain, bool& is_good)
 {
     std::size_t at = 0;
@@ -136,7 +136,7 @@ SymmetricKeys keys_in(const SecurityPolicy& policy, std::span<const std::byte> p
     return keys;
 }
 
-/// Nonce, secret and padding. What is read here was signed with the keys that came with it.
+/// Reads nonce, secret and padding. They were signed with the keys that came with them.
 Result<Secret> secret_in(std::span<const std::byte> payload,
                          std::span<const std::byte> server_nonce, std::size_t max_size)
 {
@@ -158,7 +158,7 @@ Result<Secret> secret_in(std::span<const std::byte> payload,
     return Secret{secret};
 }
 
-/// Part 6, 6.8.3: with a short secret there is a block more, so that its size does not show.
+/// Part 6, 6.8.3: a short secret gets one more block, so that its size is hidden.
 std::size_t padding_for(std::size_t data_size, std::size_t secret_size, std::size_t block)
 {
     const std::size_t padding = (block - data_size % block) % block;
@@ -171,7 +171,7 @@ Bytes payload_of(const SecurityPolicy& policy, std::span<const std::byte> secret
     const std::size_t data_size = 4 + server_nonce.size() + 4 + secret.size() + 2;
     const std::size_t padding = padding_for(data_size, secret.size(), policy.block_size);
     Bytes payload;
-    payload.reserve(data_size + padding); // no copies left behind by growing
+    payload.reserve(data_size + padding); // growing would leave copies behind
     put_bytes(payload, server_nonce);
     put_bytes(payload, secret);
     payload.insert(payload.end(), padding, static_cast<std::byte>(padding));
@@ -266,8 +266,8 @@ Result<Secret> unseal_secret(const SecurityPolicy& policy, const Certificate& ce
     if (!plain || plain->size() < key_data_size(policy)) {
         return fail(status::Bad_SecurityChecksFailed);
     }
-    // From here on a failure must not show which step it was: what did not decrypt is chance, and
-    // goes the same way.
+    // From here on a failure must not disclose which step failed: random bytes in place of
+    // decrypted ones take the same way.
     bool is_good = false;
     const SymmetricKeys keys = keys_in(policy, *plain, is_good);
     cleanse(*plain);

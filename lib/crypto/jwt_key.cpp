@@ -22,7 +22,7 @@ constexpr std::size_t p256_size = 32; // bytes of each half of a signature (RFC 
 using Bytes = std::vector<std::byte>;
 using EcdsaSignature = std::unique_ptr<ECDSA_SIG, detail::FreeWith<ECDSA_SIG_free>>;
 
-/// OpenSSL would ask the terminal for a passphrase.
+/// Prevents OpenSSL from asking a terminal for a passphrase.
 int no_passphrase(char*, int, int, void*)
 {
     return 0;
@@ -47,12 +47,12 @@ bool is_for(const EVP_PKEY* key, JwtAlgorithm algorithm)
     case JwtAlgorithm::ES256:
         return is_p256(key);
     case JwtAlgorithm::HS256:
-        break; // a public key is no secret
+        break; // a public key is not secret
     }
     return false;
 }
 
-/// The two numbers of an ECDSA signature as OpenSSL wants them; empty if they are none.
+/// Encodes the two numbers of an ECDSA signature for OpenSSL; empty if they are invalid.
 Bytes to_der(std::span<const std::byte> signature)
 {
     if (signature.size() != 2 * p256_size) {

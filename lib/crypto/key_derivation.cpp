@@ -13,7 +13,7 @@ using Pbe2 = std::unique_ptr<PBE2PARAM, FreeWith<PBE2PARAM_free>>;
 using Pbkdf2 = std::unique_ptr<PBKDF2PARAM, FreeWith<PBKDF2PARAM_free>>;
 using EncryptedKey = std::unique_ptr<X509_SIG, FreeWith<X509_SIG_free>>;
 
-/// Blocks of a PEM file that are looked at.
+/// Maximum number of blocks of a PEM file that are read.
 constexpr int max_blocks = 20;
 
 int scheme_of(const X509_ALGOR& algorithm)
@@ -21,7 +21,7 @@ int scheme_of(const X509_ALGOR& algorithm)
     return OBJ_obj2nid(algorithm.algorithm);
 }
 
-/// The parameters, if they are a SEQUENCE of the wanted kind.
+/// Returns the parameters, if they are a SEQUENCE of the expected kind.
 template <typename T>
 T* unpack(const X509_ALGOR& algorithm, const ASN1_ITEM* item)
 {
@@ -41,7 +41,7 @@ std::optional<std::uint64_t> iterations_of_pbes2(const X509_ALGOR& algorithm)
 {
     const Pbe2 scheme{unpack<PBE2PARAM>(algorithm, ASN1_ITEM_rptr(PBE2PARAM))};
     if (!scheme || scheme->keyfunc == nullptr || scheme_of(*scheme->keyfunc) != NID_id_pbkdf2) {
-        return std::nullopt; // scrypt too: what it costs depends on more than one number
+        return std::nullopt; // scrypt too, whose cost depends on more than one number
     }
     const Pbkdf2 derivation{unpack<PBKDF2PARAM>(*scheme->keyfunc, ASN1_ITEM_rptr(PBKDF2PARAM))};
     return derivation ? number(derivation->iter) : std::nullopt;
@@ -82,7 +82,7 @@ bool are_affordable_blocks(BIO* pem, std::uint64_t limit)
         if (PEM_read_bio(pem, &block.name, &block.header, &block.data, &block.size) != 1) {
             return true;
         }
-        // Whatever its name says: OpenSSL believes the contents.
+        // OpenSSL goes by the contents, whatever the name says.
         const EncryptedKey key = parse_encrypted_key(block.data, block.size);
         if (key && !is_affordable(key.get(), limit)) {
             return false;

@@ -56,7 +56,7 @@ bool names_one_algorithm(const X509_CRL* list, std::span<const std::byte> der)
 {
     const unsigned char* at = bytes_of(der);
     const unsigned char* const end = at + der.size();
-    // Goes to what stands in an object of this type, or past an object, if it is the next one.
+    // Enters an object of this type, or skips it, if it is the next one.
     const auto pass = [&](int expected, bool whole) {
         const unsigned char* next = at;
         long size = 0;
@@ -69,7 +69,7 @@ bool names_one_algorithm(const X509_CRL* list, std::span<const std::byte> der)
         at = whole ? next + size : next;
         return true;
     };
-    // OpenSSL shows the algorithm of certificates that was signed, but not that of lists.
+    // OpenSSL returns the signed algorithm of certificates, but not that of lists.
     const bool is_list = pass(V_ASN1_SEQUENCE, false) && pass(V_ASN1_SEQUENCE, false);
     pass(V_ASN1_INTEGER, true); // the version, if it is not 1
     const Algorithm is_signed{is_list ? d2i_X509_ALGOR(nullptr, &at, end - at) : nullptr};

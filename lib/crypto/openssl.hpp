@@ -25,7 +25,7 @@ struct FreeWith {
     }
 };
 
-/// What an i2d function has made: `owned{der}`, right after it, frees that whatever is thrown.
+/// Owns the result of an i2d function: `owned{der}`, right after it, frees it whatever is thrown.
 struct FreeDer {
     void operator()(unsigned char* der) const { OPENSSL_free(der); }
 };
@@ -59,25 +59,25 @@ unsigned char* bytes_of(std::span<std::byte, Size> bytes)
     return reinterpret_cast<unsigned char*>(bytes.data());
 }
 
-/// Bytes that a read-only BIO reads.
+/// Returns a read-only BIO for the bytes.
 Bio memory_bio(std::span<const std::byte> bytes);
 
-/// For PEM_read_*: OpenSSL would ask a terminal for the passphrase of an encrypted block.
+/// For PEM_read_*: prevents OpenSSL from asking a terminal for a passphrase.
 int give_no_passphrase(char*, int, int, void*);
 
-/// Null for a time that is missing or unreadable.
+/// Returns null for a missing or unreadable time.
 DateTime date_time_of(const ASN1_TIME* time);
-/// The second of `time`: a UTCTime from 1950 to 2049, else a GeneralizedTime (RFC 5280, 4.1.2.5).
+/// Sets `time` in seconds: a UTCTime from 1950 to 2049, else a GeneralizedTime (RFC 5280, 4.1.2.5).
 bool set_time(ASN1_TIME* to, DateTime time);
-/// "CN=Name, O=..." for people; other than printable ASCII is escaped.
+/// Returns "CN=Name, O=..." for people; everything except printable ASCII is escaped.
 std::string text_of(const X509_NAME* name);
-/// Whether the algorithm that stands beside the signature is the one that was signed (RFC 5280,
-/// 5.1.1.2). X509_verify looks at that for certificates, X509_CRL_verify not up to OpenSSL 3.0.19.
-/// `der` is what `list` was read from.
+/// Returns whether the algorithm beside the signature equals the signed one (RFC 5280, 5.1.1.2).
+/// X509_verify checks that for certificates, X509_CRL_verify not up to OpenSSL 3.0.19. `der` is the
+/// encoding of `list`.
 bool names_one_algorithm(const X509_CRL* list, std::span<const std::byte> der);
 /// A thumbprint (Part 6, 6.7.2.3).
 std::vector<std::byte> sha1_of(std::span<const std::byte> bytes);
-/// In upper case.
+/// Returns upper-case hexadecimal.
 std::string hexadecimal(std::span<const std::byte> bytes);
 
 } // namespace busbar::crypto::detail

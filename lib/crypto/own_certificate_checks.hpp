@@ -9,23 +9,23 @@
 
 #include "own_certificate_state.hpp"
 
-/// What an own certificate has to be, and what is said if it is not.
+/// The requirements for an own certificate, and the refusals if it does not meet them.
 namespace busbar::crypto::detail {
 
 [[nodiscard]] Refusal own_certificate_refusal(StatusCode status, std::string found,
                                               std::string remedy);
-/// The same, about a certificate.
+/// Returns the refusal of a certificate.
 [[nodiscard]] Refusal own_certificate_refusal(const Certificate& certificate, StatusCode status,
                                               std::string found, std::string remedy);
-/// What lies in the store cannot be used.
+/// Returns the refusal of unusable contents of the store.
 [[nodiscard]] Refusal broken(std::string found);
 [[nodiscard]] Refusal unwritable(const std::string& file);
 
-/// Key size, ApplicationUri (Part 6, 6.2.2; not looked at if empty) and whether it fits in the
+/// Checks key size, ApplicationUri (Part 6, 6.2.2; ignored if empty) and whether it fits in the
 /// store. `chain` is not empty.
 [[nodiscard]] std::optional<Refusal> check_certificates(const CertificateChain& chain,
                                                         std::string_view application_uri);
-/// Whether certificate and key are there, can be read and belong together.
+/// Checks whether certificate and key exist, can be read and belong together.
 [[nodiscard]] std::optional<Refusal> check_files(const OwnCertificateFiles& files,
                                                  const OwnCertificateState& state);
 

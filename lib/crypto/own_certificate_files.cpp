@@ -18,7 +18,7 @@ constexpr std::string_view pending_name = "own/private/pending.pem";
 constexpr std::string_view replaced_folder = "own/replaced";
 
 constexpr std::size_t max_own_file_size = 131'072;
-/// Files of one certificate that differ, in the folder of the replaced ones.
+/// Maximum number of different files for one certificate in the folder of replaced ones.
 constexpr int max_namesakes = 100;
 constexpr std::size_t max_replaced = 100'000;
 
@@ -27,7 +27,7 @@ bool is_same(std::span<const std::byte> a, std::span<const std::byte> b)
     return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-/// The thumbprint of a certificate; of anything else, one of the bytes.
+/// Returns the thumbprint of a certificate; for other contents, that of the bytes.
 std::string name_of(std::span<const std::byte> bytes)
 {
     const auto certificates = read_certificates(bytes);
@@ -75,7 +75,7 @@ std::string OwnCertificateFiles::stranger() const
 
 FileContents OwnCertificateFiles::read(std::string_view name) const
 {
-    // Of its final size at once: a buffer that grows leaves copies of a key behind.
+    // Allocate the final size at once: a growing buffer leaves copies of a key behind.
     Secret buffer{max_own_file_size + 1};
     const auto count = storage_->read(name, 0, buffer.span());
     if (!count &&
@@ -114,13 +114,13 @@ Stored<void> OwnCertificateFiles::create_folders() const
         if (auto made = storage_->make_folder(name, access); !made) {
             return made;
         }
-        // What a process that died was about to write may be a key.
+        // A file that an interrupted process was writing may contain a key.
         storage_->remove_unfinished(name);
     }
     return {};
 }
 
-/// Saves `bytes` under a name that is free, or finds that they lie there already.
+/// Saves `bytes` under an unused name, or finds that they are saved already.
 Stored<void> OwnCertificateFiles::keep(std::span<const std::byte> bytes, const std::string& stem,
                                        std::string_view extension, FileAccess access) const
 {

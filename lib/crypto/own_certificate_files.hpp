@@ -13,10 +13,10 @@
 
 namespace busbar::crypto::detail {
 
-/// What lies under a name.
+/// The contents of a file.
 struct FileContents {
     bool exists{false};
-    /// None if it is no regular file, longer than 128 KiB or cannot be read.
+    /// Empty if it is not a regular file, is longer than 128 KiB or cannot be read.
     std::optional<Secret> bytes;
 };
 
@@ -26,24 +26,24 @@ class OwnCertificateFiles {
 public:
     explicit OwnCertificateFiles(Storage& storage) : storage_{&storage} {}
 
-    // Where people find them.
+    // The places where people find the files.
 
     [[nodiscard]] std::string certificate() const;
     [[nodiscard]] std::string key() const;
     [[nodiscard]] std::string pending_key() const;
-    /// Some file that lies beside the certificate or the key and that nothing here reads; empty if
-    /// there is none.
+    /// Returns a file beside the certificate or the key that this class never reads; empty if there
+    /// is none.
     [[nodiscard]] std::string stranger() const;
 
     [[nodiscard]] FileContents read_certificate() const;
     [[nodiscard]] FileContents read_key() const;
     [[nodiscard]] FileContents read_pending_key() const;
 
-    /// Makes the folders that are missing; those with keys are for their owner alone.
+    /// Creates missing folders; only the owner may read those with keys.
     [[nodiscard]] Stored<void> create_folders() const;
-    /// Copies certificate and key, whatever they hold, to the replaced ones.
+    /// Copies certificate and key, whatever they contain, to the replaced ones.
     [[nodiscard]] Stored<void> keep_aside() const;
-    /// The key alone, which belongs to no certificate, unless it lies there already.
+    /// Copies only the key, which belongs to no certificate, unless that was done already.
     [[nodiscard]] Stored<void> keep_key_aside() const;
     [[nodiscard]] Stored<void> save_pending_key(const PrivateKey& key) const;
     [[nodiscard]] Stored<void> save_certificate(std::span<const std::byte> der) const;
@@ -53,7 +53,7 @@ public:
                                                         FileTransaction& change);
     [[nodiscard]] static Stored<void> stage_certificate(std::span<const std::byte> der,
                                                         FileTransaction& change);
-    /// The pending key is the key from now on.
+    /// Makes the pending key the key in force.
     [[nodiscard]] Stored<void> promote_pending_key(const PrivateKey& key) const;
 
 private:

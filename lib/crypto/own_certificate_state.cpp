@@ -67,7 +67,7 @@ Stored<void> finish_switch(const OwnCertificateFiles& files, OwnCertificateState
 {
     state.key = std::exchange(state.pending_key, std::nullopt);
     state.has_key = true;
-    // The key that lies there now is the old one, or one that an operator put there meanwhile.
+    // The present key file is the old one, or an operator has put another one there meanwhile.
     auto kept = files.keep_key_aside();
     return kept ? files.promote_pending_key(*state.key) : kept;
 }
@@ -92,7 +92,7 @@ Checked<OwnCertificate> put_in_force(const OwnCertificateFiles& files,
         return refuse(unwritable(files.certificate()));
     }
     if (!has_its_key) {
-        // If that fails, whoever reads or changes the store next does it.
+        // If this fails, the next call that reads or changes the store does it.
         static_cast<void>(files.promote_pending_key(own.key));
     }
     return own;

@@ -9,7 +9,7 @@
 
 namespace busbar::crypto::detail {
 
-/// What lies in the store, as far as it can be read.
+/// The contents of the store, as far as they can be read.
 struct OwnCertificateState {
     bool has_certificate{false};
     bool has_key{false};
@@ -18,7 +18,7 @@ struct OwnCertificateState {
     std::optional<PrivateKey> key;
     std::optional<PrivateKey> pending_key;
 
-    /// A new certificate was put in force; its key has not got its own name yet.
+    /// A new certificate is in force, but its key does not have its final name yet.
     [[nodiscard]] bool is_half_switched() const
     {
         return !certificates.empty() && pending_key &&
@@ -29,22 +29,22 @@ struct OwnCertificateState {
 
 [[nodiscard]] OwnCertificateState read_state(const OwnCertificateFiles& files);
 
-/// Of a half-switched state: gives the pending key the other's name. `state` is as if that had been
-/// done, also if it fails.
+/// Completes a half-switched state: gives the pending key the other's name. `state` is as if that
+/// had been done, even if it fails.
 [[nodiscard]] Stored<void> finish_switch(const OwnCertificateFiles& files,
                                          OwnCertificateState& state);
 
-/// Before anything changes: makes the folders and finishes what a power cut left, so that the place
-/// of the pending key is free.
+/// Call it before any change: creates the folders and completes an interrupted change, so that the
+/// place of the pending key is free.
 [[nodiscard]] Checked<OwnCertificateState> prepare(const OwnCertificateFiles& files);
 
-/// Replaces what is in force. The certificate's file decides: until it is replaced all is as it
-/// was, and from then on its key lies in one of the two places. `state` is prepared.
+/// Replaces the certificate in force. Its file decides: until it is replaced nothing has changed,
+/// and from then on its key is in one of the two places. `state` is prepared.
 [[nodiscard]] Checked<OwnCertificate> put_in_force(const OwnCertificateFiles& files,
                                                    const OwnCertificateState& state,
                                                    OwnCertificate own);
 
-/// Lays the same down in `change`. What is in force is kept aside at once.
+/// Adds the same steps to `change`. Copies the certificate in force at once.
 [[nodiscard]] Checked<void> stage(const OwnCertificateFiles& files,
                                   const OwnCertificateState& state, const OwnCertificate& own,
                                   FileTransaction& change);

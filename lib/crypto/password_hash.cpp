@@ -55,14 +55,14 @@ bool derive_scrypt(std::string_view password, const PasswordHash& with, std::spa
                           memory_of(with.cost), detail::bytes_of(out), out.size()) == 1;
 }
 
-/// Salt and cost are those of `with`.
+/// Derives a hash with the salt and cost of `with`.
 bool derive(std::string_view password, const PasswordHash& with, std::span<std::byte> out)
 {
     return with.cost.scheme == PasswordScheme::Pbkdf2 ? derive_pbkdf2(password, with, out)
                                                       : derive_scrypt(password, with, out);
 }
 
-/// Cuts the text up to the next '$' off the front.
+/// Removes the text up to the next '$' from the front and returns it.
 std::string_view take_part(std::string_view& text)
 {
     const std::size_t end = text.find('$');

@@ -14,10 +14,10 @@ namespace busbar::crypto {
 namespace {
 
 constexpr std::size_t max_key_file_size = 65'536;
-/// Of an encrypted key: seconds.
+/// For an encrypted key: some seconds.
 constexpr std::uint64_t max_iterations = 3'000'000;
 
-/// Gives the passphrase, or none: OpenSSL must never ask a terminal for it.
+/// Returns the passphrase, or none: OpenSSL must never ask a terminal for it.
 int give_passphrase(char* buffer, int size, int, void* user)
 {
     const auto& passphrase = *static_cast<const std::string_view*>(user);
@@ -28,7 +28,7 @@ int give_passphrase(char* buffer, int size, int, void* user)
     return static_cast<int>(passphrase.size());
 }
 
-/// Each form in its turn, from the first byte again.
+/// Tries each form, from the first byte again.
 detail::Pkey read_key(std::span<const std::byte> contents, std::string_view passphrase)
 {
     detail::Bio bio = detail::memory_bio(contents);

@@ -12,10 +12,11 @@
 
 namespace busbar::crypto::detail {
 
-/// Keeps strangers' certificates within the limits of number and rate.
+/// Keeps rejected certificates within the limits of number and rate.
 class RejectedList {
 public:
-    /// `records` hears of what is saved and discarded, which are records of their own.
+    /// `records` is told which certificates are saved and discarded, which have records of their
+    /// own.
     RejectedList(StoreLists& lists, StoreRecords& records, LogSink& log)
         : lists_{&lists}, records_{&records}, log_{&log}
     {
@@ -26,7 +27,7 @@ public:
 private:
     [[nodiscard]] bool may_act(DateTime now, std::string_view source);
     [[nodiscard]] bool contains(const Certificate& certificate) const;
-    /// The oldest files go until, with a new one, there are no more than the limit.
+    /// Removes the oldest files until the limit has room for a new one.
     void make_room();
     void tell(RecordKind kind, const Certificate& certificate, std::string_view what) const;
 
@@ -35,7 +36,7 @@ private:
     LogSink* log_;
     DateTime minute_;
     std::size_t acted_{0}; // since minute_
-    /// The same for each source that has one: no more than the limit.
+    /// The count of each source that has one: no more sources than the limit.
     std::map<std::string, std::size_t, std::less<>> acted_for_;
     bool is_told_{false};
 };

@@ -11,11 +11,11 @@ namespace busbar::crypto {
 
 namespace {
 
-/// PEM is a third larger than DER, and text may stand around it.
+/// PEM is a third larger than DER, and may have text around it.
 constexpr std::size_t max_list_file_size = 2 * RevocationList::max_size;
 
-/// Partial and indirect lists say so in issuingDistributionPoint, delta lists in deltaCRLIndicator.
-/// Both have to be critical, but whoever forgets that still means it (RFC 5280, 5.2).
+/// Partial and indirect lists have issuingDistributionPoint, delta lists deltaCRLIndicator. Both
+/// must be critical, but an issuer that forgets that still means it (RFC 5280, 5.2).
 bool limits_scope(X509_EXTENSION* extension)
 {
     const int id = OBJ_obj2nid(X509_EXTENSION_get_object(extension));
@@ -94,7 +94,7 @@ Result<RevocationList> RevocationList::parse_file(std::span<const std::byte> con
     };
     const detail::Bio bio = detail::memory_bio(contents);
     const detail::CrlPointer list = bio ? next_in(bio.get()) : nullptr;
-    // Of two lists in a file the second would be forgotten, and what it revokes with it.
+    // A second list in the file would be ignored, and its revocations with it.
     const bool is_single = list && !next_in(bio.get());
     ERR_clear_error();
     if (!list) {
@@ -137,7 +137,7 @@ bool RevocationList::names_issuer(const Certificate& issuer) const
 
 bool RevocationList::is_signed_by(const Certificate& issuer) const
 {
-    // X509_get_key_usage gives all bits for a certificate that does not say.
+    // X509_get_key_usage returns all bits for a certificate without the extension.
     if (!names_issuer(issuer) || (X509_get_key_usage(issuer.native()) & KU_CRL_SIGN) == 0) {
         return false;
     }

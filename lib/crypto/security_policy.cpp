@@ -7,7 +7,7 @@ namespace busbar::crypto {
 
 namespace {
 
-// Part 7, 6.6: one entry is all that a policy needs.
+// Part 7, 6.6: a policy is completely described by one entry.
 constexpr std::array policies = {
     SecurityPolicy{.uri = "http://opcfoundation.org/UA/SecurityPolicy#None", .name = "None"},
 #ifdef BUSBAR_LEGACY_POLICIES

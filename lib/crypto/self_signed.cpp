@@ -19,7 +19,7 @@ bool add_extension(X509* certificate, int id, const std::string& value)
     return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
 }
 
-/// Part 6, 6.2.2: no CA, but keyCertSign, since the key signs the certificate itself.
+/// Part 6, 6.2.2: not a CA, but keyCertSign, since the key signs the certificate itself.
 bool add_extensions(X509* certificate, const std::string& names)
 {
     return add_extension(certificate, NID_basic_constraints, detail::basic_constraints) &&
@@ -47,7 +47,7 @@ bool set_serial(X509* certificate)
 
 constexpr std::int64_t seconds_per_day = 86'400;
 
-/// Until the last moment that a certificate can name (RFC 5280, 4.1.2.5).
+/// Valid up to the last moment that a certificate can express (RFC 5280, 4.1.2.5).
 bool has_validity(const CertificateSubject& subject)
 {
     constexpr std::int64_t latest = DateTime{DateTime::latest}.unix_seconds();
@@ -114,7 +114,7 @@ CertificateSubject subject_of(const Certificate& certificate)
 
 void add_host(CertificateSubject& subject, const std::string& host)
 {
-    // No name ends in a number (RFC 1123, 2.1) or has a colon.
+    // A host name does not end in a number (RFC 1123, 2.1) or contain a colon.
     const bool is_address = host.find(':') != std::string::npos ||
                             host.find_first_not_of("0123456789.") == std::string::npos;
     (is_address ? subject.ip_addresses : subject.dns_names).push_back(host);

@@ -10,7 +10,7 @@ namespace busbar::crypto::detail {
 /// Verifies the signatures of one validation: at most max_signature_checks, none of them twice.
 class SignatureChecks {
 public:
-    /// False as well once all checks are used up.
+    /// Returns false also when all checks are used up.
     [[nodiscard]] bool is_signed_by(const Certificate& certificate, const Certificate& issuer);
     [[nodiscard]] bool is_signed_by(const RevocationList& list, const Certificate& issuer);
     [[nodiscard]] std::size_t count() const { return done_.size(); }

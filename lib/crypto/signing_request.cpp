@@ -31,7 +31,7 @@ bool push(STACK_OF(X509_EXTENSION) * extensions, X509_REQ* request, int id,
     return true;
 }
 
-/// As an extensionRequest (RFC 2985, 5.4.2). What identifies the keys is the CA's to add.
+/// Adds an extensionRequest (RFC 2985, 5.4.2). The CA adds the key identifiers.
 bool add_extensions(X509_REQ* request, const std::string& names)
 {
     const Extensions extensions{sk_X509_EXTENSION_new_null()};

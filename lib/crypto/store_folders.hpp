@@ -6,8 +6,8 @@
 
 namespace busbar::crypto::detail {
 
-/// Makes a store's folders, removes what writers that died left in them and closes private keys to
-/// others than their owner. Bad_ConfigurationError if a folder cannot be made.
+/// Creates a store's folders, removes what interrupted writers left in them and restricts private
+/// keys to their owner. Bad_ConfigurationError if a folder cannot be created.
 [[nodiscard]] Result<void> make_store_folders(Storage& storage, LogSink& log);
 
 } // namespace busbar::crypto::detail

@@ -19,7 +19,7 @@ struct Place {
     bool is_home;
 };
 
-/// Part 12, F.1, and the places that are read besides (see CertificateStore). A list's home for
+/// Part 12, F.1, and the additional places that are read (see CertificateStore). A list's home for
 /// each kind comes first.
 constexpr std::array places = {
     Place{StoreList::Own, "own/certs", FolderContents::Chains, true},
@@ -87,7 +87,7 @@ const std::vector<CertificateFolder>& StoreLists::folders(StoreList list) const
 void StoreLists::refresh(StoreList list, DateTime now)
 {
     for (CertificateFolder& folder : folders(list)) {
-        // At once: the next folder may find no memory.
+        // Set at once, since the next folder may run out of memory.
         is_trust_list_old_ = folder.refresh(limits_, now, *log_) || is_trust_list_old_;
     }
 }

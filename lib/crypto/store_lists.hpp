@@ -10,21 +10,21 @@
 
 namespace busbar::crypto::detail {
 
-/// Where a list's file lies.
+/// A file of a list and its folder.
 struct FileInList {
     const CertificateFolder* folder;
     const FolderFile* file;
 
-    /// In the storage.
+    /// Its name in the storage.
     [[nodiscard]] std::string name() const { return folder->path_of(file->name); }
 };
 
 [[nodiscard]] StoreEntry entry_of(const FileInList& found);
 
-/// For an administrator's operations: earlier than all files, so that each is read anew.
+/// For an administrator's operations: earlier than all files, so that each is read again.
 inline constexpr DateTime read_anew{};
 
-/// The lists of a store as the disk has them: what there is, and where new files go.
+/// The lists of a store as on the disk: their files, and the places for new ones.
 class StoreLists {
 public:
     StoreLists(Storage& storage, const StoreLimits& limits, LogSink& log);
@@ -32,25 +32,25 @@ public:
     [[nodiscard]] const StoreLimits& limits() const { return limits_; }
     [[nodiscard]] Storage& storage() const { return *storage_; }
 
-    /// Looks at the disk again. Pointers into the list get invalid.
+    /// Reads the disk again. Pointers into the list become invalid.
     void refresh(StoreList list, DateTime now);
-    /// Within the limits.
+    /// Returns the trust list within the limits.
     [[nodiscard]] const TrustList& trust_list(DateTime now);
 
-    // As of the last refresh.
+    // State of the last refresh.
 
-    /// The files that can be used.
+    /// The usable files.
     [[nodiscard]] std::vector<FileInList> files(StoreList list) const;
     /// The files with this thumbprint, in any case of its letters.
     [[nodiscard]] std::vector<FileInList> find(StoreList list, std::string_view thumbprint) const;
     [[nodiscard]] std::size_t count(StoreList list, StoreEntry::Kind kind) const;
     [[nodiscard]] std::size_t limit(StoreList list, StoreEntry::Kind kind) const;
-    /// A folder of the list has more files than were looked at.
+    /// True if a folder of the list has more files than were read.
     [[nodiscard]] bool is_cut(StoreList list) const;
-    /// The file of that name in the storage may be there, unread: it or its folder cannot be read,
-    /// or the folder is cut.
+    /// True if the file of this name may exist unread: it or its folder cannot be read, or the
+    /// folder is cut.
     [[nodiscard]] bool may_hold(StoreList list, std::string_view name) const;
-    /// Where new files of the kind go.
+    /// The folder for new files of this kind.
     [[nodiscard]] const CertificateFolder& home(StoreList list, StoreEntry::Kind kind) const;
 
 private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t max_name_length = 64;
 
-/// The last common name, which is the most specific one; empty if there is none.
+/// Returns the last common name, which is the most specific one; empty if there is none.
 std::string common_name(const X509_NAME* name)
 {
     int at = -1;
@@ -44,7 +44,7 @@ std::string file_name(std::string name, const std::string& thumbprint)
     name.resize(std::min(name.size(), max_name_length));
     std::replace_if(
         name.begin(), name.end(), [](char c) { return !is_harmless(c); }, '_');
-    // A leading point hides a file.
+    // A leading dot hides a file.
     name.erase(0, name.find_first_not_of(" ."));
     return (name.empty() ? "" : name + " ") + "[" + thumbprint + "]";
 }

@@ -30,7 +30,7 @@ EntryKind kind_of(const FolderFile& file)
     return file.certificate() != nullptr ? EntryKind::Certificate : EntryKind::RevocationList;
 }
 
-/// What a record says of a revocation list beside the lists that it is in.
+/// Adds the fields of a revocation list in addition to its lists.
 void add_list_fields(std::vector<RecordField>& fields, const FolderFile& file,
                      const StoreEntry& entry)
 {
@@ -51,7 +51,7 @@ void copy_missing(const Map& some, const Map& others, Map& into)
 
 } // namespace
 
-/// `from` is empty unless it was moved.
+/// `from` is empty unless the entry was moved.
 void StoreRecords::tell(RecordKind of_certificate, const std::string& what, const FolderFile& file,
                         StoreList list, std::string_view from) const
 {
@@ -135,7 +135,7 @@ void StoreRecords::look(DateTime now)
     tell_found(gone, come);
 }
 
-/// A certificate that left one list and came into another counts as moved.
+/// Reports a certificate that left one list and came into another as moved.
 void StoreRecords::tell_found(std::array<KnownList, 4>& gone, const std::array<KnownList, 4>& come)
 {
     for (const StoreList to : looked_at) {

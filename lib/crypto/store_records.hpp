@@ -14,10 +14,10 @@
 
 namespace busbar::crypto::detail {
 
-/// The records of what comes into trusted, issuers and rejected and goes from there: what the store
-/// does is told by the members named after it, what others do with the files by look().
+/// Records what comes into trusted, issuers and rejected and leaves them: the store's own changes
+/// by the members named after them, changes of the files by others in look().
 ///
-/// Lists have something as often as they have files of it; records tell of it once.
+/// A list may have several files with the same content; it is recorded once.
 class StoreRecords {
 public:
     StoreRecords(StoreLists& lists, LogSink& log) : lists_{&lists}, log_{&log} {}
@@ -26,13 +26,13 @@ public:
     void removed(StoreList list, const FolderFile& file);
     void moved(StoreList from, StoreList to, const FolderFile& file);
 
-    // What has a record of its own.
+    // Changes that have a record of their own.
 
     void know(StoreList list, FolderFile file, const CertificateFolder& folder);
     void forget(StoreList list, const std::string& thumbprint) { known(list).erase(thumbprint); }
 
-    /// Tells in what the lists differ from what is known; at first they are taken as they are.
-    /// What cannot be read is known still.
+    /// Records the differences of the lists from the known state, which begins as the first look
+    /// finds it. Entries that cannot be read stay known.
     void look(DateTime now);
 
 private:
@@ -47,7 +47,7 @@ private:
     {
         return known_[static_cast<std::size_t>(list)];
     }
-    /// What there is now, and what is known of files that cannot be read now.
+    /// Returns the present entries, and known ones of files that cannot be read now.
     [[nodiscard]] KnownList present(StoreList list);
     void tell_found(std::array<KnownList, 4>& gone, const std::array<KnownList, 4>& come);
     void tell(RecordKind of_certificate, const std::string& what, const FolderFile& file,
@@ -55,7 +55,7 @@ private:
 
     StoreLists* lists_;
     LogSink* log_;
-    /// By list; empty for those that are not looked at, and before the first look.
+    /// Known entries by list; empty for lists that are not watched, and before the first look.
     std::array<KnownList, 4> known_;
     bool has_looked_{false};
 };

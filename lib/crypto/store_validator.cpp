@@ -10,7 +10,7 @@ namespace busbar::crypto {
 
 namespace {
 
-/// What an administrator can mend by moving the certificate, or wants to look at.
+/// True for a status that an administrator can cure by moving the certificate, or wants to know of.
 bool is_worth_keeping(StatusCode code)
 {
     constexpr std::array codes = {
@@ -45,7 +45,7 @@ Checked<void> StoreValidator::validate(const CertificateChain& chain,
     auto refusal =
         check_chain(chain, store_->trust_list(context.now), context, settings_, &suppressed_);
     if (refusal) {
-        // The line is written by whoever answers the peer.
+        // The code that answers the peer writes the line.
         if (log_->wants(RecordKind::CertificateRefused)) {
             log_->record(record_of(RecordKind::CertificateRefused, *refusal, chain));
         }

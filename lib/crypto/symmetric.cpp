@@ -25,7 +25,7 @@ OSSL_PARAM octets(const char* name, std::span<const std::byte> bytes)
                                              bytes.size());
 }
 
-/// The name by which OpenSSL knows the policy's digest.
+/// Returns OpenSSL's name of the policy's digest.
 OSSL_PARAM digest_name(const char* key, const SecurityPolicy& policy)
 {
     const char* name = policy.digest == SymmetricDigest::Sha1 ? "SHA1" : "SHA256";
@@ -45,7 +45,7 @@ bool p_hash(const SecurityPolicy& policy, std::span<const std::byte> secret,
            EVP_KDF_derive(context.get(), detail::bytes_of(out), out.size(), parameters.data()) == 1;
 }
 
-/// Null for a key size that AES does not have.
+/// Returns null for a key size that AES does not have.
 const EVP_CIPHER* cipher_of(const SecurityPolicy& policy)
 {
     switch (policy.encrypting_key_size) {
@@ -110,7 +110,7 @@ detail::MacContext prepare_mac(const SecurityPolicy& policy, const SymmetricKeys
     return context;
 }
 
-/// The key schedule is kept; only the initialization vector is set anew for each chunk.
+/// Keeps the key schedule; only the initialization vector is set again for each chunk.
 bool crypt(EVP_CIPHER_CTX* context, const Secret& vector, int is_encrypting,
            std::span<std::byte> data)
 {
