@@ -24,7 +24,7 @@ namespace detail {
 
 Result<std::optional<ChannelEvent>> Assembly::add(char flag, const SymmetricContent& content)
 {
-    // The chunks of a message come in one piece: a sender finishes it before the next begins.
+    // Chunks of two messages are not mixed: a sender finishes one before the next begins.
     if (chunks_ != 0 && content.request_id != request_id_) {
         return fail(status::Bad_TcpMessageTypeInvalid);
     }
@@ -51,13 +51,13 @@ Result<std::optional<ChannelEvent>> Assembly::add(char flag, const SymmetricCont
     return event;
 }
 
-/// How large a message of several chunks becomes is not known yet.
+/// The size of a message of several chunks is not known yet.
 void Assembly::begin(char flag, std::size_t size)
 {
     message_ = spares_->take_message(flag == 'C' ? SpareBuffers::max_kept : size);
 }
 
-/// The message in a buffer that fits: it may wait there for long.
+/// Returns the message in a buffer that fits: it may be kept for long.
 std::vector<std::byte> Assembly::take_message()
 {
     auto message = std::exchange(message_, {});

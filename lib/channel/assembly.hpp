@@ -13,9 +13,9 @@
 
 namespace busbar::channel::detail {
 
-/// Puts the chunks of one message after the other together (Part 6, 6.7.2 and 6.7.3).
+/// Joins the chunks of messages, one message after the other (Part 6, 6.7.2 and 6.7.3).
 ///
-/// What an unfinished message holds is bounded by the limits and charged to the budget.
+/// The size of an unfinished message is limited and charged to the budget.
 class Assembly {
 public:
     /// `budget` and `spares` may be null.
@@ -28,25 +28,25 @@ public:
     Assembly& operator=(const Assembly&) = delete;
     ~Assembly() { drop(); }
 
-    /// Adds a verified chunk. The event when it ends a message: Message, or Aborted with the
-    /// sender's status. Bad_TcpMessageTypeInvalid for a chunk of another message in between,
+    /// Adds a verified chunk. Returns the event when it ends a message: Message, or Aborted with
+    /// the sender's status. Bad_TcpMessageTypeInvalid for a chunk of another message in between,
     /// Bad_TcpMessageTooLarge past a limit, Bad_TcpNotEnoughResources past the budget.
     [[nodiscard]] Result<std::optional<ChannelEvent>> add(char flag,
                                                           const SymmetricContent& content);
-    /// What a message may have from now on, the one that has begun included; never more than the
-    /// limits that it was made with.
+    /// Sets the maximum size of messages from now on, including the present one; never more than
+    /// the initial limits.
     void limit_messages(std::uint32_t size) { max_message_size_ = std::min(size, most_); }
     /// True while a message is unfinished.
     [[nodiscard]] bool has_begun() const { return chunks_ != 0; }
-    /// Bytes that it holds of one.
+    /// Bytes of the unfinished message.
     [[nodiscard]] std::size_t unfinished_size() const { return charged_; }
-    /// No message is finished any more: gives back what there is of one.
+    /// Discards the unfinished message, which will never be finished.
     void end()
     {
         drop();
         message_ = {};
     }
-    /// Takes a buffer for the next message to be put together in.
+    /// Takes a buffer in which the next message is joined.
     void recycle(std::vector<std::byte> buffer);
     [[nodiscard]] std::size_t capacity() const { return message_.capacity(); }
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t thumbprint_size = 20;
 constexpr std::uint32_t max_header_field = 65'535;
-/// What one message, even of a stranger, may make the receiver's private key do. A request needs
-/// two or three, with the longest signature and the shortest key five.
+/// Maximum work of the receiver's private key for one message, even of a stranger. A request needs
+/// two or three blocks, with the longest signature and the shortest key five.
 constexpr std::size_t max_open_blocks = 8;
 
 /// With keys of more than 2048 bits the padding's size takes two bytes (Part 6, 6.7.2.5).
@@ -25,7 +25,7 @@ std::size_t padding_field_size(std::size_t key_size)
     return key_size > 256 ? 2 : 1;
 }
 
-/// Cuts the padding off; its bytes all hold the low byte of its size.
+/// Removes the padding; all its bytes have the low byte of its size.
 bool remove_padding(std::vector<std::byte>& plain, std::size_t key_size)
 {
     const std::size_t field = padding_field_size(key_size);
@@ -49,7 +49,7 @@ bool remove_padding(std::vector<std::byte>& plain, std::size_t key_size)
     return is_right;
 }
 
-/// The text behind the headers, without its signature and padding.
+/// Returns the text after the headers, without its signature and padding.
 Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> message,
                                                   const AsymmetricHeader& header,
                                                   const crypto::PrivateKey& receiver,
@@ -62,9 +62,9 @@ Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> mes
     }
     auto plain = crypto::asymmetric_decrypt(*header.policy, receiver, cipher);
     if (!plain || plain->size() < signature_size + sequence_header_size) {
-        return security_failure(); // both tell of nothing but the sizes of message and keys
+        return security_failure(); // both depend only on the sizes of message and keys
     }
-    // Text or chance, from here on it is the same work, and refused for its signature.
+    // Decrypted or random, from here on it is the same work, and refused for its signature.
     const std::size_t signed_size = plain->size() - signature_size;
     crypto::Secret signed_bytes{header.size + signed_size};
     std::copy_n(message.begin(), header.size, signed_bytes.span().begin());
@@ -81,7 +81,7 @@ Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> mes
     return *std::move(plain);
 }
 
-/// The headers with a size of 0 in the message header.
+/// Returns the headers with a size of 0 in the message header.
 std::vector<std::byte> make_headers(const AsymmetricParts& parts)
 {
     binary::VectorSink sink;
@@ -114,7 +114,7 @@ void append_content(std::vector<std::byte>& message, const AsymmetricParts& part
     message.insert(message.end(), content.begin(), content.end());
 }
 
-/// Pads what is behind the headers so that, signed, it fills whole blocks.
+/// Pads the part after the headers so that, with its signature, it fills whole blocks.
 void append_padding(std::vector<std::byte>& message, std::size_t headers, std::size_t key_size,
                     std::size_t block, std::size_t signature_size)
 {
@@ -209,7 +209,7 @@ Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
         return security_failure();
     }
     content.body.assign(plain.begin() + sequence_header_size, plain.end());
-    crypto::cleanse(plain); // there is a nonce in it
+    crypto::cleanse(plain); // it contains a nonce
     return content;
 }
 

@@ -22,7 +22,7 @@ struct AsymmetricHeader {
     std::size_t size{0}; // of all headers up to the sequence header
 };
 
-/// Bad_SecurityPolicyRejected for a policy that is not known, else Bad_DecodingError.
+/// Returns Bad_SecurityPolicyRejected for an unknown policy, else Bad_DecodingError.
 [[nodiscard]] Result<AsymmetricHeader> parse_asymmetric_header(std::span<const std::byte> message);
 
 /// Sequence header and body, without padding and signature.
@@ -32,14 +32,14 @@ struct AsymmetricContent {
     std::vector<std::byte> body;
 };
 
-/// Decrypts with the receiver's key and verifies with the sender's certificate; both are not used
-/// with policy None. Whatever is wrong: Bad_SecurityChecksFailed.
+/// Decrypts with the receiver's key and verifies with the sender's certificate; neither is used
+/// with policy None. Every failure is Bad_SecurityChecksFailed.
 [[nodiscard]] Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
                                                         const AsymmetricHeader& header,
                                                         const crypto::PrivateKey* receiver,
                                                         const crypto::Certificate* sender);
 
-/// What an OPN message is made of.
+/// The parts of an OPN message.
 struct AsymmetricParts {
     std::uint32_t channel_id{0};
     const crypto::SecurityPolicy* policy{nullptr};
@@ -53,7 +53,7 @@ struct AsymmetricParts {
 /// Signs and encrypts one OPN message of at most `max_size` bytes.
 [[nodiscard]] Result<std::vector<std::byte>> make_asymmetric(const AsymmetricParts& parts,
                                                              std::size_t max_size);
-/// The same, and appends it.
+/// Signs, encrypts and appends the message to `output`.
 [[nodiscard]] Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
                                            std::size_t max_size);
 

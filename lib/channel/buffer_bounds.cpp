@@ -11,7 +11,7 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// A message on the wire, with headers, signature and padding of its chunks.
+/// Returns the size of a message on the wire, with headers, signature and padding of its chunks.
 std::size_t sealed_size(const TransportLimits& limits)
 {
     constexpr std::size_t overhead = 256;
@@ -45,7 +45,7 @@ BufferBounds bounds_of(const TransportLimits& given, std::size_t queue)
     const std::size_t chunk = std::max(limits.receive_buffer_size, max_early_size);
     const std::size_t room = std::max(limits.send_buffer_size, max_early_size);
     BufferBounds bounds;
-    // As much again may have been worked on and not moved away, and a vector that grows doubles.
+    // The same amount again may be processed and not yet moved away, and a growing vector doubles.
     bounds.input = 2 * (2 * chunk + max_fed_size);
     bounds.output = OutputBuffer::max_capacity(queue + sealed_size(limits), room);
     bounds.kept = std::min(2 * std::size_t{limits.max_message_size}, max_recycled_size);

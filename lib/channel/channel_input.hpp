@@ -13,8 +13,8 @@
 
 namespace busbar::channel::detail {
 
-/// What both ends of a connection do with what comes in: handles frames until one has made an
-/// event, there is no whole one or the channel is closed. What a frame is refused for ends it.
+/// Processes input at both ends of a connection: handles frames until one has produced an event,
+/// there is no complete one or the channel is closed. A refused frame ends the channel.
 template <typename Impl>
 [[nodiscard]] std::optional<ChannelEvent> next_event_of(Impl& impl)
 {
@@ -31,8 +31,8 @@ template <typename Impl>
     return impl.events.pop();
 }
 
-/// Adds a chunk that was opened to its message: the event if that is complete or was given up. What
-/// was decrypted in the frame is overwritten: the buffer stays for what comes next.
+/// Adds an opened chunk to its message and returns the event if that is complete or was aborted.
+/// Decrypted content of the frame is overwritten, since the buffer is used again.
 [[nodiscard]] inline Checked<std::optional<ChannelEvent>>
 add_chunk(Conversation& conversation, const Frame& frame, const SymmetricContent& content)
 {

@@ -89,7 +89,7 @@ Checked<void> ClientChannel::Impl::handle_acknowledge(const Frame& frame)
 
 std::uint32_t ClientChannel::Impl::next_request_id()
 {
-    last_request_id = std::max<std::uint32_t>(last_request_id + 1, 1); // 0 is none
+    last_request_id = std::max<std::uint32_t>(last_request_id + 1, 1); // 0 means none
     return last_request_id;
 }
 
@@ -118,7 +118,7 @@ void ClientChannel::Impl::send_close()
                           [&](binary::Writer& writer) { encode_message(writer, request); }));
 }
 
-/// Where an error of the server ends the connection (Part 6, 7.1.5).
+/// Ends the connection after an error of the server (Part 6, 7.1.5).
 void ClientChannel::Impl::give_up(const Refusal& refusal)
 {
     const StatusCode status = refusal.status;

@@ -19,8 +19,8 @@ enum class ClientChannelState : std::uint8_t { ReverseHello, Acknowledge, Openin
 
 } // namespace detail
 
-/// The inside of a ClientChannel: client_channel.cpp has the connection, client_open.cpp how a
-/// SecurityToken is asked for and taken.
+/// The implementation of a ClientChannel: client_channel.cpp has the connection, client_open.cpp
+/// requests and takes SecurityTokens.
 struct ClientChannel::Impl {
     using State = detail::ClientChannelState;
 
@@ -53,9 +53,9 @@ struct ClientChannel::Impl {
     TimePoint now;
     TimePoint handshake_deadline;
     std::uint32_t last_request_id{0};
-    std::uint32_t open_request_id{0}; // 0 while no OPN is on its way
+    std::uint32_t open_request_id{0}; // 0 while no OPN is under way
     crypto::Secret nonce;
-    ByteString server_nonce; // of the last OpenSecureChannel
+    ByteString server_nonce; // from the last OpenSecureChannel
     detail::PendingEvents events;
 };
 

@@ -12,7 +12,7 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// 0 is the peer's word for "no limit"; ours always is one (Part 6, 7.1.2.3).
+/// 0 means "no limit" for the peer; we always have one (Part 6, 7.1.2.3).
 std::uint32_t stricter(std::uint32_t peer, std::uint32_t own)
 {
     return peer == 0 ? own : std::min(peer, own);
@@ -38,7 +38,7 @@ Conversation::~Conversation()
     }
 }
 
-/// All that came was worked on, or nothing came yet.
+/// All input was processed, or there is none yet.
 void Conversation::input_is_done()
 {
     input_.clear();
@@ -153,7 +153,7 @@ Result<void> Conversation::send(MessageType type, std::uint32_t request_id,
                    {type, channel_id, request_id, security, sizes_.send_buffer_size,
                     sizes_.max_message_size, sizes_.max_chunk_count, too_large}};
     binary::Writer writer{sink};
-    // Nothing of a message that fails has left: the channel is as it was.
+    // No part of a failed message has left: the channel is as it was.
     busbar::detail::Undo undo{[&] {
         output_.roll_back(position);
         sent_.reset_to(sequence);

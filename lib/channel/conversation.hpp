@@ -24,16 +24,16 @@ namespace busbar::channel::detail {
 /// One frame in the input buffer; valid until the next feed() or next_frame().
 struct Frame {
     FrameHeader header;
-    std::span<std::byte> bytes; // with the header
+    std::span<std::byte> bytes; // including the header
 
     [[nodiscard]] std::span<const std::byte> body() const { return bytes.subspan(header_size); }
 };
 
-/// Which end of the connection this is.
+/// The end of the connection.
 enum class Role : std::uint8_t { Server, Client };
 
-/// What both ends of a connection have in common: framing, tokens, sequence numbers, assembly of
-/// chunks, and sending.
+/// The common part of both ends of a connection: framing, tokens, sequence numbers, joining chunks,
+/// and sending.
 class Conversation {
 public:
     /// `spares` may be null.
@@ -46,9 +46,9 @@ public:
     // Input -----------------------------------------------------------------------------------
 
     void feed(std::span<const std::byte> in);
-    /// The next whole frame, or none yet. Bad if what is there can be no frame.
+    /// Returns the next whole frame, or none yet. Fails if the input cannot be a frame.
     [[nodiscard]] Result<std::optional<Frame>> next_frame();
-    /// Puts the frame that came last back: next_frame() has none until is_held is false again.
+    /// Puts the last frame back: next_frame() returns none until is_held is false again.
     void hold(const Frame& frame);
     bool is_held{false};
     /// Checks a MSG or CLO chunk against token, signature and sequence (Part 6, 6.7.7);
@@ -65,24 +65,25 @@ public:
     [[nodiscard]] const OutputBuffer& output() const { return output_; }
     [[nodiscard]] Result<void> send(MessageType type, std::uint32_t request_id,
                                     FunctionRef<void(binary::Writer&)> encode);
-    /// Of the next OPN, whose place among all chunks this is; without body, sender and receiver.
+    /// Returns the parts of the next OPN, whose place among all chunks this is; without body,
+    /// sender and receiver.
     [[nodiscard]] AsymmetricParts open_parts(std::uint32_t request_id);
     [[nodiscard]] Result<void> send_open(std::uint32_t request_id, std::span<const std::byte> body,
                                          const crypto::Certificate* receiver);
 
     // State -----------------------------------------------------------------------------------
 
-    /// Takes over what Hello and Acknowledge agreed on.
+    /// Applies the result of Hello and Acknowledge.
     void negotiate(const Hello& agreed);
-    /// Client: makes `token` the one that is sent with; the one before is accepted until it
-    /// expires (Part 4, 5.6.2.1).
+    /// Client: uses `token` for sending; the previous one is accepted until it expires (Part 4,
+    /// 5.6.2.1).
     void use(Token token);
-    /// Server: accepts `token` too; it is sent with from the first message on that the client
-    /// secures with it, or when the one before has ended (Part 4, 5.6.2.1).
+    /// Server: accepts `token` too; it is used for sending from the first message on that the
+    /// client secures with it, or when the previous one has ended (Part 4, 5.6.2.1).
     void offer(Token token);
-    /// When expire() has something to do; no_deadline before there is a token.
+    /// The time of the next expire(); no_deadline before there is a token.
     [[nodiscard]] TimePoint expires_at() const;
-    /// Drops what is over at `now`. True if no token is left.
+    /// Drops tokens that have expired at `now`. True if none is left.
     [[nodiscard]] bool expire(TimePoint now);
     [[nodiscard]] TimePoint renew_at() const;
     /// Bytes that the buffers hold.
@@ -106,7 +107,7 @@ private:
     ChannelEnvironment environment_;
     Role role_;
     SpareBuffers* spares_;
-    Hello sizes_; // ours to receive and send, the peer's message limits
+    Hello sizes_; // our receive and send sizes, the peer's message limits
     std::vector<std::byte> input_;
     std::size_t input_begin_{0};
     OutputBuffer output_;
@@ -118,7 +119,7 @@ private:
     Assembly assembly_;
 };
 
-/// One structure with its encoding's NodeId in front, as messages carry it.
+/// Encodes a structure after its encoding's NodeId, as in messages.
 template <typename T>
 void encode_message(binary::Writer& writer, const T& structure)
 {
@@ -126,7 +127,7 @@ void encode_message(binary::Writer& writer, const T& structure)
     encode(writer, structure);
 }
 
-/// The structure of a message's body if it is a T; Bad_DecodingError otherwise.
+/// Decodes the structure of a message's body as a T; Bad_DecodingError if it is another one.
 template <typename T>
 [[nodiscard]] Result<T> decode_message(std::span<const std::byte> body)
 {

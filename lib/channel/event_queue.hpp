@@ -10,12 +10,12 @@
 
 namespace busbar::channel::detail {
 
-/// Events that wait to be taken. They are one or two, so this allocates once in a channel's life.
+/// Events that wait to be taken. There are one or two, so this allocates once in a channel's life.
 class PendingEvents {
 public:
     [[nodiscard]] bool empty() const { return next_ == events_.size(); }
     void push(ChannelEvent event) { events_.push_back(std::move(event)); }
-    /// The last one of a channel.
+    /// Adds the last event of a channel.
     void push_closed(StatusCode status, std::string reason)
     {
         push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});

@@ -20,9 +20,9 @@ inline constexpr std::size_t header_size = 8;
 /// MSG and CLO: message header, SecureChannelId, TokenId (Part 6, 6.7.2.2 and 6.7.2.4).
 inline constexpr std::size_t symmetric_header_size = 16;
 inline constexpr std::size_t sequence_header_size = 8;
-/// Part 6, 7.1.2.3: URLs of the connection protocol's messages.
+/// Maximum size of URLs in the connection protocol's messages (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t max_url_size = 4'096;
-/// Anything that is exchanged before the buffer sizes are known.
+/// Maximum size of messages before the buffer sizes are agreed.
 inline constexpr std::uint32_t max_early_size =
     header_size + 20 + 2 * (4U + std::size_t{max_url_size});
 
@@ -33,8 +33,9 @@ struct FrameHeader {
     std::uint32_t size{0};
 };
 
-/// Bad_TcpMessageTypeInvalid if the type or the chunk flag is none, the size less than a header;
-/// Bad_TcpMessageTooLarge if it is more than `max_size`. `bytes` has header_size bytes or more.
+/// Returns Bad_TcpMessageTypeInvalid if the type or the chunk flag is unknown or the size less than
+/// a header; Bad_TcpMessageTooLarge if it is more than `max_size`. `bytes` has header_size bytes or
+/// more.
 [[nodiscard]] BUSBAR_API Result<FrameHeader> parse_frame_header(std::span<const std::byte> bytes,
                                                                 std::uint32_t max_size);
 /// Writes the header over the first bytes of `to`.

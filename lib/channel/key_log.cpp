@@ -8,8 +8,8 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// More than the six lines of any policy take, so that no part of them stays behind in memory that
-/// the text outgrew.
+/// More than the six lines of any policy need, so that a growing text leaves no part of them in
+/// freed memory.
 constexpr std::size_t max_lines_size = 1'024;
 
 void append_hex(std::string& text, std::span<const std::byte> bytes)

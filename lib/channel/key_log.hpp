@@ -9,16 +9,16 @@
 
 namespace busbar::channel::detail {
 
-/// Which SecurityToken, and what its keys are made of.
+/// A SecurityToken and the nonces of its keys.
 struct LoggedToken {
     std::uint32_t channel_id;
     std::uint32_t token_id;
     const SecuritySetting& security;
-    Nonces nonces; // as make_token has them
+    Nonces nonces; // as for make_token
 };
 
 #ifdef BUSBAR_KEY_LOG
-/// Hands the keys of a token to `log`, which may be null. Nothing with mode None.
+/// Passes the keys of a token to `log`, which may be null. Does nothing with mode None.
 void log_keys(KeyLog* log, Role role, const LoggedToken& token);
 #endif
 

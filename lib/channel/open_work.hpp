@@ -13,17 +13,17 @@
 
 namespace busbar::channel::detail {
 
-/// An OPN that came, on its way through open_asymmetric.
+/// An OPN that arrived, to be processed by open_asymmetric.
 class OpeningWork final : public OpenWork {
 public:
-    /// With a policy that is not None; the header points into the message.
+    /// For policies other than None; the header points into the message.
     OpeningWork(Kind kind, std::span<const std::byte> message, const AsymmetricHeader& header,
                 ApplicationIdentity identity, OpenSender sender);
     ~OpeningWork() override;
 
     void run() override;
 
-    // After run().
+    // Valid after run().
 
     const crypto::SecurityPolicy& policy;
     ApplicationIdentity identity;
@@ -35,10 +35,10 @@ private:
     AsymmetricHeader header_;
 };
 
-/// The answer, on its way through make_asymmetric.
+/// The answer, to be processed by make_asymmetric.
 class SealingWork final : public OpenWork {
 public:
-    /// With identity, receiver and body of its own, whatever `parts` has of these.
+    /// Uses the given identity, receiver and body instead of those in `parts`.
     SealingWork(Kind kind, const AsymmetricParts& parts, ApplicationIdentity identity,
                 crypto::Certificate receiver, std::vector<std::byte> body, std::size_t max_size);
     ~SealingWork() override;
@@ -50,25 +50,25 @@ public:
 private:
     ApplicationIdentity identity_;
     crypto::Certificate receiver_;
-    std::vector<std::byte> body_; // with the server's nonce
+    std::vector<std::byte> body_; // contains the server's nonce
     AsymmetricParts parts_;
     std::size_t max_size_;
 };
 
-/// A SecurityToken that is in force once the peer can learn of it.
+/// A SecurityToken that comes into force once the peer can learn of it.
 struct OpenAnswer {
     OpenSecureChannelRequest request;
     Token token;
-    /// The encoded response, with a nonce in it.
+    /// The encoded response, which contains a nonce.
     std::vector<std::byte> body;
 };
 
-/// How far an OpenSecureChannel is that an OpenWorker has. At most one of the two pieces of work
-/// is there, and the channel's input is held meanwhile.
+/// The state of an OpenSecureChannel that an OpenWorker processes. At most one of the two pieces of
+/// work exists, and the channel's input is held meanwhile.
 struct OpenProgress {
     std::shared_ptr<OpeningWork> opening;
     std::shared_ptr<SealingWork> sealing;
-    /// What `sealing` is for.
+    /// The answer that `sealing` is working on.
     std::optional<OpenAnswer> answer;
 
     [[nodiscard]] bool is_under_way() const { return opening != nullptr || sealing != nullptr; }

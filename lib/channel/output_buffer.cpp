@@ -9,10 +9,10 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// What an idle connection may hold on to that shares with no other.
+/// Maximum size that an idle connection keeps without shared buffers.
 constexpr std::size_t max_idle_size = 1U << 20U;
-/// No more is moved to a block that others will want again: a peer that takes little must not make
-/// each small answer cost a copy of all before it.
+/// Maximum number of bytes that are moved to a block that others will need again: a slow peer must
+/// not make each small answer cost a copy of all before it.
 constexpr std::size_t max_moved_size = 64U << 10U;
 
 } // namespace
@@ -111,8 +111,8 @@ void OutputBuffer::grow(std::size_t size, std::size_t needed)
 std::span<std::byte> OutputBuffer::reserve(std::size_t size)
 {
     if (block_.size - end_ < size) {
-        // Half of what waits is free behind it then, so that each byte is moved a few times at
-        // most, however slowly the peer reads.
+        // Half of the size is free after it then, so that each byte is moved only a few times,
+        // however slowly the peer reads.
         const std::size_t needed = max_capacity(end_ - begin_, size);
         if (needed <= block_.size) {
             move_to(block_.bytes.get());

@@ -8,12 +8,12 @@
 
 namespace busbar::channel::detail {
 
-/// What the operator reads of an error of the protocol that is known by its status alone: framing,
-/// tokens, sequence numbers.
+/// Returns the operator's explanation of a protocol error that is known by its status alone:
+/// framing, tokens, sequence numbers.
 [[nodiscard]] Refusal protocol_refusal(StatusCode status);
 
-/// The one answer to everything that is wrong with a signature, padding or encrypted size, so that
-/// nobody learns which it was.
+/// The one answer to every error of a signature, padding or encrypted size, so that a peer cannot
+/// tell them apart.
 [[nodiscard]] inline auto security_failure()
 {
     return fail(status::Bad_SecurityChecksFailed);

@@ -18,8 +18,8 @@ using namespace detail;
 
 namespace {
 
-/// What a peer may be told; of everything else it learns Bad_SecurityChecksFailed only
-/// (Part 4, 6.1.3 and Part 6, 6.7.7).
+/// The statuses that a peer may see; for all others it gets Bad_SecurityChecksFailed (Part 4, 6.1.3
+/// and Part 6, 6.7.7).
 constexpr std::array told = {
     status::Bad_TcpMessageTypeInvalid,   status::Bad_TcpMessageTooLarge,
     status::Bad_TcpNotEnoughResources,   status::Bad_TcpServerTooBusy,
@@ -37,7 +37,7 @@ StatusCode outward(StatusCode status)
 
 } // namespace
 
-/// Which message is allowed in which state; anything else is Bad_TcpMessageTypeInvalid.
+/// Decides which message is allowed in which state; others are Bad_TcpMessageTypeInvalid.
 Checked<void> ServerChannel::Impl::handle(const Frame& frame)
 {
     const MessageType type = frame.header.type;
@@ -99,14 +99,14 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
     if (!event) {
         return refuse(std::move(event).error());
     }
-    // A client that gave up a request leaves nothing to do (Part 6, 6.7.3).
+    // An aborted request of a client needs no action (Part 6, 6.7.3).
     if (*event && (*event)->kind == ChannelEvent::Kind::Message) {
         events.push(**std::move(event));
     }
     return {};
 }
 
-/// Where an error of the peer becomes an Error message (Part 6, 7.1.5).
+/// Turns an error of the peer into an Error message (Part 6, 7.1.5).
 void ServerChannel::Impl::give_up(const Refusal& refusal)
 {
     if (!is_refusal_known) {
@@ -156,7 +156,7 @@ Result<void> ServerChannel::reverse_hello(std::string_view server_uri,
         return fail(status::Bad_InvalidArgument);
     }
     impl_->is_reverse = true;
-    impl_->handshake_deadline = no_deadline; // it is the client who decides when it begins
+    impl_->handshake_deadline = no_deadline; // the client decides when it begins
     write_reverse_hello(impl_->conversation.output(), server_uri, endpoint_url);
     return {};
 }
@@ -208,7 +208,7 @@ void ServerChannel::handle_deadline(TimePoint now)
     impl_->advance(now);
     if (impl_->state == Impl::State::Hello || impl_->state == Impl::State::Opening) {
         if (now >= impl_->handshake_deadline) {
-            // Who was not served in time has not failed.
+            // Our own delay is not the peer's failure.
             impl_->is_at_work = impl_->is_at_work && !impl_->progress.is_under_way();
             impl_->give_up(protocol_refusal(status::Bad_Timeout)); // Part 6, 7.1.3
         }
@@ -251,7 +251,7 @@ void ServerChannel::recycle(std::vector<std::byte> body)
 
 std::size_t ServerChannel::max_response_size() const
 {
-    // Headers, signature and padding of a chunk are never more.
+    // Upper bound of headers, signature and padding of a chunk.
     constexpr std::size_t overhead = 256;
     const auto& sizes = impl_->conversation.sizes();
     const std::size_t in_chunks =

@@ -20,8 +20,8 @@ enum class ServerChannelState : std::uint8_t { Hello, Opening, Open, Closed };
 
 } // namespace detail
 
-/// The inside of a ServerChannel: server_channel.cpp has the connection, server_open.cpp how a
-/// SecurityToken is issued, server_work.cpp how an OpenWorker has a part in that.
+/// The implementation of a ServerChannel: server_channel.cpp has the connection, server_open.cpp
+/// issues SecurityTokens, server_work.cpp uses an OpenWorker for that.
 struct ServerChannel::Impl {
     using State = detail::ServerChannelState;
 
@@ -39,7 +39,7 @@ struct ServerChannel::Impl {
         drop_work();
     }
 
-    /// Lets go on what has waited for its turn until now.
+    /// Releases a held message whose time has come.
     void advance(TimePoint time);
     [[nodiscard]] Checked<void> handle(const detail::Frame& frame);
     [[nodiscard]] Checked<void> handle_hello(const detail::Frame& frame);
@@ -48,20 +48,20 @@ struct ServerChannel::Impl {
     /// message is held.
     [[nodiscard]] Checked<bool> has_turn(const detail::Frame& frame,
                                          const detail::AsymmetricHeader& header);
-    /// The peer has shown that it has the keys.
+    /// The peer has proved that it has the keys.
     void prove();
-    /// Tells the gate of work that has led to nothing.
+    /// Reports wasted work to the gate.
     void report_failure();
     [[nodiscard]] Checked<void> handle_message(const detail::Frame& frame);
     void take_over(detail::OpenRequest& request);
-    /// Makes the next SecurityToken, and the response that tells the peer.
+    /// Creates the next SecurityToken and the response for the peer.
     [[nodiscard]] Result<detail::OpenAnswer> make_answer(OpenSecureChannelRequest request);
-    /// Sends it.
+    /// Sends the answer.
     [[nodiscard]] Result<void> issue(detail::OpenAnswer answer, std::uint32_t request_id);
-    /// It is on its way.
+    /// Uses the token, once the answer is on its way.
     void put_in_force(detail::OpenAnswer answer);
 
-    // With an OpenWorker; the input is held while it has something.
+    // With an OpenWorker; the input is held while it works.
 
     [[nodiscard]] bool has_worker_for(const crypto::SecurityPolicy& policy) const;
     [[nodiscard]] Checked<void> hand_over_request(const detail::Frame& frame,
@@ -90,13 +90,13 @@ struct ServerChannel::Impl {
     std::uint32_t last_token_id{0};
     ByteString client_nonce;
     bool is_reverse{false};
-    /// When the message that is held goes on.
+    /// The time when the held message is released.
     TimePoint turn{no_deadline};
-    /// A request that the gate has let pass is not answered yet.
+    /// A request that the gate has admitted is not answered yet.
     bool is_at_work{false};
-    /// The channel is new, and its peer has not shown that it has the keys.
+    /// The channel is new, and its peer has not proved that it has the keys.
     bool is_unproven{false};
-    /// The log has been told of others like the refusal that ends the channel.
+    /// The log has already been told of similar refusals.
     bool is_refusal_known{false};
     detail::OpenProgress progress;
     detail::PendingEvents events;

@@ -153,7 +153,7 @@ void ServerChannel::Impl::prove()
 void ServerChannel::Impl::report_failure()
 {
     const bool has_worked_in_vain = std::exchange(is_at_work, false);
-    if (std::exchange(is_unproven, false) || has_worked_in_vain) { // one failure, whichever it is
+    if (std::exchange(is_unproven, false) || has_worked_in_vain) { // one failure in either case
         conversation.environment().gate->failed(now);
     }
 }

@@ -14,10 +14,10 @@ using detail::Block;
 
 namespace {
 
-/// A message does not stay in a buffer that is so many times as large.
+/// A message does not stay in a buffer that is more than this many times as large.
 constexpr std::size_t max_slack = 4;
 
-/// Empty if there is no memory.
+/// Returns an empty block if there is no memory.
 Block try_allocate(std::size_t size)
 {
     std::unique_ptr<std::byte[]> bytes{new (std::nothrow) std::byte[size]};

@@ -17,7 +17,7 @@ std::size_t signature_size(const SecuritySetting& setting)
     return setting.mode == MessageSecurityMode::None ? 0 : setting.policy->symmetric_signature_size;
 }
 
-/// Part 6, 6.7.2.5: how much body fits into a chunk of `size` bytes.
+/// Part 6, 6.7.2.5: returns the maximum size of a body in a chunk of `size` bytes.
 std::size_t max_body_size(std::size_t size, const SecuritySetting& setting)
 {
     const std::size_t block = is_encrypted(setting) ? setting.policy->block_size : 1;
@@ -26,7 +26,8 @@ std::size_t max_body_size(std::size_t size, const SecuritySetting& setting)
     return secured - sequence_header_size - padding_field - signature_size(setting);
 }
 
-/// The content without its signature and padding. The signature counts before the padding.
+/// Returns the content without its signature and padding. The signature is checked before the
+/// padding.
 Result<std::span<const std::byte>> unwrap(std::span<std::byte> chunk,
                                           const SecuritySetting& setting, Token& token)
 {
@@ -119,7 +120,7 @@ std::span<std::byte> ChunkSink::next()
 
 bool ChunkSink::finish(std::size_t filled)
 {
-    if (chunks_ == 0 && next().empty()) { // a message without a body still is a chunk
+    if (chunks_ == 0 && next().empty()) { // a message without a body is still a chunk
         return false;
     }
     return seal(filled, 'F');

@@ -20,7 +20,7 @@ struct SymmetricHeader {
 };
 [[nodiscard]] Result<SymmetricHeader> parse_symmetric_header(std::span<const std::byte> chunk);
 
-/// True if what is sent by this setting is secret.
+/// True if this setting encrypts messages.
 [[nodiscard]] bool is_encrypted(const SecuritySetting& setting);
 
 /// Sequence header and body of a verified chunk; the body points into the chunk.
@@ -30,23 +30,23 @@ struct SymmetricContent {
     std::span<const std::byte> body;
 };
 
-/// Decrypts the chunk in place and verifies it. Whatever is wrong: Bad_SecurityChecksFailed.
+/// Decrypts the chunk in place and verifies it. Every failure is Bad_SecurityChecksFailed.
 [[nodiscard]] Result<SymmetricContent> open_symmetric(std::span<std::byte> chunk,
                                                       const SecuritySetting& setting, Token& token);
 
-/// What the chunks of one outgoing message have in common.
+/// The common settings of the chunks of one outgoing message.
 struct ChunkSettings {
     MessageType type{MessageType::MSG};
     std::uint32_t channel_id{0};
     std::uint32_t request_id{0};
     SecuritySetting security;
-    std::uint32_t max_chunk_size{0};   // what the peer receives and we send
-    std::uint32_t max_message_size{0}; // bodies together
+    std::uint32_t max_chunk_size{0};   // the smaller of the peer's receive and our send size
+    std::uint32_t max_message_size{0}; // for all bodies together
     std::uint32_t max_chunk_count{0};
     StatusCode too_large;
 };
 
-/// Hands a Writer the bodies of chunks in the output buffer and secures each chunk when it is full.
+/// Gives a Writer the bodies of chunks in the output buffer and secures each chunk when it is full.
 class ChunkSink final : public binary::Sink {
 public:
     ChunkSink(OutputBuffer& output, Token& token, SequenceNumbers& sequence,
@@ -55,7 +55,7 @@ public:
     [[nodiscard]] std::span<std::byte> next() override;
     [[nodiscard]] StatusCode status() const override { return status_; }
 
-    /// Makes the chunk given last, of which `filled` bytes are used, the final one.
+    /// Makes the last chunk, of which `filled` bytes are used, the final one.
     [[nodiscard]] bool finish(std::size_t filled);
 
 private:

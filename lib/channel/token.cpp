@@ -45,7 +45,7 @@ std::uint32_t SequenceNumbers::next()
 bool SequenceNumbers::accept(std::uint32_t number)
 {
     const bool follows = has_begun_ && number == last_ + 1 && number != 0;
-    // Some stacks wrap one number too early; nothing is lost by taking it.
+    // Some stacks wrap one number too early, which does no harm.
     const bool wraps = has_begun_ && last_ >= wraps_after && number < wrapped_below;
     if (has_begun_ && !follows && !wraps) {
         return false;

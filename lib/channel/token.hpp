@@ -15,7 +15,7 @@ struct Token {
     std::optional<crypto::SymmetricCipher> send;    // none with mode None
     std::optional<crypto::SymmetricCipher> receive; // none with mode None
     TimePoint renew_at{no_deadline};                // 75 % of the lifetime (Part 4, 5.6.2.1)
-    TimePoint ends_at{no_deadline};    // 100 %: no longer sent with if there is another
+    TimePoint ends_at{no_deadline};    // 100 %: not used for sending any more if there is another
     TimePoint expires_at{no_deadline}; // 125 %: no longer accepted
 };
 
@@ -24,7 +24,7 @@ struct Nonces {
     std::span<const std::byte> peer;
 };
 
-/// Keys for `setting` out of the two nonces.
+/// Derives keys for `setting` from the two nonces.
 [[nodiscard]] Result<Token> make_token(std::uint32_t id, const SecuritySetting& setting,
                                        const Nonces& nonces, std::chrono::milliseconds lifetime,
                                        TimePoint now);
@@ -32,13 +32,13 @@ struct Nonces {
 /// The sequence numbers of one direction (Part 6, 6.7.2.4).
 class SequenceNumbers {
 public:
-    /// The number of the next chunk that is sent.
+    /// Returns the number of the next chunk to send.
     [[nodiscard]] std::uint32_t next();
-    /// True if `number` may follow the one accepted last; any may be the first.
+    /// True if `number` may follow the last accepted one; any number may be the first.
     [[nodiscard]] bool accept(std::uint32_t number);
 
     [[nodiscard]] std::uint32_t last() const { return last_; }
-    /// Takes back numbers that were not sent after all.
+    /// Reuses numbers that were not sent after all.
     void reset_to(std::uint32_t last) { last_ = last; }
 
 private:

@@ -30,7 +30,7 @@ void ActingFaults::act(const Fault& fault, Link& link, Side from)
         link.split(fault.position);
         return;
     }
-    // What was sent before is not the fault's; what is sent after it arrives after it.
+    // The fault does not affect bytes that were sent before; later ones arrive after it.
     link.scheduler().at(link.last_arrival(from), [this, fault, kept = link.shared_from_this()] {
         switch (fault.kind) {
         case Fault::Kind::Cut:

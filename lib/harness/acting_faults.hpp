@@ -17,7 +17,7 @@ public:
         std::size_t acted{0};
 
         [[nodiscard]] bool is_over() const { return fault.count != 0 && acted >= fault.count; }
-        /// Whether it may act on that connection.
+        /// Returns whether it may act on this connection.
         [[nodiscard]] bool is_for(std::size_t connection) const
         {
             return !is_over() && (fault.connection == 0 || fault.connection == connection);
@@ -26,11 +26,11 @@ public:
 
     explicit ActingFaults(JumpingClock& clock) : clock_{&clock} {}
 
-    /// The entry; it stays where it is.
+    /// Adds the fault and returns its entry, which keeps its address.
     Entry& add(const Fault& fault) { return entries_.emplace_back(Entry{fault}); }
     [[nodiscard]] std::deque<Entry>& entries() { return entries_; }
-    /// Lets the fault act on the link, when what `from` has sent has arrived. Not for those that
-    /// act on bytes: Delay, Corrupt, Answer. Does not count it.
+    /// Lets the fault act on the link, when the bytes that `from` has sent have arrived. Not for
+    /// faults that act on bytes: Delay, Corrupt, Answer. Does not count it.
     void act(const Fault& fault, Link& link, Side from);
     void jump(Duration by) { clock_->jump(by); }
     [[nodiscard]] DateTime now() const { return clock_->now(); }

@@ -128,7 +128,7 @@ Result<std::uint32_t> Bench::subscription(Duration interval)
     CreateSubscriptionRequest request;
     request.requested_publishing_interval = to_milliseconds(interval);
     request.requested_lifetime_count = 10'000;
-    // Each of the Publish requests has its turn before it is given up.
+    // Each of the Publish requests has its turn before its timeout.
     const Duration keep_alive = request_timeout_ / (2 * publish_requests);
     request.requested_max_keep_alive_count =
         static_cast<std::uint32_t>(std::max<Duration::rep>(keep_alive / interval, 1));
@@ -189,7 +189,7 @@ void Bench::published(const Result<PublishResponse>& response)
 {
     if (!response) {
         if (client_.is_ready() && response.error() == status::Bad_Timeout) {
-            publish(); // nothing has happened for so long
+            publish(); // nothing happened for this long
         }
         return;
     }

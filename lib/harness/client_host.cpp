@@ -105,7 +105,7 @@ void ClientHost::obey(client::TransportOrder order)
     }
     open_.cancel();
     if (link_ != nullptr && order.awaits_peer) {
-        return; // update() sends the rest, and link_lost() says that the server has closed
+        return; // update() sends the rest, and link_lost() reports that the server has closed
     }
     if (link_ != nullptr) {
         std::exchange(link_, nullptr)->close(Side::Client);

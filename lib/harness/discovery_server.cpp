@@ -28,7 +28,7 @@ ScriptedServerParts parts_of(const DiscoveryServerOptions& options)
     return parts;
 }
 
-/// The name in the first of the locales that there is one for, else the first name.
+/// Returns the name in the first available of the locales, else the first name.
 LocalizedText name_for(const RegisteredServer& server, const Array<String>& locale_ids)
 {
     for (const String& locale : locale_ids) {
@@ -248,7 +248,7 @@ Result<void> DiscoveryServer::register_server(Entry entry)
         entries_.erase(uri);
         return fail(status::Bad_SemaphoreFileMissing);
     }
-    // The semaphore file counts more than isOnline (Part 4, 7.32).
+    // The semaphore file has precedence over isOnline (Part 4, 7.32).
     if (file.empty() && !server.is_online) {
         entries_.erase(uri);
         return {};
@@ -261,7 +261,7 @@ Result<void> DiscoveryServer::register_server(Entry entry)
     return {};
 }
 
-/// Part 4, 5.5.5.1: who registers has to show that it is that server.
+/// Part 4, 5.5.5.1: a client that registers must prove that it is that server.
 StatusCode DiscoveryServer::check_caller(const RegisteredServer& server) const
 {
     const channel::ServerChannel& channel = server_.channel();

@@ -26,7 +26,7 @@ bool is_none(std::span<const std::byte> open)
     return reader.ok() && uri.view() == crypto::policy_none().uri;
 }
 
-/// The name of the structure in a plain MSG chunk; empty if it is none that is known.
+/// Returns the name of the structure in a plain MSG chunk; empty if it is unknown.
 std::string_view structure_of(std::span<const std::byte> chunk)
 {
     static const binary::TypeRegistry types{binary::namespace0_types()};

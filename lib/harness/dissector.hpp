@@ -17,29 +17,29 @@ namespace busbar::harness::detail {
 struct DissectedFrame {
     std::vector<std::byte> bytes;
     channel::detail::MessageType type{channel::detail::MessageType::HEL};
-    /// "MSG", ...; empty for bytes that are no frame.
+    /// "MSG", ...; empty for bytes that are not a frame.
     std::string_view type_name;
-    /// Of a MSG that can be read: the structure's; else empty. The same for all of its chunks.
+    /// The name of a readable MSG's structure; else empty. The same for all of its chunks.
     std::string_view structure_name;
     bool is_first{true};
     bool is_last{true};
-    /// Of a channel with policy None, so that its fields may be changed.
+    /// The channel has policy None, so that its fields may be changed.
     bool is_plain{false};
 
-    /// Of OPN, MSG and CLO that are plain: where SequenceNumber and RequestId stand.
+    /// The offset of SequenceNumber and RequestId in a plain OPN, MSG or CLO.
     [[nodiscard]] std::optional<std::size_t> sequence_offset() const;
 };
 
-/// Cuts what both sides of one connection send into frames and reads as much of them as anybody on
-/// the way can. Bytes that are no frames come out as they are.
+/// Splits the bytes of both sides of one connection into frames and reads as much of them as a
+/// third party can. Bytes that are not frames are returned unchanged.
 class Dissector {
 public:
-    /// Takes what `from` has sent; take() gives the frames that it completes.
+    /// Takes bytes that `from` has sent; take() returns the frames that they complete.
     void feed(Side from, std::span<const std::byte> bytes);
     [[nodiscard]] std::optional<DissectedFrame> take(Side from);
 
 private:
-    /// Past it what is collected is no frame that this library sends.
+    /// Larger input is not a frame of this library.
     static constexpr std::uint32_t max_frame_size = 16U << 20U;
 
     struct Stream {

@@ -7,10 +7,10 @@
 
 namespace busbar::harness::detail {
 
-/// The NodeId that a message's body begins with; null if there is none.
+/// Returns the NodeId at the begin of a message's body; null if there is none.
 [[nodiscard]] NodeId encoding_of(std::span<const std::byte> body);
-/// The name of the structure of namespace 0 with this binary encoding; the id as text if it is
-/// none.
+/// Returns the name of the structure of namespace 0 with this binary encoding; the id as text if it
+/// is unknown.
 [[nodiscard]] std::string encoding_name(const NodeId& encoding_id);
 
 } // namespace busbar::harness::detail

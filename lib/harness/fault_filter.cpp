@@ -34,14 +34,14 @@ bool acts_on_bytes(Fault::Kind kind)
            kind == Fault::Kind::Answer;
 }
 
-/// Hold and HalfOpen say with their side whom they hit, not who has sent the message.
+/// For Hold and HalfOpen the side is the affected one, not the sender of the message.
 bool is_sender(const Fault& fault, Side from)
 {
     return fault.kind == Fault::Kind::Hold || fault.kind == Fault::Kind::HalfOpen || !fault.side ||
            *fault.side == from;
 }
 
-/// A MSG chunk of the same channel with a ServiceFault in it (Part 6, 6.7.2).
+/// Returns a MSG chunk of the same channel with a ServiceFault (Part 6, 6.7.2).
 std::vector<std::byte> make_fault(std::span<const std::byte> request, std::uint32_t number,
                                   StatusCode status, DateTime now)
 {
@@ -132,7 +132,7 @@ void FaultFilter::begin_message(Link& link, Side from, DissectedFrame& frame)
             continue;
         }
         const std::size_t number = ++stream.matches[i];
-        // What acts more than once goes on with the following messages.
+        // A fault that acts more than once continues with the following messages.
         const bool is_due =
             number == message->number || (entry.fault.count != 1 && number > message->number);
         if (is_due && entry.is_for(connection_)) {

@@ -9,7 +9,7 @@
 
 namespace busbar::harness::detail {
 
-/// Lets faults act on what one connection carries.
+/// Lets faults act on the bytes of one connection.
 class FaultFilter final : public LinkFilter {
 public:
     FaultFilter(std::shared_ptr<ActingFaults> faults, std::size_t connection)
@@ -23,9 +23,9 @@ private:
     using Entry = ActingFaults::Entry;
     struct Stream {
         std::uint64_t sent{0};
-        /// Faults that act when the message under way is over.
+        /// Faults that act at the end of the present message.
         std::vector<Entry*> at_end;
-        /// By the fault's place: how many messages of its name have come.
+        /// Number of messages with the fault's name so far, by the fault's place.
         std::vector<std::size_t> matches;
         Duration delay{0};
         bool is_swallowed{false};

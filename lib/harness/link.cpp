@@ -23,7 +23,7 @@ void Link::attach(Side side, LinkEnd& engine)
     if (weather_->mean_life == Duration{0}) {
         return;
     }
-    // Some die young, while they are opened; the others at any age.
+    // Some end early, while they are opened; the others at any age.
     const Duration life = chance_.one_in(8) ? chance_.between(Duration{0}, std::chrono::seconds{1})
                                             : chance_.between(Duration{0}, 2 * weather_->mean_life);
     scheduler_->after(life, [self = shared_from_this()] {
@@ -71,8 +71,8 @@ void Link::send(Side from, std::span<const std::byte> bytes, Duration delay)
 
 void Link::send_cut(Side from, std::span<const std::byte> bytes, TimePoint time)
 {
-    // How often chance is asked must not depend on the bytes: keys and signatures have other sizes
-    // in another run.
+    // The number of random numbers must not depend on the bytes: keys and signatures have other
+    // sizes in another run.
     std::array cuts{bytes.size() * chance_.below(1'000) / 1'000,
                     bytes.size() * chance_.below(1'000) / 1'000, bytes.size()};
     std::sort(cuts.begin(), cuts.end());

@@ -22,7 +22,7 @@ Result<std::string> key_of(std::string_view url)
     return key;
 }
 
-/// Whether it acts on a whole connection, at no particular time.
+/// Returns whether it acts on a whole connection, at no particular time.
 bool is_immediate(const Fault& fault)
 {
     using enum Fault::Kind;

@@ -106,7 +106,7 @@ public:
 private:
     struct Flow {
         std::uint16_t client_port{0};
-        /// By Side: the next sequence number. They begin where mistakes are seen.
+        /// The next sequence number, by Side. Different first numbers make mistakes visible.
         std::array<std::uint32_t, 2> next{1'000, 5'000};
     };
 

@@ -22,7 +22,7 @@ Recorder::Recorder(std::uint64_t seed, RecordingLimits limits) : limits_{limits}
 
 void Recorder::opened(const Link& link)
 {
-    numbers_.erase(&link); // another one that was at this place
+    numbers_.erase(&link); // another link at the same address
     if (last_number_ == limits_.max_connections) {
         recording_.is_complete = false;
         return;

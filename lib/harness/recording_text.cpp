@@ -11,7 +11,7 @@ constexpr std::string_view format = "busbar-recording";
 constexpr std::string_view version = "1";
 constexpr std::string_view digits = "0123456789abcdef";
 
-/// Takes what stands before the next `end`, and it, off the text.
+/// Removes the text before the next `end`, and that character, and returns the text.
 std::string_view take_until(std::string_view& text, char end)
 {
     const std::size_t size = text.find(end);

@@ -11,7 +11,7 @@ RegistrationHost::RegistrationHost(World& world, client::ClientConfig config,
       registration_{client_.client(), log_, random_, std::move(settings)},
       deadline_{world.scheduler(), [this] {
                     registration_.handle_deadline(world_.now());
-                    static_cast<void>(client_.client()); // has a step after this
+                    static_cast<void>(client_.client()); // it does a step afterwards
                     await_deadline();
                 }}
 {

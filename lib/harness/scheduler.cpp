@@ -93,7 +93,7 @@ void Alarm::wait(Scheduler& scheduler, const std::shared_ptr<State>& state)
     const TimePoint time = state->asked = std::max(state->due, scheduler.now());
     scheduler.at(time, [&scheduler, state, time] {
         if (state->asked != time) {
-            return; // it was set to an earlier time since
+            return; // it was set to an earlier time meanwhile
         }
         state->asked = no_deadline;
         if (state->due <= scheduler.now()) {

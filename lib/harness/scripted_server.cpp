@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t max_unexpected = 100;
 constexpr std::size_t max_came = 10'000;
 
-/// Whatever request it is, its header comes first (Part 4, 7.32).
+/// Every request begins with its header (Part 4, 7.32).
 Result<std::vector<std::byte>> make_fault(std::span<const std::byte> request, StatusCode status,
                                           DateTime now)
 {
@@ -144,7 +144,7 @@ private:
         if (due.end->is_bad()) {
             channel_.close(*due.end, "as the script says");
         } else {
-            link_->cut(); // both ends are told
+            link_->cut(); // both ends are notified
         }
     }
 

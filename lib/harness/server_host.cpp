@@ -4,7 +4,7 @@
 
 namespace busbar::harness {
 
-/// While it lives the server's own code runs.
+/// While it exists, the server's own code runs.
 class ServerHost::Inside {
 public:
     explicit Inside(const ServerHost& host) : watch_{host.parts_.watch}
@@ -111,7 +111,7 @@ server::ServerConfig open_server_config()
     config.endpoint_url = "opc.tcp://server:4840";
     config.endpoints = {{}};
     config.endpoints[0].allows_anonymous = true;
-    config.endpoints[0].allows_user_name = false; // which takes a certificate
+    config.endpoints[0].allows_user_name = false; // user names need a certificate
     config.limits.max_log_lines_per_minute = 0;
     return config;
 }

@@ -13,7 +13,7 @@ namespace busbar::net {
 using detail::AsyncOperation;
 
 struct AsyncClient::Impl : std::enable_shared_from_this<Impl> {
-    /// An operation that waits for the connection to be there, or to be gone.
+    /// An operation that waits for the connection to be open, or closed.
     struct Wait {
         std::shared_ptr<AsyncOperation> operation;
         std::unique_ptr<asio::steady_timer> timer;
@@ -49,7 +49,7 @@ void AsyncClient::Impl::call(std::shared_ptr<AsyncOperation> operation)
     operation->on_complete = [this, place] {
         calls.erase(place);
         if (!driver->is_stepping()) {
-            driver->wake(); // it was cancelled: there is no deadline to wait for any more
+            driver->wake(); // it was cancelled: its deadline is obsolete
         }
     };
     operation->start(driver->client());
@@ -73,7 +73,7 @@ void AsyncClient::Impl::wait(Waits& waits, std::shared_ptr<AsyncOperation> opera
     driver->wake();
 }
 
-/// The Client may have come to where somebody waits for it to be.
+/// Ends waits whose condition the Client has reached.
 void AsyncClient::Impl::end_waits()
 {
     const bool is_closed = state() == client::ClientState::Closed;
@@ -136,7 +136,7 @@ asio::any_io_executor AsyncClient::executor_of(const Impl& impl)
 
 namespace {
 
-/// Does `work` with an operation on the executor, unless it came to nothing on the way there.
+/// Calls `work` with an operation on the executor, unless it was cancelled on the way there.
 template <typename Impl, typename Work>
 void begin(std::shared_ptr<Impl> impl, std::shared_ptr<AsyncOperation> operation, Work work)
 {

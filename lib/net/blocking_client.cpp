@@ -19,7 +19,7 @@ namespace busbar::net {
 
 namespace {
 
-/// Wakes up whoever waits in an io_context, from anywhere.
+/// Wakes up the code that waits in an io_context, from anywhere.
 class Interrupter {
 public:
     explicit Interrupter(asio::io_context& context)
@@ -36,7 +36,7 @@ public:
         static_cast<void>(!::write(event_.native_handle(), &one, sizeof one));
         errno = saved;
     }
-    /// True once for what was asked so far.
+    /// Returns true once for all requests so far.
     [[nodiscard]] bool take() { return is_interrupted_.exchange(false); }
 
 private:
@@ -57,9 +57,8 @@ private:
     std::atomic<bool> is_interrupted_{false};
 };
 
-/// Ends a wait in an io_context, once for each call of arm(), when a descriptor can be read. It is
-/// waited for through an epoll of its own: asio would make the descriptor non-blocking, for all who
-/// share it.
+/// Ends a wait in an io_context, once for each call of arm(), when a descriptor is readable. It
+/// uses an epoll of its own: asio would make the descriptor non-blocking, for all who share it.
 class InputWatch {
 public:
     explicit InputWatch(asio::io_context& context) : epoll_{context} {}

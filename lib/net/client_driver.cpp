@@ -13,9 +13,10 @@ namespace busbar::net::detail {
 
 namespace {
 
-/// Things that happened and are handled in one step, so that others on the executor get their turn.
+/// Maximum number of occurrences handled in one step, so that others on the executor get their
+/// turn.
 constexpr std::size_t max_steps = 256;
-/// For the last bytes of a connection.
+/// Time for the last bytes of a connection.
 constexpr Duration farewell = std::chrono::seconds{2};
 
 } // namespace
@@ -96,7 +97,7 @@ void ClientDriver::step()
     if (has_stopped_ || is_stepping_) {
         return;
     }
-    const auto self = shared_from_this(); // a handler may destroy whom we belong to
+    const auto self = shared_from_this(); // a handler may destroy our owner
     is_stepping_ = true;
     bool has_more = poll();
     is_stepping_ = false;
@@ -125,7 +126,7 @@ void ClientDriver::step()
     }
 }
 
-/// True if there is more to do.
+/// Returns true if there is more to do.
 bool ClientDriver::poll()
 {
     bool has_more = true;
@@ -142,7 +143,7 @@ void ClientDriver::carry_out(const client::TransportOrder& order)
         return; // ended() tells the Client
     }
     if (order.kind == client::TransportOrder::Kind::Drop) {
-        // What was left to say is in good hands: the Client need not wait for it.
+        // The link sends the rest: the Client need not wait for it.
         client_.disconnected(order.id, status::Bad_ConnectionClosed, now());
         return;
     }
@@ -190,7 +191,7 @@ void ClientDriver::opened(std::uint64_t order, asio::ip::tcp::socket socket,
         [this, line](ClientLink& link) { ended(link); });
     client_.connected(order, now());
     if (!in.empty()) {
-        // What it refuses it answers, and then it orders the connection to be dropped.
+        // It answers what it refuses, and then orders the connection to be dropped.
         static_cast<void>(client_.feed(in, now()));
     }
     link_->start();
@@ -216,7 +217,7 @@ void ClientDriver::drop(bool awaits_peer)
     }
 }
 
-/// The Client goes on: a peer that has not closed yet finds the connection closed.
+/// The Client continues: a peer that has not closed yet finds the connection closed.
 void ClientDriver::end_waiting()
 {
     const auto leaving = leaving_;
@@ -239,7 +240,7 @@ void ClientDriver::ended(ClientLink& link)
     } else {
         const std::uint64_t order = link.engine().order();
         std::erase_if(leaving_, [&](const auto& leaving) { return leaving.get() == &link; });
-        // Of an old order the Client takes no notice.
+        // The Client ignores an old order.
         client_.disconnected(order, status::Bad_ConnectionClosed, now());
     }
     wake();

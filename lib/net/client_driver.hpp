@@ -16,8 +16,8 @@
 
 namespace busbar::net::detail {
 
-/// The connection that a Client was given, as an engine for a Link. Once it leaves, it has what the
-/// Client still had to say and a little time to say it: the Client may have a new one meanwhile.
+/// A Client's connection, as an engine for a Link. Once it leaves, it has the rest of the Client's
+/// output and a little time to send it: the Client may have a new connection meanwhile.
 class ClientLine {
 public:
     ClientLine(client::Client& client, std::uint64_t order) : client_{&client}, order_{order} {}
@@ -27,10 +27,10 @@ public:
     /// The peer has had its time to end the connection.
     void stop_waiting() { awaits_peer_ = false; }
     [[nodiscard]] bool awaits_peer() const { return awaits_peer_; }
-    /// Nothing more will be said, but the peer is listened to.
+    /// True if everything was sent, while the peer may still send.
     [[nodiscard]] bool has_said_all() const { return awaits_peer_ && output().empty(); }
-    /// The Client has not yet handled what it was fed: a server that sends more than it can take
-    /// has to wait, and holds no memory here.
+    /// The Client has not yet processed its input: a server that sends too fast has to wait, and
+    /// holds no memory here.
     void set_busy(bool is_busy) { is_busy_ = is_busy; }
     [[nodiscard]] bool has_enough() const { return is_busy_; }
 
@@ -51,12 +51,13 @@ private:
     TimePoint until_{no_deadline};
 };
 
-/// Does for one Client what it orders: connections, bytes, time. Everything happens on the
-/// executor, in small steps. What a user's callback throws is logged, and the next is called.
+/// Carries out the orders of one Client: connections, bytes, time. Everything happens on the
+/// executor, in small steps. Exceptions of a user's callback are logged, and the next one is
+/// called.
 class ClientDriver : public std::enable_shared_from_this<ClientDriver> {
 public:
     /// `environment` must outlive the object; it needs a log. stop() must be called before the last
-    /// owner goes.
+    /// owner is destroyed.
     ClientDriver(const asio::any_io_executor& executor, client::ClientConfig config,
                  const channel::ChannelEnvironment& environment, Lookup lookup = system_lookup);
     ClientDriver(const ClientDriver&) = delete;
@@ -64,17 +65,17 @@ public:
     ~ClientDriver() = default;
 
     [[nodiscard]] client::Client& client() { return client_; }
-    /// Connections come from here if the configuration says that the server connects to us.
+    /// Takes connections from `queue` if the configuration says that the server connects to us.
     void take_from(std::shared_ptr<ReverseQueue> queue);
     /// Called after each step.
     void on_step(std::function<void()> handler) { on_step_ = std::move(handler); }
-    /// A step soon.
+    /// Schedules a step.
     void wake();
-    /// Handles what happened, a bounded piece of it, and sees to it that the rest is handled soon.
-    /// Does nothing when called from a handler of the Client, for which is_stepping() is true.
+    /// Handles a bounded number of occurrences, and schedules the rest. Does nothing when called
+    /// from a handler of the Client, for which is_stepping() is true.
     void step();
     [[nodiscard]] bool is_stepping() const { return is_stepping_; }
-    /// True while there is a connection, be it one that only sends its last bytes.
+    /// True while there is a connection, even one that only sends its last bytes.
     [[nodiscard]] bool has_connection() const { return link_ || !leaving_.empty(); }
     /// Drops every connection at once; no handler is called any more.
     void stop();

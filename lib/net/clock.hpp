@@ -14,33 +14,33 @@ inline TimePoint now()
     return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
-/// `timeout` from now; a timeout that never ends is a deadline that never comes.
+/// Returns the time `timeout` from now; no_deadline for a timeout that never ends.
 inline TimePoint after(Duration timeout)
 {
     const TimePoint start = now();
     return timeout >= no_deadline - start ? no_deadline : start + timeout;
 }
 
-/// Has `timer` wait no more.
+/// Makes `timer` stop waiting.
 inline void stop(asio::steady_timer& timer) noexcept
 {
     try {
         timer.cancel();
     } catch (const std::exception&) {
-        return; // declared by Asio, which has no error here that it could report
+        return; // Asio declares an error code, but has no error to report here
     }
 }
 
-/// Waits for the next deadline of an engine, which may be another after every call. Most are later
-/// than the one before, as each message that comes puts a timeout off: the system is not asked
-/// then, and what goes off early waits on.
+/// Waits for the next deadline of an engine, which may change with every call. Most are later than
+/// the previous one, as each message that arrives postpones a timeout: the system timer is not set
+/// again then, and a wait that ends early continues.
 class DeadlineTimer {
 public:
     explicit DeadlineTimer(const asio::any_io_executor& executor) : timer_{executor} {}
 
-    /// Calls `on_deadline`, which is the same in every call, when it is time, instead of when an
-    /// earlier call wanted it. It has to keep the timer's owner alive: Asio may look at the timer
-    /// after cancel(). Where there is no memory to wait on, it is called too early.
+    /// Calls `on_deadline`, the same in every call, at the deadline, instead of at an earlier one.
+    /// It must keep the timer's owner alive: Asio may access the timer after cancel(). Without
+    /// memory for the wait, it is called too early.
     template <typename OnDeadline>
     void await(TimePoint deadline, OnDeadline on_deadline)
     {
@@ -79,7 +79,7 @@ private:
                 wait(on_deadline);
                 return;
             } catch (const std::exception&) {
-                awaited_ = no_deadline; // whoever is called waits anew, or ends
+                awaited_ = no_deadline; // the handler waits again, or ends
             }
         }
         on_deadline();
@@ -87,7 +87,7 @@ private:
 
     asio::steady_timer timer_;
     TimePoint wanted_{no_deadline};
-    TimePoint awaited_{no_deadline}; // that of the timer, as long as it waits
+    TimePoint awaited_{no_deadline}; // the timer's deadline, as long as it waits
 };
 
 } // namespace busbar::net::detail

@@ -20,8 +20,8 @@ constexpr std::size_t max_addresses = 16;
 /// RFC 8305, section 5: Connection Attempt Delay.
 constexpr Duration patience = std::chrono::milliseconds{250};
 
-/// A client on the machine of a server that is not there may be given the server's port for its own
-/// and so, by TCP's simultaneous open, be connected to itself.
+/// A client on the machine of a missing server may get the server's port as its own and so, by
+/// TCP's simultaneous open, be connected to itself.
 bool is_own_echo(const tcp::socket& socket)
 {
     std::error_code error;
@@ -31,7 +31,7 @@ bool is_own_echo(const tcp::socket& socket)
 
 } // namespace
 
-/// One call of start(). Handlers keep it; once ended it does nothing any more.
+/// One call of start(). Handlers keep it alive; once ended it does nothing any more.
 struct Connector::Attempt : std::enable_shared_from_this<Attempt> {
     Attempt(const asio::any_io_executor& e, LogSink& l, channel::EndpointUrl u, Handler h)
         : executor{e}, log{&l}, url{std::move(u)}, handler{std::move(h)}, timeout{e}, stagger{e}
@@ -107,7 +107,7 @@ void Connector::Attempt::tried(const std::shared_ptr<tcp::socket>& socket, std::
     }
     std::erase(sockets, socket);
     if (!error && is_own_echo(*socket)) {
-        // A reset, so that the port is free at once for the server it belongs to.
+        // A reset, so that the port is free at once for its server.
         std::error_code ignored;
         socket->set_option(asio::socket_base::linger{true, 0}, ignored);
         socket->close(ignored);

@@ -17,9 +17,9 @@
 
 namespace busbar::net::detail {
 
-/// Connects to a host by whichever of its addresses answers first: the next is tried when one was
-/// refused, or did not answer for a quarter of a second, as RFC 8305 has it. All calls on the
-/// executor, never blocking.
+/// Connects to a host by the first of its addresses that answers: the next one is tried when one
+/// was refused, or did not answer for a quarter of a second, as in RFC 8305. All calls are made on
+/// the executor and never block.
 class Connector {
 public:
     using Handler = std::function<void(Result<asio::ip::tcp::socket>)>;
@@ -30,7 +30,7 @@ public:
     Connector& operator=(const Connector&) = delete;
     ~Connector();
 
-    /// Calls `handler` once, later, unless cancelled or started anew: Bad_Timeout, or
+    /// Calls `handler` once, later, unless cancelled or started again: Bad_Timeout, or
     /// Bad_CommunicationError with the reason in the log.
     void start(const channel::EndpointUrl& url, Duration timeout, Handler handler);
     void cancel();

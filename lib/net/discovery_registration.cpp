@@ -69,7 +69,7 @@ bool DiscoveryRegistration::is_stopped() const
     return registration_.is_stopped();
 }
 
-/// After each step of the Client, and when the Registration's time has come.
+/// Called after each step of the Client, and at the Registration's deadline.
 void DiscoveryRegistration::step()
 {
     if (on_stopped_ && registration_.is_stopped()) {
@@ -77,7 +77,7 @@ void DiscoveryRegistration::step()
         return;
     }
     timer_.await(registration_.next_deadline(), [this] {
-        driver_->wake(); // first: what comes next must not depend on what follows
+        driver_->wake(); // first, since it must not depend on what follows
         registration_.handle_deadline(now());
     });
 }

@@ -9,11 +9,11 @@
 
 namespace busbar::net::detail {
 
-/// A client::Registration with its Client on an executor. All calls there; it must not run handlers
-/// any more when the object is destroyed.
+/// A client::Registration with its Client on an executor. All calls are made there; it must not run
+/// handlers any more when the object is destroyed.
 class DiscoveryRegistration {
 public:
-    /// What `environment` points to must outlive the object.
+    /// The objects of `environment` must outlive the object.
     DiscoveryRegistration(const asio::any_io_executor& executor, DiscoveryRegistrationConfig config,
                           const channel::ChannelEnvironment& environment);
     DiscoveryRegistration(const DiscoveryRegistration&) = delete;
@@ -21,8 +21,7 @@ public:
     ~DiscoveryRegistration();
 
     void start();
-    /// Takes the registration back and calls `on_stopped`, later, when that is done or its time is
-    /// over.
+    /// Unregisters and calls `on_stopped`, later, when that is done or its time is over.
     void stop(std::function<void()> on_stopped);
     [[nodiscard]] bool is_stopped() const;
 

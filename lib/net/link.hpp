@@ -17,9 +17,9 @@
 
 namespace busbar::net::detail {
 
-/// The shape all engines share. One that also has has_enough() is not fed while that is true; its
-/// owner calls pump() when it is over. One that has has_said_all() gets a half-close once that is
-/// true, and is kept until the peer has closed too.
+/// The common interface of engines. An engine that also has has_enough() is not fed while that is
+/// true; its owner calls pump() when it is over. One with has_said_all() gets a half-close once
+/// that is true, and is kept until the peer has closed too.
 template <typename E>
 concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n)
 {
@@ -39,21 +39,22 @@ concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint no
         } -> std::same_as<bool>;
 };
 
-/// What a socket has just received. All links of a loop can use one in turn: an engine keeps
-/// nothing of what it is fed.
+/// The bytes that a socket has just received. All links of a loop can share one: an engine keeps
+/// none of its input.
 using ReadBuffer = std::array<std::byte, 65'536>;
 
-/// One TCP connection and the engine that speaks on it. Lives as long as its handlers do.
+/// One TCP connection and its engine. Lives as long as its handlers do.
 ///
-/// Reading stops while the peer does not take what is to be sent: a peer that asks and never
-/// reads holds one response and the socket's buffers, not more. All calls on the loop's thread.
+/// Reading stops while the peer does not take the output: a peer that sends requests and never
+/// reads holds one response and the socket's buffers, not more. All calls are made on the loop's
+/// thread.
 template <Engine E>
 class SocketLink : public std::enable_shared_from_this<SocketLink<E>> {
 public:
     using Handler = std::function<void(SocketLink&)>;
 
     /// `on_change` is called after the engine was fed or its deadline handled, `on_end` once when
-    /// the connection is gone.
+    /// the connection is closed.
     SocketLink(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end,
                std::shared_ptr<ReadBuffer> buffer = std::make_shared_for_overwrite<ReadBuffer>())
         : socket_{std::move(socket)}, timer_{socket_.get_executor()}, engine_{&engine},
@@ -69,7 +70,7 @@ public:
         pump();
     }
 
-    /// Sends what the engine has to send, and waits for whatever comes next.
+    /// Sends the engine's output, and waits for the next occurrence.
     void pump()
     {
         if (has_ended_) {
@@ -106,8 +107,8 @@ public:
     [[nodiscard]] E& engine() { return *engine_; }
 
 private:
-    /// What comes through `work`, such as that there is no memory, ends this connection and goes on
-    /// to whoever runs the loop.
+    /// An exception of `work`, such as a failed allocation, ends this connection and is passed on
+    /// to the code that runs the loop.
     template <typename Work>
     void guard(Work work)
     {
@@ -119,7 +120,7 @@ private:
         }
     }
 
-    /// Writes until all is sent or the socket takes no more. False when the connection is broken.
+    /// Writes until all is sent or the socket takes no more. False if the connection is broken.
     bool send()
     {
         for (auto out = engine_->output(); !out.empty() && !is_writing_; out = engine_->output()) {

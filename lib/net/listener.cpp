@@ -21,7 +21,7 @@ constexpr std::chrono::minutes quiet_time{1};
 
 } // namespace
 
-/// Part of a handler that is waited with: without memory for the socket of a peer Asio destroys it
+/// A part of a waiting handler: without memory for a peer's socket Asio destroys the handler
 /// instead of calling it.
 class Listener::Waiting {
 public:
@@ -33,7 +33,7 @@ public:
     Waiting& operator=(Waiting&&) = delete;
     ~Waiting() { static_cast<void>(end()); }
 
-    /// It waits no more. Null if it did not.
+    /// Ends the wait. Returns null if it was not waiting.
     std::shared_ptr<Listener> end()
     {
         if (listener_) {
@@ -126,7 +126,7 @@ void Listener::accepted(std::error_code error, tcp::socket socket)
         return;
     }
     recover();
-    // First, as the handler may throw; or close this, which ends the wait.
+    // First, as the handler may throw; or it may close this, which ends the wait.
     accept();
     const Handler handler = handler_;
     busbar::detail::guarded(*log_, "handler of a new connection",
@@ -140,7 +140,7 @@ void Listener::back_off(std::error_code error)
         next_pause_ = first_pause;
         tell(error);
     }
-    // The peer still waits: asking again at once would only burn time.
+    // The peer still waits: asking again at once would only waste time.
     pause_.expires_after(next_pause_);
     next_pause_ = std::min(2 * next_pause_, longest_pause);
     pause_.async_wait([waiting = Waiting{shared_from_this()}](std::error_code cancelled) mutable {
@@ -155,7 +155,7 @@ void Listener::tell(std::error_code error)
 {
     const auto now = std::chrono::steady_clock::now();
     if (told_at_ && now - *told_at_ < quiet_time) {
-        return; // peers could have it come and go
+        return; // peers could make it come and go
     }
     told_at_ = now;
     is_told_ = true;

@@ -27,13 +27,13 @@ public:
     {
     }
 
-    /// "" is every address of the machine, IPv4 and IPv6; port 0 any that is free. The port, or
-    /// Bad_CommunicationError with the reason in the log.
+    /// Opens the port: "" means every address of the machine, IPv4 and IPv6; port 0 any free one.
+    /// Returns the port, or Bad_CommunicationError with the reason in the log.
     [[nodiscard]] Result<std::uint16_t> open(std::string_view address, std::uint16_t port);
     /// Calls `handler` for each peer until close().
     void start(Handler handler);
     void close();
-    /// Accepts again if an exception has kept it from that.
+    /// Accepts again if an exception has prevented it.
     void resume();
 
 private:
@@ -42,8 +42,8 @@ private:
     [[nodiscard]] std::error_code bind(std::string_view address, std::uint16_t port);
     void accept();
     void accepted(std::error_code error, asio::ip::tcp::socket socket);
-    /// Tries again later, ever less often, and says so once, and once a minute if it comes and
-    /// goes.
+    /// Tries again later, with growing delays, and logs it once, and once a minute if the trouble
+    /// comes and goes.
     void back_off(std::error_code error);
     void tell(std::error_code error);
     void recover();
@@ -52,10 +52,10 @@ private:
     asio::steady_timer pause_;
     std::error_code trouble_;
     std::chrono::milliseconds next_pause_{0};
-    /// When the log was told of trouble, and whether it is still to be told of its end.
+    /// The time when trouble was last logged, and whether its end must still be logged.
     std::optional<std::chrono::steady_clock::time_point> told_at_;
     bool is_told_{false};
-    /// For a peer or for the end of a pause.
+    /// It waits for a peer or for the end of a pause.
     bool is_waiting_{false};
     LogSink* log_;
     Handler handler_; // null once closed

@@ -10,7 +10,7 @@
 
 namespace busbar::net::detail {
 
-/// All ports of one server. All calls on the executor.
+/// All ports of one server. All calls are made on the executor.
 class Listeners {
 public:
     Listeners(asio::any_io_executor executor, LogSink& log)
@@ -18,7 +18,7 @@ public:
     {
     }
 
-    /// With the number of the listener that a peer came by.
+    /// Called with the number of the listener that a peer came by.
     using Handler = std::function<void(asio::ip::tcp::socket, std::uint32_t listener)>;
 
     /// See Listener::open. After start() peers are accepted at once.
@@ -26,7 +26,7 @@ public:
                                             std::uint32_t listener);
     /// Calls `handler` for each peer until close().
     void start(Handler handler);
-    /// Closes the ports of this number; none is fine.
+    /// Closes the ports with this number, if there are any.
     void remove(std::uint16_t port);
     void close();
     /// See Listener::resume.

@@ -7,29 +7,29 @@
 
 namespace busbar::net::detail {
 
-/// Bytes of this process.
+/// Memory of this process, in bytes.
 struct ProcessMemory {
-    /// In the machine's memory.
+    /// Bytes in the machine's memory.
     std::size_t resident{0};
-    /// What malloc keeps for later, resident or not.
+    /// Bytes that malloc keeps for later, resident or not.
     std::size_t free{0};
 };
-/// Zeros where the C library or the system does not tell.
+/// Returns zeros if the C library or the system does not provide them.
 [[nodiscard]] ProcessMemory process_memory();
-/// Has malloc give the system all pages on which nothing is; nothing where it cannot. Takes some
-/// milliseconds if that is much.
+/// Makes malloc return all unused pages to the system; does nothing if it cannot. Takes some
+/// milliseconds for many pages.
 void return_free_memory();
 
-/// When the memory that a flood took is given back. malloc keeps what lies below something that is
-/// still used, and what is freed in pieces. A state machine; polled by its owner.
+/// Decides when the memory that a flood took is returned. malloc keeps memory below something that
+/// is still used, and what is freed in pieces. A state machine, polled by its owner.
 class MemoryReturn {
 public:
-    /// From something that happened to when the memory is looked at.
+    /// Time from an activity until the memory is checked.
     static constexpr Duration delay = std::chrono::seconds{10};
-    /// Less is not worth the time.
+    /// Minimum amount that is worth the time.
     static constexpr std::size_t least = 4U << 20U;
 
-    /// Something happened that may have taken memory.
+    /// Call it after an activity that may have taken memory.
     void note_activity(TimePoint now)
     {
         if (deadline_ == no_deadline) {
@@ -37,9 +37,9 @@ public:
         }
     }
     [[nodiscard]] TimePoint next_deadline() const { return deadline_; }
-    /// True if free memory should be returned: there is some, and more of it, or more resident,
-    /// than was left the last time, as malloc counts what it returned as free. Call returned()
-    /// behind it.
+    /// Returns true if free memory should be returned: there is some, and more of it, or more
+    /// resident, than remained the last time, as malloc counts returned memory as free. Call
+    /// returned() after it.
     [[nodiscard]] bool handle_deadline(TimePoint now, const ProcessMemory& memory);
     void returned(const ProcessMemory& memory) { left_ = memory; }
 

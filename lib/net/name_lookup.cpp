@@ -78,7 +78,7 @@ void NameLookup::run_thread()
         if (shared->owner == nullptr) {
             return;
         }
-        // While there is an owner there is its executor.
+        // As long as the owner exists its executor does too.
         asio::post(shared->owner->executor_, [shared, host, found = std::move(addresses)] {
             if (shared->owner != nullptr) { // only its own thread, this one, changes it
                 shared->owner->is_running_ = false;
@@ -89,7 +89,7 @@ void NameLookup::run_thread()
     try {
         std::thread{look_up}.detach();
         is_running_ = true;
-    } catch (const std::system_error&) { // no more threads: as good as no answer
+    } catch (const std::system_error&) { // no more threads: treated as no answer
         asio::post(executor_, [shared = shared_, host = host_] {
             if (shared->owner != nullptr) {
                 shared->owner->finish(host, {});

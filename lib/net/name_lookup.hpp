@@ -12,18 +12,18 @@
 
 namespace busbar::net::detail {
 
-/// The addresses of a host; none if it has none. Called on a thread of its own: may block.
+/// Returns the addresses of a host; none if it has none. Called on a separate thread: may block.
 using Lookup = std::function<std::vector<asio::ip::address>(const std::string& host)>;
 
-/// What the system knows; of localhost the loopback addresses where it knows none, as on a machine
-/// without a file of hosts (RFC 6761, 6.3).
+/// Returns the addresses that the system knows; for localhost the loopback addresses if it knows
+/// none, as on a machine without a hosts file (RFC 6761, 6.3).
 [[nodiscard]] std::vector<asio::ip::address> system_lookup(const std::string& host);
-/// The loopback addresses if `host` is localhost, else none.
+/// Returns the loopback addresses if `host` is localhost, else none.
 [[nodiscard]] std::vector<asio::ip::address> loopback_addresses(std::string_view host);
 
-/// Finds addresses without holding anybody up. A name server that does not answer blocks
-/// getaddrinfo for as long as it likes, and nothing can cancel that; so its thread is left to
-/// itself, at most one at a time. All calls on the executor.
+/// Finds addresses without blocking. A name server that does not answer blocks getaddrinfo for any
+/// time, and nothing can cancel that; so its thread is left running, at most one at a time. All
+/// calls are made on the executor.
 class NameLookup {
 public:
     using Handler = std::function<void(std::vector<asio::ip::address>)>;
@@ -40,7 +40,7 @@ public:
     void cancel();
 
 private:
-    /// What the thread and its owner share.
+    /// State that the thread and its owner share.
     struct Shared {
         std::mutex mutex;
         NameLookup* owner;

@@ -12,7 +12,7 @@
 
 namespace busbar::net::detail {
 
-/// A pipe to oneself: writing one byte neither blocks nor allocates.
+/// A pipe to the same process: writing one byte neither blocks nor allocates.
 class PipeWaker final : public server::Waker {
 public:
     explicit PipeWaker(asio::io_context& context) : reader_{context}
@@ -36,7 +36,7 @@ public:
             static_cast<void>(!::write(writer_, &byte, 1));
         }
     }
-    /// Calls `on_wake` on the loop's thread each time. Nothing happens if that is so already.
+    /// Calls `on_wake` on the loop's thread each time. Does nothing if it is waiting already.
     template <typename OnWake>
     void wait(OnWake on_wake)
     {

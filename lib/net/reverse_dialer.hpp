@@ -13,11 +13,12 @@
 
 namespace busbar::net::detail {
 
-/// Sees to it that one client always has a connection that it does not use yet (Part 6, 7.1.3). All
-/// calls on the executor, which must not run handlers any more when the object is destroyed.
+/// Makes sure that one client always has an unused connection (Part 6, 7.1.3). All calls are made
+/// on the executor, which must not run handlers any more when the object is destroyed.
 class ReverseDialer {
 public:
-    /// Gives the server a connection to the client and says its id; none if the server refused it.
+    /// Gives the server a connection to the client and returns its id; none if the server refused
+    /// it.
     using Adopt = std::function<std::optional<std::uint64_t>(asio::ip::tcp::socket)>;
 
     /// `log` and `config` must outlive the object.
@@ -26,9 +27,9 @@ public:
 
     void start();
     void stop();
-    /// There is a SecureChannel on a connection, perhaps on one of ours: another one is needed.
+    /// A connection, perhaps one of ours, has a SecureChannel: another one is needed.
     void opened(std::uint64_t connection);
-    /// A connection is gone, perhaps one of ours.
+    /// A connection, perhaps one of ours, has ended.
     void ended(std::uint64_t connection);
 
 private:
@@ -47,7 +48,7 @@ private:
     TimePoint spare_since_{};
     std::set<std::uint64_t> used_;
     Duration delay_;
-    bool is_dialing_{false}; // or waits to
+    bool is_dialing_{false}; // or waits to dial
     bool has_stopped_{false};
 };
 

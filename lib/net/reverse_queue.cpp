@@ -51,8 +51,8 @@ struct ReverseQueue::Caller {
     std::vector<std::byte> hello;
     std::string server_uri;
     std::string endpoint_url;
-    bool is_held{false}; // its ReverseHello is there, and nobody needs it yet
-    bool is_gone{false}; // no longer the queue's
+    bool is_held{false}; // its ReverseHello arrived, and no client needs it yet
+    bool is_gone{false}; // does not belong to the queue any more
 };
 
 ReverseQueue::ReverseQueue(asio::any_io_executor executor, LogSink& log,
@@ -150,7 +150,7 @@ void ReverseQueue::read_body(const std::shared_ptr<Caller>& caller)
                      });
 }
 
-/// The ReverseHello is there.
+/// The ReverseHello has arrived.
 void ReverseQueue::greet(const std::shared_ptr<Caller>& caller)
 {
     if (caller->is_gone) {
@@ -188,7 +188,8 @@ void ReverseQueue::hold(const std::shared_ptr<Caller>& caller)
     caller->is_held = true;
     keep_alive(caller->socket);
     limit(caller, limits_.hold_time);
-    // It has nothing to say before it gets a Hello: whatever comes, it is of no use any more.
+    // A server must be silent before it gets a Hello: anything it sends makes the connection
+    // useless.
     caller->socket.async_wait(tcp::socket::wait_read,
                               [self = shared_from_this(), caller](std::error_code error) {
                                   if (!error) {
@@ -197,14 +198,14 @@ void ReverseQueue::hold(const std::shared_ptr<Caller>& caller)
                               });
 }
 
-/// The client asked; perhaps its server is there already.
+/// A client needs a connection; perhaps its server is waiting already.
 void ReverseQueue::serve(Ticket ticket)
 {
     const auto client = clients_.find(ticket);
     if (client == clients_.end() || !client->second.handler) {
         return;
     }
-    // The newest: of an older one the server may have gone without a word.
+    // The newest one, since the server may have left an older one without notice.
     const auto found = std::find_if(callers_.rbegin(), callers_.rend(), [&](const auto& caller) {
         return caller->is_held &&
                client->second.server.is_met_by(caller->server_uri, caller->endpoint_url);
@@ -238,7 +239,7 @@ void ReverseQueue::refuse(const std::shared_ptr<Caller>& caller, StatusCode stat
         "reverse connection: " + (error ? "a peer" : peer.address().to_string()) + " " + why);
     channel::detail::OutputBuffer output;
     channel::detail::write_error(output, status, {});
-    // The socket's buffer is empty and takes it, or the peer does not learn why.
+    // The socket's buffer is empty and takes it; otherwise the peer does not learn the reason.
     caller->socket.non_blocking(true, error);
     caller->socket.write_some(asio::buffer(output.output().data(), output.output().size()), error);
     drop(caller);

@@ -18,7 +18,7 @@
 
 namespace busbar::net::detail {
 
-/// Which server a client waits for; what is empty is not compared.
+/// The server that a client waits for; an empty field is not compared.
 struct ExpectedServer {
     std::string server_uri;
     std::string endpoint_url;
@@ -29,9 +29,9 @@ struct ExpectedServer {
 /// Connections of servers on one side, clients that expect them on the other.
 class ReverseQueue : public std::enable_shared_from_this<ReverseQueue> {
 public:
-    /// Names a client.
+    /// Identifies a client.
     using Ticket = std::uint64_t;
-    /// The connection, and the ReverseHello that was read from it.
+    /// Gets the connection, and the ReverseHello that was read from it.
     using Handler = std::function<void(asio::ip::tcp::socket, const std::vector<std::byte>& hello)>;
 
     ReverseQueue(asio::any_io_executor executor, LogSink& log, const ReverseListenerLimits& limits);
@@ -40,7 +40,7 @@ public:
     /// Closes everything.
     void stop();
 
-    /// From now on the server is let in.
+    /// Admits the server from now on.
     [[nodiscard]] Ticket expect(ExpectedServer server);
     void forget(Ticket ticket);
     /// Calls `handler` later with a connection of the expected server, once, unless cancelled.

@@ -8,7 +8,7 @@
 
 namespace busbar::net::detail {
 
-/// Else a link would read on from a peer whose requests wait for their turn.
+/// Without it a link would continue to read from a peer whose requests wait for their turn.
 static_assert(requires(const server::Connection& connection) { connection.has_enough(); });
 
 Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Origin origin, std::uint64_t id)
@@ -20,7 +20,7 @@ Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Origin origin, s
     }
     auto connection = server_->connect(peer.address().to_string(), now());
     if (!connection) {
-        return fail(connection.error()); // the log has said why
+        return fail(connection.error()); // the log has the reason
     }
     auto owned = std::make_unique<server::Connection>(*std::move(connection));
     owned->came_by(origin.listener);
@@ -44,7 +44,7 @@ Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Origin origin, s
     return {};
 }
 
-/// The server itself logs what became of a connection.
+/// The server itself logs the end of a connection.
 void ServedServer::drain(server::Connection& connection, std::uint64_t id)
 {
     while (const auto event = connection.next_event()) {
@@ -61,7 +61,7 @@ void ServedServer::drop(std::uint64_t key)
     clients_.erase(key);
     const ServedEvents& events = *events_;
     events.on_ended(id);
-    events.on_activity(); // which may destroy this, when it has nobody any more
+    events.on_activity(); // which may destroy this, when it has no clients any more
 }
 
 void ServedServer::pump()

@@ -15,15 +15,15 @@
 
 namespace busbar::net::detail {
 
-/// What a ServedServer tells. `connection` is unique among all connections of the loop.
+/// The notifications of a ServedServer. `connection` is unique among all connections of the loop.
 struct ServedEvents {
     std::function<void()> on_activity;
     std::function<void(std::uint64_t connection)> on_opened;
     std::function<void(std::uint64_t connection)> on_ended;
 };
 
-/// One Server and the sockets of its connections. All calls on the executor, which must not run
-/// handlers any more when the object is destroyed, unless is_over().
+/// One Server and the sockets of its connections. All calls are made on the executor, which must
+/// not run handlers any more when the object is destroyed, unless is_over().
 class ServedServer {
 public:
     enum class Direction : std::uint8_t { FromClient, ToClient };
@@ -40,13 +40,13 @@ public:
     {
     }
 
-    /// Gives the server a connection, which is called `id`. The error is that of Server::connect,
-    /// with the socket left as it was; Bad_CommunicationError if the peer is gone already.
+    /// Gives the server a connection with the id `id`. The error is that of Server::connect, with
+    /// the socket unchanged; Bad_CommunicationError if the peer is gone already.
     [[nodiscard]] Result<void> adopt(asio::ip::tcp::socket& socket, Origin origin,
                                      std::uint64_t id);
-    /// Sends what the server has changed for others than the one who caused it.
+    /// Sends the changes on connections other than the one that caused them.
     void pump();
-    /// Its clients were told, and their connections are closed.
+    /// True when its clients were notified, and their connections are closed.
     [[nodiscard]] bool is_over() const { return server_->is_stopped() && clients_.empty(); }
     [[nodiscard]] server::Server& server() const { return *server_; }
     void drop_all() { clients_.clear(); }
@@ -69,7 +69,7 @@ private:
     asio::any_io_executor executor_;
     const ServedEvents* events_;
     std::shared_ptr<ReadBuffer> buffer_{std::make_shared_for_overwrite<ReadBuffer>()};
-    /// By the server's own ids, which another server may have too.
+    /// Clients by the server's own ids, which another server may have too.
     std::unordered_map<std::uint64_t, Client> clients_;
 };
 

@@ -25,7 +25,7 @@
 
 namespace busbar::net {
 
-/// What a loop waits for, and whom it serves. All on the thread of run(), but for the waker.
+/// The state of a loop and its servers. Everything is on the thread of run(), except the waker.
 struct ServerLoop::Impl {
     using ServedServer = detail::ServedServer;
     using Socket = asio::ip::tcp::socket;
@@ -34,14 +34,14 @@ struct ServerLoop::Impl {
 
     std::optional<std::uint64_t> adopt(Socket socket, ServedServer::Direction direction,
                                        std::uint32_t listener = 0);
-    /// Calls `work`, which may throw, and looks after what it gave others to do.
+    /// Calls `work`, which may throw, and handles the work that it caused.
     template <typename Work>
     void guard(std::string_view name, Work work)
     {
         busbar::detail::guarded(log, name, work);
         after_activity();
     }
-    /// Calls `work` with each server. There may be more of them afterwards.
+    /// Calls `work` with each server. Further ones may exist afterwards.
     template <typename Work>
     void for_each(Work work)
     {
@@ -73,14 +73,14 @@ struct ServerLoop::Impl {
     asio::signal_set signals;
     asio::signal_set hangup;
     std::function<void()> on_hangup;
-    /// Peers that are being told that there is no place for them.
+    /// Peers that are being refused for lack of room.
     detail::TurnAway turn_away{16};
     detail::Listeners listeners{context.get_executor(), log};
     ReverseConnectConfig reverse_connect;
     std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
     std::vector<std::unique_ptr<detail::DiscoveryRegistration>> registrations;
     detail::ServedEvents events;
-    /// The last one serves, those before end. None before run().
+    /// The last one serves, the earlier ones are ending. Empty before run().
     std::vector<std::unique_ptr<ServedServer>> served;
     std::uint64_t last_connection{0};
     bool awaits_hangup{false};

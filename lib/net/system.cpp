@@ -37,7 +37,7 @@ bool is_clock_synchronized()
 void give_way()
 {
     constexpr int steps = 10;
-    // Of a thread, on Linux, although it says process; lowering is always permitted.
+    // Applies to a thread, on Linux, although the name is process; lowering is always permitted.
     const auto thread = static_cast<id_t>(::gettid());
     ::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + steps);
 }

@@ -18,10 +18,10 @@ namespace {
 using asio::ip::tcp;
 
 constexpr std::chrono::seconds longest_wait{1};
-/// What a peer has sent meanwhile: a Hello and little more.
+/// Maximum input of a peer meanwhile: a Hello and little more.
 constexpr std::size_t most_read = 65'536;
 
-/// One peer on its way out. Closing at once would reset the connection if the peer has sent
+/// One peer that is being refused. Closing at once would reset the connection if the peer has sent
 /// anything, and the message would be lost.
 class Farewell : public std::enable_shared_from_this<Farewell> {
 public:

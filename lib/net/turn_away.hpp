@@ -10,9 +10,9 @@
 
 namespace busbar::net::detail {
 
-/// Tells peers that there is no place for them: an Error message (Part 6, 7.1.2.5), then the
-/// connection is closed, once the peer has read that or after a second. Peers past `limit` at a
-/// time are closed without a word. On the executor of the sockets.
+/// Tells peers that there is no room for them: sends an Error message (Part 6, 7.1.2.5), and closes
+/// the connection when the peer has read that or after a second. More than `limit` peers at a time
+/// are closed without a message. Runs on the executor of the sockets.
 class TurnAway {
 public:
     explicit TurnAway(std::size_t limit) : places_{std::make_shared<std::size_t>(limit)} {}
@@ -20,7 +20,7 @@ public:
     void operator()(asio::ip::tcp::socket socket, StatusCode error, std::string_view reason);
 
 private:
-    std::shared_ptr<std::size_t> places_; // that are left
+    std::shared_ptr<std::size_t> places_; // number of free places
 };
 
 } // namespace busbar::net::detail

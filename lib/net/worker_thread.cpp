@@ -26,9 +26,9 @@ struct WorkerThread::Impl {
             auto job = std::move(jobs.front());
             jobs.pop_front();
             lock.unlock();
-            // The next one runs whatever this one does.
+            // The next job runs, whatever this one does.
             busbar::detail::guarded(*log, "job of a WorkerThread", job);
-            job = nullptr; // what it holds goes here, and not under the lock
+            job = nullptr; // destroys its objects here, and not under the lock
             lock.lock();
         }
     }
@@ -40,7 +40,7 @@ struct WorkerThread::Impl {
     std::condition_variable changed;
     std::deque<std::function<void()>> jobs;
     bool is_stopping{false};
-    std::thread thread; // the last: it uses the others
+    std::thread thread; // last, since it uses the others
 };
 
 WorkerThread::WorkerThread(std::size_t max_jobs, LogSink* log)
