@@ -9,7 +9,7 @@ using detail::NodeRecord;
 
 namespace {
 
-/// Finds the concrete type that a new Object or Variable is to have.
+/// Finds the concrete type of a new Object or Variable.
 Result<NodeIndex> definition_of(const SpaceReader& space, const NodeId& type, NodeClass type_class)
 {
     const NodeIndex found = space.find(type);
@@ -19,7 +19,7 @@ Result<NodeIndex> definition_of(const SpaceReader& space, const NodeId& type, No
     return found;
 }
 
-/// The DataType of a new Variable or VariableType, if its other attributes are sound.
+/// Returns the DataType of a new Variable or VariableType, if its other attributes are valid.
 Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::int32_t rank,
                                const Array<std::uint32_t>& dimensions, const Variant& value)
 {
@@ -40,7 +40,7 @@ Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::
     return found;
 }
 
-/// The NodeId of a Variable that is named after its place.
+/// Returns the NodeId of a Variable that is named after its place.
 NodeId path_id(const NodeId& parent, const QualifiedName& name)
 {
     const bool continues =
@@ -73,7 +73,7 @@ StatusCode check_arguments(const SpaceReader& space, const Array<Argument>& argu
     return status::Good;
 }
 
-/// The property of a Method that describes `arguments`, of which there is at least one.
+/// Returns the property of a Method that describes `arguments`, of which there is at least one.
 NewVariable argument_property(const Array<Argument>& arguments)
 {
     Array<ExtensionObject> descriptions;
@@ -196,7 +196,7 @@ Result<NodeIndex> AddressSpace::add_method(const NewNode& node, const NewMethod&
     }
     NewNode as_component = node;
     if (node.reference_type.is_null()) {
-        // A Method is called on what has it as its component, be it a folder (Part 4, 5.12.2.2).
+        // A Method is called on the node whose component it is, even a folder (Part 4, 5.12.2.2).
         as_component.reference_type = NodeId{0, detail::id_has_component};
     }
     const auto created = create(as_component, NodeClass::Method);

@@ -39,7 +39,7 @@ private:
     void set_access();
     void add_references(std::uint32_t index);
 
-    /// A node of this copy, or an external one.
+    /// Returns a node of this copy, or an external one.
     [[nodiscard]] NodeIndex target(std::uint32_t index) const
     {
         const auto& created = graft_.created();
@@ -112,7 +112,7 @@ void StaticCopy::find_externals()
 {
     for (const StaticIdentifier& external : from_.externals) {
         const auto id = node_id(external);
-        // A small namespace 0 lacks nodes; whatever refers to them is left out.
+        // A small namespace 0 lacks nodes; references to them are left out.
         externals_.push_back(id ? space_.find(*id) : no_node);
     }
 }
@@ -136,7 +136,7 @@ Result<void> StaticCopy::create_nodes()
     return {};
 }
 
-/// With the namespace indices of the tables.
+/// Returns the value with the namespace indices of the tables.
 Variant StaticCopy::value(const StaticText& at) const
 {
     const std::string_view bytes = from_.values.substr(at.offset, at.size);
@@ -156,7 +156,7 @@ bool StaticCopy::has_other_namespaces() const
     return false;
 }
 
-/// Gives values this server's namespace indices. Structures are read by the definitions of their
+/// Sets this server's namespace indices in values. Structures are read by the definitions of their
 /// types, which may be among these nodes: they must have been linked.
 void StaticCopy::map_values()
 {

@@ -15,7 +15,7 @@ using detail::Tables;
 
 namespace {
 
-/// A copy that borrows instead of owning.
+/// Returns a copy that borrows instead of owning.
 String borrowed(const String& text)
 {
     return text.is_null() ? String{} : String::borrow(text.view());
@@ -26,7 +26,7 @@ LocalizedText borrowed(const LocalizedText& text)
     return {borrowed(text.locale), borrowed(text.text)};
 }
 
-/// Null if the node has none.
+/// Returns null if the node has none.
 String static_piece(const Tables& tables, NodeIndex node, StaticExtra::Kind kind)
 {
     const auto extras = tables.constants->extras;
@@ -104,7 +104,7 @@ constexpr unsigned classes_with[] = {
     variable_class,                                           // AccessLevelEx
 };
 
-/// A text that a node may have or not have.
+/// Returns a text that a node may have or not.
 Result<Variant> if_present(LocalizedText text)
 {
     if (text.text.is_null()) {
@@ -185,7 +185,7 @@ Array<std::uint32_t> dimensions(const VariableAttributes& attributes)
     }
     Array<std::uint32_t> unknown;
     if (attributes.value_rank > 0) {
-        // Of no known length in each dimension (Part 3, 5.6.2).
+        // Each dimension has an unknown length (Part 3, 5.6.2).
         unknown.resize(static_cast<std::size_t>(attributes.value_rank));
     }
     return unknown;
@@ -351,7 +351,7 @@ Result<Variant> SpaceReader::attribute(NodeIndex node, AttributeId id) const
     case AttributeId::Description:
         return if_present(description(*tables_, node));
     case AttributeId::UserWriteMask:
-        // What a user may is for a server to say.
+        // A server determines the rights of a user.
         return Variant{std::uint32_t{0}};
     case AttributeId::IsAbstract:
         return Variant{flags.has(static_flag::is_abstract)};
@@ -392,7 +392,7 @@ Result<Variant> SpaceReader::variable_attribute(NodeIndex node, AttributeId id) 
     case AttributeId::Historizing:
         return Variant{attributes.historizing};
     default:
-        // UserRolePermissions are a matter of the session; Value is not read here.
+        // UserRolePermissions depend on the session; Value is not read here.
         return access_attribute(node, id);
     }
 }

@@ -20,7 +20,7 @@ bool has_children(const Tables& tables, NodeIndex node)
     return list != nullptr && list->entries.size() - list->holes > list->others;
 }
 
-/// The node and everything that was added below it, parents before children.
+/// Returns the node and everything that was added below it, parents before children.
 std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
 {
     std::vector<NodeIndex> nodes{root};
@@ -38,7 +38,7 @@ std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
     return nodes;
 }
 
-/// Takes the references that add_reference made out of the nodes at their other ends.
+/// Removes the references that add_reference added from the nodes at their other ends.
 void remove_from_others(Tables& tables, NodeIndex node)
 {
     const ReferenceList* const list = tables.list(node);
@@ -51,10 +51,10 @@ void remove_from_others(Tables& tables, NodeIndex node)
     }
 }
 
-/// Parents stand before children.
+/// Parents precede children.
 void remove_all(Tables& tables, std::span<const NodeIndex> nodes)
 {
-    for (const NodeIndex each : nodes) { // while it has its NodeVersion
+    for (const NodeIndex each : nodes) { // while the NodeVersion still exists
         tables.note(each, static_cast<unsigned>(ModelChangeStructureVerbMask::NodeDeleted));
     }
     for (auto at = nodes.rbegin(); at != nodes.rend(); ++at) {
@@ -87,7 +87,7 @@ Result<void> AddressSpace::remove(NodeIndex node)
         remove_all(*tables_, std::span{&node, 1});
         return {};
     }
-    // Nothing of it fails when it has begun.
+    // From here on nothing can fail.
     const std::vector<NodeIndex> nodes = subtree(*tables_, node);
     remove_all(*tables_, nodes);
     return {};

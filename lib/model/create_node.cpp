@@ -27,7 +27,7 @@ bool is_valid_id(const SpaceReader& space, const NodeId& id)
            (!id.opaque().empty() && id.opaque().size() <= max_identifier_size);
 }
 
-/// The ReferenceType from the parent that a node without one gets.
+/// Returns the default ReferenceType from the parent.
 std::uint32_t default_reference(const SpaceReader& space, NodeIndex parent, NodeClass node_class)
 {
     if (detail::is_type(node_class)) {
@@ -48,7 +48,7 @@ StatusCode check_reference(const SpaceReader& space, const NewNode& node, NodeIn
     }
     if (reference == space.find(detail::id_has_encoding) && node_class == NodeClass::Object &&
         space.node_class(node.parent) == NodeClass::DataType) {
-        return status::Good; // an encoding has nothing else that it could be below (Part 3, 5.8.4)
+        return status::Good; // an encoding cannot be below anything else (Part 3, 5.8.4)
     }
     if (!space.is_subtype_of(reference, detail::id_hierarchical_references)) {
         return status::Bad_ReferenceNotAllowed;
@@ -91,7 +91,7 @@ StatusCode check_names(const SpaceReader& space, const Tables& tables, const New
 
 } // namespace
 
-/// Checks everything that a new node of any NodeClass has and creates it.
+/// Checks the common attributes of a new node of any NodeClass and creates it.
 Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class)
 {
     Tables& tables = *tables_;

@@ -8,7 +8,7 @@ namespace busbar::model {
 
 namespace {
 
-/// The Properties that an item is to have, with their values.
+/// The Properties of an item, with their values.
 struct Properties {
     std::vector<std::pair<std::string, Variant>> values;
 
@@ -52,7 +52,7 @@ bool is_sound(const std::optional<Range>& range)
     return !range || is_sound(*range);
 }
 
-/// The DataType that a caller who names none gets.
+/// Sets the DataType if the caller has set none.
 void set_default_type(NewVariable& variable, std::uint32_t data_type)
 {
     if (variable.data_type.is_null() || variable.data_type.is(id::BaseDataType)) {
@@ -60,7 +60,7 @@ void set_default_type(NewVariable& variable, std::uint32_t data_type)
     }
 }
 
-/// Creates the Variable with the Properties, or nothing.
+/// Creates the Variable with its Properties, or nothing.
 Result<NodeIndex> create(AddressSpace& space, const NewNode& node, const NodeId& type,
                          NewVariable variable, Properties properties)
 {
@@ -87,7 +87,7 @@ Result<NodeIndex> create(AddressSpace& space, const NewNode& node, const NodeId&
     return created;
 }
 
-/// How the ArrayItemTypes name their axes, and with how many dimensions.
+/// The names and numbers of axes of the ArrayItemTypes.
 struct ArrayLayout {
     std::uint32_t type;
     std::int32_t value_rank;
@@ -103,7 +103,7 @@ constexpr ArrayLayout array_layouts[] = {
 
 constexpr const char* axis_names[] = {"XAxisDefinition", "YAxisDefinition", "ZAxisDefinition"};
 
-/// Adds the axes and sets the ValueRank; false if they are not those of the type.
+/// Adds the axes and sets the ValueRank; false if they do not fit the type.
 bool add_axes(const ArrayItem& item, NewVariable& variable, Properties& properties)
 {
     for (const AxisInformation& axis : item.axes) {

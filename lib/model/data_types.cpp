@@ -19,7 +19,7 @@ void take_definition(const ExtensionObject& object, DataTypeEntry& entry)
     }
 }
 
-/// The object "Default Binary" that HasEncoding leads to.
+/// Returns the object "Default Binary" that HasEncoding refers to.
 NodeId binary_encoding(const SpaceReader& space, NodeIndex data_type)
 {
     const NodeIndex has_encoding = space.find(id::HasEncoding);
@@ -67,7 +67,7 @@ LocalizedText text_of(const EnumField& field)
     return field.display_name.text.is_null() ? LocalizedText{field.name} : field.display_name;
 }
 
-/// The texts by bit number; empty for bits without a name (Part 3, 5.8.3).
+/// Returns the texts by bit number; empty for bits without a name (Part 3, 5.8.3).
 Variant option_set_values(const Array<EnumField>& fields)
 {
     constexpr std::int64_t bits = 64;
@@ -106,8 +106,8 @@ Variant enum_values(const Array<EnumField>& fields)
     return Variant{std::move(values)};
 }
 
-/// A node that belongs to a type. Its id is made of names, so that it stays the same from one start
-/// to the next.
+/// Returns the id of a node that belongs to a type. It is made of names, so that it stays the same
+/// after a restart.
 NodeId part_id(const NewNode& type, std::string_view part)
 {
     return NodeId{type.browse_name.namespace_index,

@@ -42,8 +42,8 @@ std::vector<NodeIndex> types_above(const SpaceReader& space, NodeIndex type)
     for (NodeIndex at = type; at != no_node; at = space.supertype(at)) {
         types.push_back(at);
     }
-    // Those of a type come after all types: an ObjectType declares anew what it has of an
-    // Interface. Interfaces reference no Interfaces but have supertypes (Part 3, 4.10.2).
+    // Interfaces follow all types: an ObjectType repeats the declarations of an Interface.
+    // Interfaces do not refer to Interfaces but have supertypes (Part 3, 4.10.2).
     const std::size_t type_count = types.size();
     for (std::size_t i = 0; i < type_count; ++i) {
         for (const NodeIndex implemented : interfaces_of(space, types[i])) {
@@ -86,8 +86,8 @@ std::vector<DeclaredMember> members_of(const SpaceReader& space,
                 member.declarations.end()) {
                 member.declarations.push_back(declaration);
             }
-            // An overriding one may make Mandatory of Optional, never the other way (Part 3,
-            // 6.4.4.2); an Interface's demand holds too.
+            // An overriding declaration may turn Optional into Mandatory, never the other way (Part
+            // 3, 6.4.4.2); a Mandatory one of an Interface applies too.
             if (rule == ModellingRule::Mandatory) {
                 member.rule = rule;
             }

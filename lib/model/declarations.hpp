@@ -7,12 +7,12 @@
 
 #include <busbar/model/space_reader.hpp>
 
-/// The InstanceDeclarations of types as Part 3, 6.3.3 has them inherited and overridden.
+/// The InstanceDeclarations of types, inherited and overridden as in Part 3, 6.3.3.
 namespace busbar::model::detail {
 
 enum class ModellingRule : std::uint8_t { None, Mandatory, Optional };
 
-/// A type or InstanceDeclaration whose members are wanted. One node may be reached in several
+/// A type or InstanceDeclaration whose members are needed. One node may be reached in several
 /// places of an instance, once for each Object of its type: `scope` tells these apart.
 struct DeclarationSource {
     NodeIndex node{no_node};
@@ -25,9 +25,9 @@ struct DeclarationSource {
     }
 };
 
-/// What an instance has at one BrowseName.
+/// The member of an instance with one BrowseName.
 struct DeclaredMember {
-    /// The one that counts comes first; then those that it overrides.
+    /// The effective declaration comes first, followed by those that it overrides.
     std::vector<DeclarationSource> declarations;
     NodeIndex reference_type{no_node};
     ModellingRule rule{ModellingRule::None};
@@ -35,16 +35,17 @@ struct DeclaredMember {
     [[nodiscard]] NodeIndex declaration() const { return declarations.front().node; }
 };
 
-/// Mandatory and Optional; None for a placeholder and any other.
+/// Returns Mandatory or Optional; None for a placeholder and any other.
 [[nodiscard]] ModellingRule modelling_rule_of(const SpaceReader& space, NodeIndex node);
 
-/// The type, its supertypes and the Interfaces of all of these, the most derived first.
+/// Returns the type, its supertypes and the Interfaces of all of these, the most derived first.
 [[nodiscard]] std::vector<NodeIndex> types_above(const SpaceReader& space, NodeIndex type);
 
-/// The Interfaces that the node references (Part 3, 4.10.2).
+/// Returns the Interfaces that the node refers to (Part 3, 4.10.2).
 [[nodiscard]] std::vector<NodeIndex> interfaces_of(const SpaceReader& space, NodeIndex node);
 
-/// The Mandatory and Optional members of `sources`, of which earlier ones override later ones.
+/// Returns the Mandatory and Optional members of `sources`, of which earlier ones override later
+/// ones.
 [[nodiscard]] std::vector<DeclaredMember> members_of(const SpaceReader& space,
                                                      std::span<const DeclarationSource> sources);
 

@@ -7,9 +7,9 @@
 
 namespace busbar::model::detail {
 
-// What find() reads of a node lies in four places, and each says where the next one is: the slot,
-// the list of blocks, the record, the text. A processor waits for each of them in turn; here it
-// waits for one place of all nodes together.
+// find() reads four places of a node, and each has the address of the next: the slot, the list of
+// blocks, the record, the text. A processor waits for each of them in turn; here it waits for one
+// place of all nodes together.
 
 namespace {
 
@@ -21,7 +21,7 @@ bool is_number_of_namespace0(const NodeId& id)
 
 } // namespace
 
-/// With what lies beside the records, which a Browse goes on to.
+/// Prefetches also the data beside the records, which a Browse needs.
 void Tables::fetch_nodes(std::span<const NodeId* const> ids) const
 {
     std::array<Sought, SpaceReader::fetched_together> all;
@@ -42,7 +42,7 @@ void Tables::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex>
         fetch_nodes(ids, sought);
         for (std::size_t i = 0; i < sought.size(); ++i) {
             const std::uint32_t record = std::exchange(sought[i], Sought{}).record;
-            // Mostly it is the one that was fetched.
+            // Usually it is the prefetched one.
             const bool is_likely = record != IndexTable::none && at(record).has_id(*ids[i]);
             found[i] = is_likely ? index_of(record) : find(*ids[i]);
         }

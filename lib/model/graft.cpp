@@ -144,7 +144,7 @@ void Graft::choose_parents()
     }
 }
 
-/// The created node at the top of those above.
+/// Returns the topmost created node above.
 std::uint32_t Graft::root(std::uint32_t at)
 {
     while (above_[at] != none) {
@@ -172,9 +172,9 @@ void Graft::add_entry(NodeIndex node, const Entry& entry)
     }
 }
 
-/// The references that are not in the records themselves. Inverse HasTypeDefinition is not kept,
-/// nor is inverse HasModellingRule of a constant rule: what can be removed must know who refers to
-/// it.
+/// Adds the references that are not in the records themselves. Inverse HasTypeDefinition is not
+/// kept, nor is inverse HasModellingRule of a constant rule: a removable node must know the nodes
+/// that refer to it.
 void Graft::add_others()
 {
     const NodeIndex has_modelling_rule = tables_.find_constant(id_has_modelling_rule);
@@ -196,7 +196,7 @@ void Graft::add_others()
     }
 }
 
-/// Makes holes of the references that lead to created nodes.
+/// Turns the references to created nodes into holes.
 void Graft::forget_created(NodeIndex node)
 {
     ReferenceList& list = tables_.make_list(node);

@@ -12,11 +12,12 @@
 
 namespace busbar::model::detail {
 
-/// Adds many nodes of any NodeClass, that may refer to one another in any order, to an
-/// AddressSpace: create each, fill its NodeRecord, add the references, link, keep. Whatever was not
-/// kept is taken back, types and namespaces too.
+/// Adds many nodes of any NodeClass, which may refer to one another in any order, to an
+/// AddressSpace: create each, fill its NodeRecord, add the references, link, keep. Without keep()
+/// everything is removed again, types and namespaces too.
 ///
-/// Checks no more than it must to stay sound; what the nodes are is up to the caller.
+/// Makes only the checks that keep the AddressSpace consistent; the caller is responsible for the
+/// nodes.
 class BUSBAR_API Graft {
 public:
     explicit Graft(AddressSpace& space);
@@ -26,20 +27,20 @@ public:
 
     void reserve(std::size_t node_count);
     [[nodiscard]] Result<std::uint16_t> add_namespace(std::string_view uri);
-    /// Bad_NodeIdExists, or Bad_OutOfMemory past the number of records.
+    /// Returns Bad_NodeIdExists, or Bad_OutOfMemory past the number of records.
     [[nodiscard]] Result<NodeIndex> create(const NodeId& id, const QualifiedName& name,
                                            NodeClass node_class);
-    /// Of a node that was created.
+    /// Returns the record of a created node.
     [[nodiscard]] NodeRecord& record(NodeIndex node) { return tables_.record(node); }
     void set_access(NodeIndex node, NodeAccess access)
     {
         space_.set_node_access(node, std::move(access));
     }
     [[nodiscard]] const std::vector<NodeIndex>& created() const { return created_; }
-    /// From `source` to `target`. One that was added before counts once; one between two nodes
-    /// that were there before is not added.
+    /// Adds a reference from `source` to `target`. One that was added before is counted once; one
+    /// between two old nodes is not added.
     void add_reference(NodeIndex source, NodeIndex type, NodeIndex target);
-    /// Gives every created node its place: its parent, supertype, type definition and references.
+    /// Sets the place of every created node: its parent, supertype, type definition and references.
     /// The parent is the source of the first hierarchical reference that makes no circle.
     void link();
     void keep() { is_kept_ = true; }
@@ -72,13 +73,13 @@ private:
     Tables& tables_;
     std::size_t namespace_count_;
     std::vector<NodeIndex> created_;
-    /// By record number: the place in `created_` + 1.
+    /// Place in `created_` + 1, by record number.
     std::vector<std::uint32_t> positions_;
     std::vector<Link> links_;
     std::vector<NodeIndex> supertypes_;
-    /// By place in `created_`: that of the node above, shortened as it is followed.
+    /// Place of the node above, by place in `created_`, shortened as it is followed.
     std::vector<std::uint32_t> above_;
-    /// Nodes that were there before and got references.
+    /// Old nodes that got references.
     std::vector<NodeIndex> touched_;
     bool is_kept_{false};
 };

@@ -9,15 +9,15 @@
 namespace busbar::model::detail {
 
 /// A multimap from hashes to record numbers: open addressing with 4 bytes a slot, 24 bits for the
-/// record and 8 for a tag of the hash, so that a record is looked at only if it likely matches.
-/// `hash_of` gives the hash of a record that is in the table.
+/// record and 8 for a tag of the hash, so that a record is read only if it likely matches.
+/// `hash_of` returns the hash of a record in the table.
 class IndexTable {
 public:
     static constexpr std::uint32_t none = UINT32_MAX;
-    /// Records are smaller than this.
+    /// Upper bound of record numbers.
     static constexpr std::uint32_t max_records = (1U << 24U) - 1;
 
-    /// The first record with that hash for which `match` is true.
+    /// Returns the first record with this hash for which `match` returns true.
     template <typename Match>
     [[nodiscard]] std::uint32_t find(std::uint64_t hash, Match match) const
     {
@@ -35,14 +35,14 @@ public:
             }
         }
     }
-    /// Has the slot fetched at which the search for that hash begins.
+    /// Prefetches the slot at which the search for this hash begins.
     void fetch_slot(std::uint64_t hash) const
     {
         if (!slots_.empty()) {
             busbar::detail::fetch(&slots_[home(hash)]);
         }
     }
-    /// The first record that find() would look at.
+    /// Returns the first record that find() would read.
     [[nodiscard]] std::uint32_t likely(std::uint64_t hash) const
     {
         return find(hash, [](std::uint32_t) { return true; });
@@ -54,7 +54,7 @@ public:
         ++size_;
         place(hash, record);
     }
-    /// The next insert() needs no memory.
+    /// Makes sure that the next insert() needs no memory.
     template <typename HashOf>
     void make_room(HashOf hash_of)
     {
@@ -62,7 +62,7 @@ public:
             resize(slots_.empty() ? 64 : slots_.size() * 2, hash_of);
         }
     }
-    /// Removes a record that is in the table.
+    /// Removes a record from the table.
     template <typename HashOf>
     void erase(std::uint64_t hash, std::uint32_t record, HashOf hash_of)
     {
@@ -71,7 +71,7 @@ public:
             hole = (hole + 1) & mask();
         }
         --size_;
-        // Moves up what a search would not find any more past the hole.
+        // Moves records up that a search would not find past the hole.
         for (std::size_t at = (hole + 1) & mask(); slots_[at] != 0; at = (at + 1) & mask()) {
             const std::size_t first = home(hash_of((slots_[at] & ~tag_mask) - 1));
             if (((at - first) & mask()) >= ((at - hole) & mask())) {
@@ -101,7 +101,7 @@ private:
         return static_cast<std::uint32_t>(hash >> 32U) & tag_mask;
     }
     [[nodiscard]] std::size_t mask() const { return slots_.size() - 1; }
-    /// Where the search for a hash begins.
+    /// Returns the slot where the search for a hash begins.
     [[nodiscard]] std::size_t home(std::uint64_t hash) const
     {
         return static_cast<std::size_t>(hash) & mask();

@@ -11,7 +11,7 @@ namespace busbar::model {
 
 namespace {
 
-/// The BrowseName that instances of an AddIn's type have.
+/// Returns the BrowseName for instances of an AddIn's type.
 Result<QualifiedName> default_name_of(const SpaceReader& space, NodeIndex type)
 {
     const QualifiedName property{0, "DefaultInstanceBrowseName"};
@@ -33,7 +33,7 @@ Result<QualifiedName> default_name_of(const SpaceReader& space, NodeIndex type)
 std::size_t memory_of(const SpaceReader& space, NodeIndex node)
 {
     constexpr std::size_t record_and_slots = 256;
-    // What is decoded is larger than its encoding, by no more than the headers of its fields.
+    // A decoded value exceeds its encoding by no more than the headers of its fields.
     constexpr std::size_t bytes_per_encoded_byte = 8;
     binary::CountingSink sink;
     binary::Writer writer{sink};

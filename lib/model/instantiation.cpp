@@ -61,7 +61,7 @@ Result<void> Instantiation::complete(NodeIndex instance, NodeIndex type)
     return done;
 }
 
-/// The sources followed by the type and what is above it, in a scope of their own.
+/// Returns the sources followed by the type and its supertypes, in a new scope.
 std::vector<DeclarationSource> Instantiation::with_types(std::vector<DeclarationSource> sources,
                                                          NodeIndex type)
 {

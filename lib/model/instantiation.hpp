@@ -14,21 +14,21 @@
 
 namespace busbar::model::detail {
 
-/// What a reference takes at both ends, in lists that grow.
+/// Memory of a reference at both ends, in growing lists.
 inline constexpr std::size_t bytes_per_reference = 64;
 
-/// The child that a hierarchical reference leads to, no_node if there is none of the name.
+/// Returns the child of a hierarchical reference, no_node if there is none of this name.
 [[nodiscard]] NodeIndex child_of(const SpaceReader& space, NodeIndex parent,
                                  const QualifiedName& name);
 
-/// The NodeId of a new child of that name.
+/// Returns the NodeId of a new child with this name.
 [[nodiscard]] NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name,
                               InstanceIds ids);
 
-/// A new child with that name and an id_below the parent.
+/// Returns a new child with this name and an id_below the parent.
 [[nodiscard]] NewNode child_node(AddressSpace& space, NodeIndex parent, const QualifiedName& name);
 
-/// The instance's member with that name, which is added if its type has it as Optional.
+/// Returns the instance's member with this name, which is added if its type has it as Optional.
 [[nodiscard]] Result<NodeIndex> optional_member(AddressSpace& space, NodeIndex instance,
                                                 const char* name);
 
@@ -41,7 +41,7 @@ public:
     }
 
     [[nodiscard]] Result<NodeIndex> create(const NewNode& node, NodeIndex type);
-    /// Adds the members of `type`, an Interface or that of the instance, that are not there.
+    /// Adds the missing members of `type`, an Interface or the type of the instance.
     [[nodiscard]] Result<void> complete(NodeIndex instance, NodeIndex type);
     [[nodiscard]] Result<void> extend(NodeIndex object, NodeIndex interface_type);
 
@@ -62,10 +62,10 @@ private:
     [[nodiscard]] Result<NodeIndex> copy(NodeIndex parent, const DeclaredMember& member,
                                          const std::string& path);
     [[nodiscard]] Result<void> copy_arguments(NodeIndex method, const DeclaredMember& member);
-    /// `type` is the new node's, no_node for a Method.
+    /// `type` is the new node's type, no_node for a Method.
     [[nodiscard]] Result<void> copy_node(NodeIndex parent, NodeIndex declaration, NodeIndex type,
                                          NodeIndex reference_type, NodeIndex& created);
-    /// The type of the member at that BrowsePath, or no_node if none fits.
+    /// Returns the type of the member at this BrowsePath, or no_node if none fits.
     [[nodiscard]] NodeIndex type_of(NodeIndex declaration, const std::string& path) const;
     [[nodiscard]] bool can_be_made(const DeclaredMember& member, const std::string& path) const;
     [[nodiscard]] Result<void> add_other_references();

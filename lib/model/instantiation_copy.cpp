@@ -41,7 +41,7 @@ NewVariable variable_like(const SpaceReader& space, NodeIndex like)
     return variable;
 }
 
-/// The texts of the declaration where they say more than its BrowseName.
+/// Copies the declaration's texts if they differ from its BrowseName.
 void copy_texts(const SpaceReader& space, NodeIndex from, NewNode& to)
 {
     const LocalizedText name = space.display_name(from);
@@ -95,14 +95,15 @@ Result<NodeIndex> Instantiation::create_variable(const NewNode& node, NodeIndex 
     variable.type_definition = space_.node_id(type);
     const VariableAttributes allowed = space_.variable(type);
     const NodeIndex data_type = space_.find(variable.data_type);
-    // Part 3, 5.6.5: a Variable's DataType and ValueRank are those of its type or narrower.
+    // Part 3, 5.6.5: a Variable's DataType and ValueRank are equal to or narrower than those of its
+    // type.
     const bool fits =
         rank_is_within(variable.value_rank, allowed.value_rank) &&
         (allowed.data_type == no_node || space_.is_subtype_of(data_type, allowed.data_type));
     return fits ? space_.add_variable(node, variable) : fail(status::Bad_NodeAttributesInvalid);
 }
 
-/// Creates what the member declares below `parent`, or has it share a Method.
+/// Creates the declared member below `parent`, or shares a Method.
 Result<NodeIndex> Instantiation::copy(NodeIndex parent, const DeclaredMember& member,
                                       const std::string& path)
 {
@@ -136,7 +137,7 @@ NodeIndex Instantiation::type_of(NodeIndex declaration, const std::string& path)
     return declared;
 }
 
-/// False for a member of an abstract type that the caller chose no other for.
+/// Returns false for a member of an abstract type for which the caller chose no other.
 bool Instantiation::can_be_made(const DeclaredMember& member, const std::string& path) const
 {
     if (space_.node_class(member.declaration()) == NodeClass::Method) {
@@ -288,7 +289,7 @@ Result<void> Instantiation::add_other_references()
     return {};
 }
 
-/// Adds the reference unless it is there.
+/// Adds the reference unless it exists.
 Result<void> Instantiation::reference(NodeIndex source, NodeIndex type, NodeIndex target)
 {
     const NodeId type_id = space_.node_id(type);

@@ -11,14 +11,14 @@
 
 namespace busbar::model::detail {
 
-/// Remembers what happens to nodes that have a NodeVersion, for ModelChangeEvents (Part 3, 9.32).
-/// Costs a look into an empty table where no node has one.
+/// Records changes of nodes that have a NodeVersion, for ModelChangeEvents (Part 3, 9.32). If no
+/// node has one it costs a look into an empty table.
 class Journal {
 public:
-    /// `node` got the property NodeVersion, or loses it.
+    /// `node` has got, or loses, the property NodeVersion.
     void begin(NodeIndex node, NodeIndex property) { versioned_[node] = {property}; }
     void end(NodeIndex node) { versioned_.erase(node); }
-    /// The property, no_node if the node has none.
+    /// Returns the property, no_node if the node has none.
     [[nodiscard]] NodeIndex property_of(NodeIndex node) const;
 
     template <typename Visit>
@@ -29,8 +29,7 @@ public:
         }
     }
 
-    /// Adds the bits to what has happened to a node that has a NodeVersion. `describe` fills in
-    /// who it is.
+    /// Adds the bits to the changes of a node that has a NodeVersion. `describe` fills in its ids.
     template <typename Describe>
     void note(NodeIndex node, unsigned verb, Describe describe)
     {
@@ -50,7 +49,7 @@ public:
                 describe(made);
                 changes.push_back(std::move(made));
             });
-            if (thrown.is_bad()) { // what has happened to the node has happened all the same
+            if (thrown.is_bad()) { // the change has happened nevertheless
                 pending_.is_complete = false;
                 return;
             }
@@ -70,7 +69,7 @@ private:
 
     struct Versioned {
         NodeIndex property{no_node};
-        /// Of its entry among the pending changes, if it got that in this round.
+        /// Index of its entry among the pending changes, if it got that in this round.
         std::size_t place{0};
         std::uint64_t round{0};
     };

@@ -44,7 +44,7 @@ Array<EnumValueType> enum_values_of(const Variant& value)
     return values;
 }
 
-/// The properties that say which values a Variable of a multi-state type may have.
+/// The properties with the values that a Variable of a multi-state type may have.
 struct States {
     NodeIndex strings{no_node};
     NodeIndex values{no_node};

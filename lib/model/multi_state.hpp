@@ -5,7 +5,7 @@
 
 namespace busbar::model::detail {
 
-/// What ValueAsText says of the value: null for an array and for a value without text (Part 8,
+/// Returns the ValueAsText of the value: null for an array and for a value without text (Part 8,
 /// 5.3.3.4).
 [[nodiscard]] LocalizedText text_of(const Variant& value, const Array<EnumValueType>& enum_values);
 

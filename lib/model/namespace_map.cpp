@@ -56,7 +56,7 @@ private:
             apply(field.data_type);
         }
     }
-    /// The structure in a binary body, with its indices replaced.
+    /// Returns the structure in a binary body, with its indices replaced.
     template <typename T>
     void apply_inside(ExtensionObject& object) const
     {

@@ -21,13 +21,13 @@ public:
         const auto found = indices_.find(uri);
         return found == indices_.end() ? std::nullopt : std::optional{found->second};
     }
-    /// There are fewer than 65,536 before. Of equal ones the first is found.
+    /// Requires fewer than 65,536 entries. Of equal ones the first is found.
     void add(std::string_view uri)
     {
         indices_.try_emplace(std::string{uri}, static_cast<std::uint16_t>(uris_.size()));
         uris_.emplace_back(uri);
     }
-    /// Takes back what was added last.
+    /// Removes the last entries.
     void shrink(std::size_t size)
     {
         for (; uris_.size() > size; uris_.pop_back()) {

@@ -13,11 +13,11 @@
 
 namespace busbar::model::detail {
 
-/// The attributes that few nodes have, by node. Every Read asks for each of its nodes, most of
+/// The attributes that few nodes have, by node. Every Read looks up each of its nodes, most of
 /// which have none: that takes a look at one bit.
 class NodeAccessTable {
 public:
-    /// Null if there is none; valid until the node gets another one.
+    /// Returns null if there is none; valid until the node gets another one.
     [[nodiscard]] const NodeAccess* find(NodeIndex node) const
     {
         const std::uint32_t index = number(node);
@@ -31,7 +31,7 @@ public:
     {
         share(node, std::make_shared<const NodeAccess>(std::move(access)));
     }
-    /// One for many nodes: of those of namespace 0 most have one of a few.
+    /// Shares one entry for many nodes: most nodes of namespace 0 have one of a few.
     void share(NodeIndex node, std::shared_ptr<const NodeAccess> access)
     {
         const std::uint32_t index = number(node);
@@ -58,7 +58,7 @@ private:
         return std::uint64_t{1} << (index % word_bits);
     }
 
-    /// As long as the last node with an entry needs.
+    /// As long as the last node with an entry requires.
     std::vector<std::uint64_t> has_one_;
     std::unordered_map<std::uint32_t, std::shared_ptr<const NodeAccess>> entries_;
 };

@@ -32,7 +32,7 @@ NodeId plcopen_node(const SpaceReader& space, std::uint32_t number)
     return node == no_node ? NodeId{} : space.node_id(node);
 }
 
-/// The member of a configuration or resource that has things of one kind.
+/// Returns the member of a configuration or resource that contains objects of one kind.
 Result<NodeIndex> collection(AddressSpace& space, NodeIndex owner, std::uint32_t type,
                              const char* name)
 {
@@ -42,7 +42,7 @@ Result<NodeIndex> collection(AddressSpace& space, NodeIndex owner, std::uint32_t
     return detail::optional_member(space, owner, name);
 }
 
-/// What a type declares is there in each instance.
+/// A member that a type declares exists in each instance.
 Result<NodeIndex> declared(AddressSpace& space, NodeIndex unit, const Result<NodeIndex>& node)
 {
     if (node && space.node_class(unit) == NodeClass::ObjectType) {

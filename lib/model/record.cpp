@@ -19,7 +19,7 @@ std::string_view as_text(std::span<const std::byte> bytes)
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The bytes of the identifier that go into the text block; none for a number.
+/// Returns the bytes of the identifier that go into the text block; none for a number.
 std::string_view identifier_text(const NodeId& id)
 {
     switch (id.id_type()) {

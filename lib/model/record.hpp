@@ -40,18 +40,18 @@ struct Entry {
 struct ReferenceList {
     Array<Entry> entries;
     std::uint32_t holes{0};
-    /// How many are not to children whose parent is this node.
+    /// Number of references that are not to children whose parent is this node.
     std::uint32_t others{0};
 };
 
-/// What a kept value has beside the value itself.
+/// The properties of a kept value in addition to the value itself.
 struct ValueQuality {
     DateTime source_timestamp;
     StatusCode status;
     std::uint16_t source_picoseconds{0};
 };
 
-/// What few dynamic nodes have.
+/// The data that few dynamic nodes have.
 struct Extra {
     LocalizedText display_name;
     LocalizedText description;
@@ -60,13 +60,13 @@ struct Extra {
     Variant value;
     ValueQuality quality;
     ExtensionObject definition;
-    /// Of a type: the dynamic types from the first one below a constant type down to itself.
+    /// For a type: the dynamic types from the first one below a constant type down to itself.
     std::vector<NodeIndex> chain;
-    /// Of a type: the nearest constant supertype.
+    /// For a type: the nearest constant supertype.
     NodeIndex constant_base{no_node};
 };
 
-/// The rest of a dynamic node: its name, and where it lies.
+/// The rest of a dynamic node: its name and its place.
 struct NodeLinks {
     std::uint32_t name_offset{0};
     std::uint32_t name_size{0};
@@ -77,15 +77,14 @@ struct NodeLinks {
     std::unique_ptr<ReferenceList> references;
 };
 
-/// A dynamic node: what finds it by its NodeId and what a Read of its Value needs, which a
-/// processor has with one line of its memory. The text block has the identifier of a String or
-/// Opaque NodeId (the 16 bytes of a Guid) and the BrowseName, which shares bytes with the
-/// identifier where that ends with it.
+/// A dynamic node: the data to find it by its NodeId and to read its Value, which fits in one cache
+/// line. The text block has the identifier of a String or Opaque NodeId (the 16 bytes of a Guid)
+/// and the BrowseName, which shares bytes with the identifier if that ends with it.
 struct alignas(64) NodeRecord {
     std::uint32_t generation{0};
     std::uint16_t id_namespace{0};
     std::uint16_t browse_namespace{0};
-    /// A NodeClass; 0 for a record that is free.
+    /// A NodeClass; 0 for a free record.
     std::uint8_t class_bits{0};
     IdType id_type{IdType::Numeric};
     std::uint8_t flags{0};
@@ -104,12 +103,12 @@ struct alignas(64) NodeRecord {
 
     [[nodiscard]] bool is_free() const { return class_bits == 0; }
     [[nodiscard]] NodeClass node_class() const { return NodeClass{class_bits}; }
-    /// Its BrowseName; borrowed.
+    /// Returns its BrowseName; borrowed.
     [[nodiscard]] std::string_view name(const NodeLinks& links) const
     {
         return {text.get() + links.name_offset, links.name_size};
     }
-    /// The identifier; borrowed.
+    /// Returns its identifier; borrowed.
     [[nodiscard]] NodeId node_id() const;
     /// Sets identifier and BrowseName. Both must be new.
     void set_names(const NodeId& id_of_node, const QualifiedName& browse_name, NodeLinks& links);
@@ -119,7 +118,7 @@ struct alignas(64) NodeRecord {
 
 static_assert(sizeof(NodeRecord) == 64);
 
-/// What was set of a constant node at run time.
+/// Changes of a constant node at run time.
 struct Overlay {
     ReferenceList references;
     Variant value;

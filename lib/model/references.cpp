@@ -13,8 +13,8 @@ using detail::Tables;
 
 namespace {
 
-/// Looked up at the end that has fewer, since a folder may have very many. Both ends have it but
-/// for HasModellingRule, whose inverse is not kept.
+/// Searches the end that has fewer references, since a folder may have very many. Both ends have
+/// them except for HasModellingRule, whose inverse is not kept.
 bool has_reference(const SpaceReader& space, NodeIndex source, NodeIndex type, NodeIndex target)
 {
     const ReferenceCursor forward = space.references(source);
@@ -126,7 +126,7 @@ NodeIndex SpaceReader::next_instance(NodeIndex type, NodeIndex& from, std::size_
             return no_node;
         }
         --visits;
-        if (type_definition(NodeIndex{at}) == type) { // none has one that is free
+        if (type_definition(NodeIndex{at}) == type) { // a free record has no type definition
             from = NodeIndex{at + 1};
             return NodeIndex{at};
         }
@@ -144,7 +144,7 @@ std::size_t SpaceReader::for_each_child(NodeIndex parent, NodeIndex type, bool i
         return include_subtypes ? is_subtype_of(reference, type) : reference == type;
     };
     bool goes_on = true;
-    // The children that were added below `parent` are found by name, however many they are.
+    // Children that were added below `parent` are found by name, however many there are.
     static_cast<void>(tables.find_child(parent, name, [&](NodeIndex child) {
         if (fits(tables.links(child).parent_reference)) {
             goes_on = visit(child);
@@ -186,7 +186,7 @@ Result<void> AddressSpace::add_reference(NodeIndex source, const NodeId& type, N
         is_abstract(reference_type)) {
         return fail(status::Bad_ReferenceTypeIdInvalid);
     }
-    // Both are one for each node and come with it (Part 3, 7.10 and 7.13).
+    // Each node has one of both from its creation (Part 3, 7.10 and 7.13).
     if (is_subtype_of(reference_type, detail::id_has_subtype) ||
         is_subtype_of(reference_type, detail::id_has_type_definition)) {
         return fail(status::Bad_ReferenceNotAllowed);

@@ -29,7 +29,7 @@ Result<std::string> to_text(const RelativePath& path, const SpaceReader& space)
 NodeIndex find_reference_type(const SpaceReader& space, const QualifiedName& name)
 {
     std::vector<NodeIndex> types{space.find(id::References)};
-    // A tree: each type has one supertype, so none comes twice.
+    // A tree: each type has one supertype, so none appears twice.
     for (std::size_t i = 0; i < types.size() && types[i] != no_node; ++i) {
         if (space.browse_name(types[i]) == name) {
             return types[i];

@@ -60,7 +60,7 @@ private:
         const auto bytes = binary::to_bytes(value);
         return bytes ? hash_of(*bytes) : 0;
     }
-    /// Asked for again with each reference.
+    /// Each reference asks for it again.
     [[nodiscard]] std::uint64_t of_id(NodeIndex node)
     {
         const auto [known, is_new] = ids_.try_emplace(node, 0);

@@ -7,11 +7,12 @@
 
 namespace busbar::model::detail {
 
-/// A hash over the nodes of one namespace, or of all: their attributes, values and references.
+/// Returns a hash of the nodes of one namespace, or of all: their attributes, values and
+/// references.
 ///
 /// Two AddressSpaces with equal nodes have equal hashes, whatever the order of their nodes and
-/// namespaces is; but bodies of structures count as the bytes they are, with the namespace indices
-/// in them. For tests: it is no protection against intent.
+/// namespaces is; but bodies of structures are hashed as bytes, including the namespace indices in
+/// them. For tests: it does not protect against intent.
 [[nodiscard]] std::uint64_t space_hash(const SpaceReader& space,
                                        std::optional<std::uint16_t> only = std::nullopt);
 

@@ -14,7 +14,7 @@ void StructureBodies::map(ExtensionObject& object, std::span<const std::uint16_t
     }
 }
 
-/// What a field holds still fits when it is mapped, so that setting it does not fail.
+/// The content of a field still fits after mapping, so that setting it does not fail.
 void StructureBodies::map(binary::DynamicValue& structure, std::span<const std::uint16_t> map) const
 {
     const auto replace = [&](std::size_t field, const auto& held, auto map_content) {

@@ -7,9 +7,9 @@
 
 namespace busbar::model::detail {
 
-/// Reads bodies by the DataTypeDefinitions of an address space, whose NodeIds are those that the
-/// values have once they are mapped. They are compiled for the first body only; a body whose
-/// definition is not known stays as it is.
+/// Reads bodies by the DataTypeDefinitions of an address space, whose NodeIds are those of the
+/// mapped values. They are compiled for the first body only; a body whose definition is unknown
+/// stays unchanged.
 class StructureBodies final : public BodyMap {
 public:
     /// `space` must outlive this.

@@ -152,7 +152,7 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
     }};
     node.set_names(id, name, links_at(number_of_record));
     undo.keep();
-    // Nothing fails from here on.
+    // From here on nothing can fail.
     if (is_reused) {
         first_free = next_free;
         --free_count;
@@ -219,7 +219,8 @@ void Tables::destroy(NodeIndex node)
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
     access.erase(node);
     translations.erase(node);
-    // The last source before none is a server's own: its values are looked up when they are read.
+    // The last source before no_source belongs to the server: its values are looked up when they
+    // are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
     record(node) = NodeRecord{};
     links(node) = NodeLinks{};

@@ -20,7 +20,7 @@
 
 namespace busbar::model::detail {
 
-// Nodes of namespace 0 that the rules of the address space name.
+// Nodes of namespace 0 that the rules of the address space refer to.
 inline constexpr std::uint32_t id_structure = id::Structure;
 inline constexpr std::uint32_t id_base_data_type = id::BaseDataType;
 inline constexpr std::uint32_t id_hierarchical_references = id::HierarchicalReferences;
@@ -37,7 +37,7 @@ inline constexpr std::uint32_t id_base_variable_type = id::BaseVariableType;
 inline constexpr std::uint32_t id_property_type = id::PropertyType;
 inline constexpr std::uint32_t id_argument = id::Argument;
 
-/// What a table of constant nodes says, with the namespace indices that `map` has for its own.
+/// Returns an entry of a table of constant nodes, with its namespace indices mapped by `map`.
 [[nodiscard]] NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,
                                      std::span<const std::uint16_t> map);
 
@@ -56,8 +56,7 @@ struct Tables {
     NamespaceTable namespaces;
     std::vector<std::unique_ptr<Block>> blocks;
     std::uint32_t record_count{0};
-    /// Each free record has the number of the next one as its id, so that none is freed in vain for
-    /// want of memory.
+    /// Each free record has the number of the next one as its id, so that freeing needs no memory.
     std::uint32_t first_free{IndexTable::none};
     std::uint32_t free_count{0};
     IndexTable by_id;
@@ -65,7 +64,7 @@ struct Tables {
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
     NodeAccessTable access;
     Translations translations;
-    /// By namespace; may be shorter.
+    /// Indexed by namespace; may be shorter.
     std::vector<std::uint16_t> namespace_restrictions;
     std::vector<Array<RolePermissionType>> namespace_permissions;
     Journal journal;
@@ -76,7 +75,7 @@ struct Tables {
     std::uint64_t type_count{0};
     std::uint32_t next_generation{0};
     std::vector<std::uint32_t> next_numeric_ids;
-    // Looked up once, since each new node asks for them.
+    // Looked up once, since each new node needs them.
     NodeIndex hierarchical_references;
     NodeIndex has_type_definition;
     NodeIndex has_subtype;
@@ -130,21 +129,22 @@ struct Tables {
     {
         return constants->text.substr(at.offset, at.size);
     }
-    /// The node of an entry of a static table that may lie past the last node.
+    /// Returns the node of an entry of a static table that may be past the last node.
     [[nodiscard]] NodeIndex target(std::uint32_t node_or_external) const
     {
         return node_or_external < constant_count ? NodeIndex{node_or_external} : no_node;
     }
-    /// Its NodeId; borrowed.
+    /// Returns its NodeId; borrowed.
     [[nodiscard]] NodeId id_of(NodeIndex node) const;
     [[nodiscard]] NodeIndex find_constant(std::uint32_t numeric_id) const;
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     /// See SpaceReader.
     void fetch_nodes(std::span<const NodeId* const> ids) const;
     void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
-    /// What a Read needs of these nodes, of which none need exist.
+    /// Prefetches what a Read needs of these nodes; they may be missing.
     void fetch_nodes(std::span<const NodeHandle> handles) const;
-    /// The first child of that name which was added below `parent` and for which `match` is true.
+    /// Returns the first child with this name that was added below `parent` and for which `match`
+    /// returns true.
     template <typename Match>
     [[nodiscard]] NodeIndex find_child(NodeIndex parent, const QualifiedName& name,
                                        Match match) const
@@ -172,27 +172,27 @@ struct Tables {
         return [this](std::uint32_t record_number) { return name_hash(record_number); };
     }
 
-    /// A new record with these names that is linked to nothing yet.
+    /// Creates a record with these names that is linked to nothing yet.
     [[nodiscard]] NodeIndex create(const NodeId& id, const QualifiedName& name,
                                    NodeClass node_class);
     /// Makes `child`, a record, a child of `parent`.
     void link(NodeIndex parent, NodeIndex reference_type, NodeIndex child);
-    /// Makes `type`, a new record, known as a subtype of `supertype`; of nothing if that is
+    /// Makes the new record `type` known as a subtype of `supertype`; of nothing if that is
     /// no_node.
     void place_type(NodeIndex type, NodeIndex supertype);
-    /// Takes the record out of its parent's list.
+    /// Removes the record from its parent's list.
     void unlink(NodeIndex child);
     void destroy(NodeIndex node);
     void add_entry(NodeIndex node, const Entry& entry);
-    /// False if the entry is not there.
+    /// Returns false if the entry does not exist.
     bool remove_entry(NodeIndex node, const Entry& entry);
-    /// Notes in the journal what happened to the node, with bits of ModelChangeStructureVerbMask.
+    /// Records a change of the node in the journal, with bits of ModelChangeStructureVerbMask.
     void note(NodeIndex node, unsigned verb);
-    /// The number of a free numeric NodeId of the namespace.
+    /// Returns an unused numeric NodeId of the namespace.
     [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
 
 private:
-    /// A node that is looked for: its hash, and the record that it likely has.
+    /// A node that is searched: its hash, and the record that it likely has.
     struct Sought {
         std::uint64_t hash{0};
         std::uint32_t record{IndexTable::none};

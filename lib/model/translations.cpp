@@ -18,15 +18,15 @@ std::string_view language_of(std::string_view locale)
     return locale.substr(0, locale.find('-'));
 }
 
-/// Part 4, 5.7.3: the locale itself, or at least its language.
+/// Part 4, 5.7.3: compares the locale itself, or at least its language.
 bool fits(std::string_view locale, std::string_view wanted, bool is_exact)
 {
     return is_exact ? is_same_locale(locale, wanted)
                     : !locale.empty() && is_same_locale(language_of(locale), language_of(wanted));
 }
 
-/// The text that comes first in the order of `locales`; null if that is `first`, or if there is
-/// none in any of them.
+/// Returns the text that comes first in the order of `locales`; null if that is `first`, or if
+/// there is none in any of them.
 const LocalizedText* best(const LocalizedText& first, std::span<const Translation> further,
                           AttributeId attribute, std::span<const std::string> locales)
 {
@@ -50,7 +50,7 @@ const LocalizedText* best(const LocalizedText& first, std::span<const Translatio
     return nullptr;
 }
 
-/// A copy of its own; what is empty becomes null.
+/// Returns a copy that owns its texts; an empty text becomes null.
 LocalizedText owned(const LocalizedText& text)
 {
     return {text.locale.empty() ? String{} : String{text.locale.view()},
@@ -147,7 +147,7 @@ void Translations::put(NodeIndex node, std::vector<Translation> texts)
 
 namespace {
 
-/// The text of the attribute that stands for all locales without one of their own.
+/// Returns the text of the attribute for all locales without one of their own.
 LocalizedText first_text(const SpaceReader& space, NodeIndex node, AttributeId attribute)
 {
     const Variant value = attribute == AttributeId::Value
@@ -157,7 +157,7 @@ LocalizedText first_text(const SpaceReader& space, NodeIndex node, AttributeId a
     return text == nullptr ? LocalizedText{} : detail::owned(*text);
 }
 
-/// Not the InverseName of a constant node.
+/// Must not be called for the InverseName of a constant node.
 void set_first(detail::Tables& tables, NodeIndex node, AttributeId attribute, LocalizedText text)
 {
     if (tables.is_constant(node)) {

@@ -27,23 +27,24 @@ struct Translation {
     return busbar::detail::is_same_ignoring_case(a, b);
 }
 
-/// Texts in further locales than the first, which few nodes have, by node.
+/// Texts in further locales than the first, by node; few nodes have any.
 class Translations {
 public:
     [[nodiscard]] bool empty() const { return entries_.empty(); }
-    /// Of all its attributes, in the order they came; valid until one of the node changes.
+    /// The texts of all its attributes, in the order of addition; valid until one of the node
+    /// changes.
     [[nodiscard]] std::span<const Translation> of(NodeIndex node) const;
-    /// Adds or replaces the text of its locale.
+    /// Adds or replaces the text in its locale.
     void set(NodeIndex node, AttributeId attribute, LocalizedText text);
-    /// Takes out the text that is first now; null if there is none.
+    /// Removes and returns the first text; null if there is none.
     [[nodiscard]] LocalizedText take_first(NodeIndex node, AttributeId attribute);
     void erase(NodeIndex node, AttributeId attribute, std::string_view locale);
     void erase(NodeIndex node, AttributeId attribute);
     void erase(NodeIndex node) { entries_.erase(number(node)); }
-    /// Takes out all that the node has; `put` brings them back.
+    /// Removes and returns all texts of the node; `put` restores them.
     [[nodiscard]] std::vector<Translation> take(NodeIndex node);
     void put(NodeIndex node, std::vector<Translation> texts);
-    /// All that were ever set, each once.
+    /// All locales that were ever set, each once.
     [[nodiscard]] std::span<const std::string> locales() const { return locales_; }
 
 private:

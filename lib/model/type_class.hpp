@@ -2,7 +2,7 @@
 
 namespace busbar::model::detail {
 
-/// True for the NodeClasses of types (Part 3, 5.9), be it as a service has them or as a file does:
+/// True for the NodeClasses of types (Part 3, 5.9), for the enumerations of services and of files:
 /// both give each NodeClass the same bit (Part 3, 8.29).
 template <typename NodeClass>
 [[nodiscard]] constexpr bool is_type(NodeClass node_class)

@@ -23,11 +23,11 @@ constexpr std::uint32_t signed_bits = bit(BuiltInType::SByte) | bit(BuiltInType:
                                       bit(BuiltInType::Int32) | bit(BuiltInType::Int64);
 constexpr std::uint32_t unsigned_bits = bit(BuiltInType::Byte) | bit(BuiltInType::UInt16) |
                                         bit(BuiltInType::UInt32) | bit(BuiltInType::UInt64);
-/// Decimal, a Number, is a structure on the wire (Part 6, 5.1.10).
+/// Decimal, a Number, is encoded as a structure (Part 6, 5.1.10).
 constexpr std::uint32_t number_bits = signed_bits | unsigned_bits | bit(BuiltInType::Float) |
                                       bit(BuiltInType::Double) | bit(BuiltInType::ExtensionObject);
 
-/// What StaticType::built_in has for the DataType, 0 for anything else.
+/// Returns StaticType::built_in of the DataType, 0 for other nodes.
 std::uint8_t static_built_in(const Tables& tables, NodeIndex data_type)
 {
     if (data_type == no_node) {
@@ -67,7 +67,8 @@ bool fits_rank(std::int32_t dimensions, std::int32_t rank)
     }
 }
 
-/// Each dimension is at most as long as the attribute says; 0 says nothing (Part 3, 5.6.2).
+/// Checks that each dimension is at most as long as the attribute allows; 0 means no limit (Part 3,
+/// 5.6.2).
 bool fits_dimensions(const Variant& value, std::span<const std::uint32_t> limits)
 {
     if (!value.is_array() || limits.empty()) {
@@ -88,7 +89,7 @@ bool fits_dimensions(const Variant& value, std::span<const std::uint32_t> limits
     return true;
 }
 
-/// The DataType whose encoding is `encoding`.
+/// Returns the DataType whose encoding is `encoding`.
 NodeIndex described_by(const SpaceReader& space, NodeIndex encoding)
 {
     const NodeIndex has_encoding = space.find(detail::id_has_encoding);
@@ -230,7 +231,7 @@ StatusCode SpaceReader::check_value(const Variant& value, NodeIndex data_type,
     }
     if (const auto* const bytes = value.get_if<ByteString>();
         bytes != nullptr && types == bit(BuiltInType::Byte) && fits_rank(1, value_rank)) {
-        // Part 4, 5.11.4.2: to be accepted as an array of Byte.
+        // Part 4, 5.11.4.2: it is accepted as an array of Byte.
         const bool fits = array_dimensions.size() != 1 || array_dimensions[0] == 0 ||
                           bytes->size() <= array_dimensions[0];
         return fits ? status::Good : status::Bad_TypeMismatch;

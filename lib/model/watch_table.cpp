@@ -59,8 +59,8 @@ void WatchTable::remove(NodeWatch& watch)
     }
 }
 
-/// Those that are to be told leave the table first: what is called may take any of them out, and
-/// what it adds is not told.
+/// The watches to be notified leave the table first: a notified watch may remove any of them, and
+/// watches that it adds are not notified.
 void WatchTable::tell(std::uint64_t key, bool is_removed)
 {
     const auto found = watches_.find(key);

@@ -10,8 +10,8 @@
 
 namespace busbar::model::detail {
 
-/// Who watches which node. Nodes that nobody watches cost nothing, and a change of one costs a look
-/// into the table.
+/// The watches of nodes. Nodes without a watch cost nothing, and a change of one costs a look into
+/// the table.
 class WatchTable {
 public:
     WatchTable() = default;
@@ -29,7 +29,7 @@ public:
         }
     }
     void tell_removed(NodeIndex node);
-    /// Tells of the Binding of all nodes that `is_meant` is true for.
+    /// Notifies the Binding watches of all nodes for which `is_meant` returns true.
     void tell_bindings(FunctionRef<bool(NodeIndex)> is_meant);
 
 private:
@@ -43,7 +43,7 @@ private:
     static void put_in_front(NodeWatch*& first, NodeWatch& watch);
     static void take_out(NodeWatch& watch);
 
-    /// The first of each node and aspect, never null.
+    /// The first watch of each node and aspect, never null.
     std::unordered_map<std::uint64_t, NodeWatch*> watches_;
 };
 

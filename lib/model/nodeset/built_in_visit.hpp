@@ -7,8 +7,8 @@
 
 namespace busbar::nodeset {
 
-/// Calls `function` with the std::type_identity of the built-in type and gives what it gives; with
-/// that of Variant for Null and DiagnosticInfo, of which no value is in a file.
+/// Calls `function` with the std::type_identity of the built-in type and returns its result; with
+/// that of Variant for Null and DiagnosticInfo, whose values no file has.
 template <typename Function>
 decltype(auto) visit_built_in(BuiltInType type, Function function)
 {

@@ -6,7 +6,7 @@ namespace busbar::nodeset {
 
 namespace {
 
-/// The kinds at which the way up the hierarchy ends.
+/// Returns the kind of a root of the type hierarchy.
 Kind final_kind(const NodeId& id)
 {
     if (!id.is_numeric() || id.namespace_index() != 0) {
@@ -176,8 +176,8 @@ FieldForm DataTypeTable::form(const Field& field) const
     case Kind::Structure:
     case Kind::Union:
     case Kind::OptionSetStructure: {
-        // An abstract structure, or one whose subtypes are allowed, says what it is (Part
-        // 6, 5.2.6).
+        // A value of an abstract structure, or of one whose subtypes are allowed, has its type's id
+        // (Part 6, 5.2.6).
         const DataType* const type = find(field.data_type);
         const bool is_open = is_open_structure(field.data_type) || field.allow_sub_types ||
                              type == nullptr || type->is_abstract;

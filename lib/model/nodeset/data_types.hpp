@@ -19,7 +19,7 @@ namespace basic_id = busbar::detail::basic_id;
 /// NodeId of the ReferenceType.
 inline constexpr std::uint32_t has_subtype = basic_id::HasSubtype;
 
-/// What a DataType is on the wire: a built-in type by its id, or one of the kinds behind them.
+/// The encoding of a DataType: a built-in type by its id, or one of the kinds after them.
 enum class Kind : std::uint8_t {
     Unknown = 0,
     // 1 to 25: BuiltInType
@@ -30,7 +30,7 @@ enum class Kind : std::uint8_t {
     Union = 101,
 };
 
-/// What values of a DataType are made of.
+/// The structure of values of a DataType.
 struct DataType {
     NodeId id;
     std::uint16_t name_space{0};
@@ -39,12 +39,12 @@ struct DataType {
     NodeId binary_encoding;
     NodeId xml_encoding;
     bool is_abstract{false};
-    /// The fields are those of the supertypes, too.
+    /// The fields include those of the supertypes.
     bool is_complete{false};
     std::optional<Definition> definition;
 };
 
-/// How a field, or an element of it, is encoded.
+/// The encoding of a field, or of an element of it.
 struct FieldForm {
     enum class Class : std::uint8_t { Unknown, BuiltIn, Enumeration, Structure };
 
@@ -59,30 +59,31 @@ public:
     DataTypeTable() = default;
     explicit DataTypeTable(const Document& document);
 
-    /// Adds a DataType from elsewhere; one that is known already stays.
+    /// Adds a DataType from elsewhere; a known one stays.
     void add(DataType type);
-    /// Says that values of `type` are encoded with `encoding`, be it in XML.
+    /// Sets the encoding of values of `type`, also for XML.
     void add_encoding(const NodeId& type, const NodeId& encoding);
 
     [[nodiscard]] const DataType* find(const NodeId& id) const;
-    /// The DataType that the id of an encoding, or of the DataType itself, stands for.
+    /// Returns the DataType whose encoding, or whose own id, this is.
     [[nodiscard]] const DataType* find_encoded(const NodeId& encoding) const;
-    /// By BrowseName, where nothing better tells which.
+    /// Finds by BrowseName, if nothing better identifies it.
     [[nodiscard]] const DataType* find_named(std::uint16_t name_space, std::string_view name) const;
     [[nodiscard]] const DataType* supertype(const NodeId& id) const;
     /// Resolved along HasSubtype (Part 6, 5.1.2).
     [[nodiscard]] Kind kind(const NodeId& id) const;
     /// The binary encoding; null if there is none.
     [[nodiscard]] NodeId binary_encoding(const NodeId& id) const;
-    /// Of a structure: the supertypes' fields first (Part 3, 8.48). Of anything else its own.
+    /// For a structure including the supertypes' fields, which come first (Part 3, 8.48); for
+    /// others only its own.
     [[nodiscard]] std::vector<const Field*> fields(const NodeId& id) const;
     [[nodiscard]] FieldForm form(const Field& field) const;
-    /// True for a structure whose Definition says Union, or that is below Union.
+    /// True for a structure whose Definition is a Union, or that is below Union.
     [[nodiscard]] bool is_union(const NodeId& id) const;
     /// True for Structure, Union and OptionSet themselves, which stand for any subtype.
     [[nodiscard]] static bool is_open_structure(const NodeId& id);
 
-    /// How many levels of supertypes are looked at.
+    /// Maximum number of levels of supertypes.
     static constexpr unsigned max_levels = 100;
 
 private:

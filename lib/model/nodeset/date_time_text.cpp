@@ -8,7 +8,7 @@ namespace busbar::nodeset {
 
 namespace {
 
-/// Takes numbers and characters off the front of a text; once something is missing it stays bad.
+/// Takes numbers and characters from the front of a text; after a missing one it stays bad.
 class TimeText {
 public:
     explicit TimeText(std::string_view text) : text_{text} {}
@@ -32,7 +32,7 @@ public:
         return is_there;
     }
     void expect(char c) { is_good_ = take(c) && is_good_; }
-    /// The digits after a point in ticks of 100 ns; further ones are cut off.
+    /// Reads the digits after a point in ticks of 100 ns; further ones are cut off.
     [[nodiscard]] std::int64_t fraction()
     {
         std::int64_t ticks = 0;

@@ -18,7 +18,7 @@ struct CloseFile {
     void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }
 };
 
-/// The bytes of a file, or what prevents reading it.
+/// Returns the bytes of a file, or the reason why it cannot be read.
 Expected<std::string, std::string> read_bytes(const std::string& path, std::size_t limit)
 {
     const std::unique_ptr<std::FILE, CloseFile> file{std::fopen(path.c_str(), "rb")};

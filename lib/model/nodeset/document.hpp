@@ -47,15 +47,15 @@ struct LocalizedText {
     std::string text;
 };
 
-/// A text of DisplayName, Description or InverseName behind the first.
+/// A text of DisplayName, Description or InverseName after the first.
 struct FurtherText {
     AttributeId attribute{AttributeId::DisplayName};
     LocalizedText text;
     std::uint32_t line{0};
 };
 
-/// One field of a DataType's Definition (Part 6, F.13). Of an enumeration or an option set, `value`
-/// is the number or the bit.
+/// One field of a DataType's Definition (Part 6, F.13). For an enumeration or an option set,
+/// `value` is the number or the bit.
 struct Field {
     std::string name;
     std::string symbolic_name;
@@ -90,10 +90,10 @@ struct Element {
     bool is_nil{false};
     /// xsi:nil="true".
     bool says_nil{false};
-    /// Of <XmlElement> and <Body>: the XML in it.
+    /// For <XmlElement> and <Body>: the XML in it.
     std::string raw;
 
-    /// The first child of that local name, or null.
+    /// Returns the first child with this local name, or null.
     [[nodiscard]] const Element* child(std::string_view local_name) const;
 };
 
@@ -109,7 +109,7 @@ struct Node {
     LocalizedText display_name;
     LocalizedText description;
     LocalizedText inverse_name;
-    /// Of the three above, in further locales.
+    /// The three texts above in further locales.
     std::vector<FurtherText> further_texts;
     std::vector<Reference> references;
     NodeId parent;
@@ -138,10 +138,10 @@ struct Node {
     // Every NodeClass
     std::uint32_t write_mask{0};
     std::optional<std::uint16_t> access_restrictions;
-    /// Nothing if the node has none of its own; none at all with HasNoPermissions (Part 6, F.3).
+    /// Nothing if the node has none of its own; an empty list for HasNoPermissions (Part 6, F.3).
     std::optional<std::vector<model::NodeSetPermission>> role_permissions;
 
-    /// Where the file has it.
+    /// The file that has it.
     std::uint32_t file{0};
     std::uint32_t line{0};
 };
@@ -152,14 +152,14 @@ using Model = model::NodeSetModel;
 /// One file of a Document.
 struct File {
     std::string name;
-    /// The Document's index of each namespace index of the file.
+    /// The Document's index for each namespace index of the file.
     std::vector<std::uint16_t> namespaces{0};
-    /// What is in the <Extensions> of the file, as XML.
+    /// The content of the file's <Extensions>, as XML.
     std::string extensions;
 };
 
-/// A Problem with a file, at a line of it unless that is 0, and with the node that the file calls
-/// `node` unless that is empty: "tags.xml:17: ns=1;i=5: found NodeId ..., expected ...".
+/// Returns a Problem with a file, at a line of it unless that is 0, and with the node that the file
+/// calls `node` unless that is empty: "tags.xml:17: ns=1;i=5: found NodeId ..., expected ...".
 [[nodiscard]] Problem problem_at(const std::string& file, std::uint32_t line, std::string text,
                                  std::string_view node = {});
 
@@ -167,16 +167,16 @@ struct File {
 class Document {
 public:
     explicit Document(const Limits& limits = {}) : limits_{limits} {}
-    /// Starts with these namespaces, of which the first is OPC UA's own.
+    /// Begins with these namespaces, of which the first is OPC UA's own.
     Document(const Limits& limits, std::vector<std::string> namespaces)
         : limits_{limits}, namespaces_{std::move(namespaces)}
     {
     }
 
-    /// Adds the nodes of the file at `path`. With problems the document keeps what it understood
-    /// and must not be used.
+    /// Adds the nodes of the file at `path`. If it returns problems, the document has what it
+    /// understood and must not be used.
     [[nodiscard]] std::vector<Problem> load_file(const std::string& path);
-    /// The same for text in memory; `name` is used in messages.
+    /// Loads a text in memory; `name` is used in messages.
     [[nodiscard]] std::vector<Problem> load_text(std::string_view text, const std::string& name);
 
     /// Index 0 is "http://opcfoundation.org/UA/"; others in the order in which files name them.
@@ -188,7 +188,7 @@ public:
     [[nodiscard]] const std::vector<File>& files() const { return files_; }
     [[nodiscard]] const Node* find(const NodeId& id) const;
     [[nodiscard]] const Limits& limits() const { return limits_; }
-    /// A Problem with `node`, at a line of its file or, with 0, where it begins.
+    /// Returns a Problem with `node`, at a line of its file or, with 0, where it begins.
     [[nodiscard]] Problem problem(const Node& node, std::string text, std::uint32_t line = 0) const;
 
 private:

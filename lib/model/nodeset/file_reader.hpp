@@ -37,16 +37,16 @@ private:
     Field read_field(const pugi::xml_node& xml);
     void read_value(const pugi::xml_node& xml, Node& node);
     void read_element(const pugi::xml_node& xml, Element& element, std::size_t depth);
-    // What only the file's writer needs again.
+    // Contents that only the file's writer needs.
     void read_extras(const pugi::xml_node& xml, Node& node);
     static void read_kept_attributes(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras);
     void read_kept_elements(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras);
     [[nodiscard]] std::vector<model::NodeSetPermission> read_permissions(const pugi::xml_node& xml);
-    /// Appends the element, or only what is in it, with the prefixes declared that it uses.
+    /// Appends the element, or only its content, with declarations of the prefixes that it uses.
     void keep_xml(const pugi::xml_node& xml, bool with_tag, std::string& to);
 
     [[nodiscard]] NodeId node_id(const pugi::xml_node& where, std::string_view text);
-    /// The attribute as a NodeId, `otherwise` when there is none.
+    /// Returns the attribute as a NodeId, `otherwise` if it is missing.
     [[nodiscard]] NodeId node_id_attribute(const pugi::xml_node& xml, const char* attribute,
                                            const NodeId& otherwise);
     [[nodiscard]] std::uint16_t namespace_of(const pugi::xml_node& where, std::size_t local);
@@ -63,7 +63,7 @@ private:
     void dimensions_attribute(const pugi::xml_node& xml, std::vector<std::uint32_t>& value);
 
     void fail(const pugi::xml_node& where, std::string message);
-    /// Counts one more of `what`; false, with one error, from the limit on.
+    /// Counts one more of `what`; returns false, with one error, beyond the limit.
     [[nodiscard]] bool count(const pugi::xml_node& where, std::size_t& counter, std::size_t limit,
                              const char* what);
     [[nodiscard]] std::uint32_t line_at(std::ptrdiff_t offset) const;

@@ -9,7 +9,7 @@ namespace busbar::nodeset {
 namespace {
 
 /// Attributes of nodes that become attributes and references of the AddressSpace; UserAccessLevel
-/// and the like depend on the user and are not for files any more (Part 6, F.9).
+/// and similar ones depend on the user and are obsolete in files (Part 6, F.9).
 constexpr std::array<std::string_view, 20> known_attributes = {
     "NodeId",
     "BrowseName",
@@ -64,7 +64,7 @@ bool is_namespace_declaration(std::string_view attribute)
     return attribute == "xmlns" || attribute.starts_with("xmlns:");
 }
 
-/// Gives `xml` the declarations of the elements around it, so that it can stand in any NodeSet2
+/// Adds the declarations of the enclosing elements to `xml`, so that it is valid in any NodeSet2
 /// file, whose own namespace is the default there.
 void declare_namespaces(pugi::xml_node xml)
 {

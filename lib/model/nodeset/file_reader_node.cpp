@@ -27,7 +27,7 @@ void FileReader::read_names(const pugi::xml_node& xml, Node& node)
     }
 }
 
-/// The first text of that name; others are in further locales.
+/// Reads the first text with this name; others are in further locales.
 void FileReader::read_text(const pugi::xml_node& xml, const char* element, LocalizedText& text)
 {
     const pugi::xml_node found = child(xml, element);

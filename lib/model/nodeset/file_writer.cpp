@@ -15,7 +15,7 @@ NodeWriter::NodeWriter(const model::SpaceReader& space, std::span<const std::uin
         is_written_[index] = true;
         static_cast<void>(local_(index));
     }
-    // A model that requires one that requires one that is written, and so on.
+    // Include models that require one that requires a written one, and so on.
     bool has_changed = true;
     while (has_changed) {
         has_changed = false;
@@ -45,7 +45,7 @@ std::string NodeWriter::write()
     });
     XmlOut models_out;
     models(models_out);
-    // Comes first in the file and is known last.
+    // First in the file, but known last.
     XmlOut namespaces_out;
     namespaces(namespaces_out);
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"

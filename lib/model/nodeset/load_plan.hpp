@@ -11,7 +11,7 @@
 
 namespace busbar::nodeset {
 
-/// What a NodeId of a document leads to: one of its nodes, or one of the AddressSpace.
+/// The node that a NodeId of a document refers to: one of its nodes, or one of the AddressSpace.
 struct Target {
     const Node* node{nullptr};
     model::NodeIndex index{model::no_node};
@@ -20,7 +20,7 @@ struct Target {
 };
 
 /// Checks that the nodes of a Document can be added to an AddressSpace, whose namespaces come first
-/// in the Document. Finds everything but unreadable values.
+/// in the Document. Finds all errors except unreadable values.
 class LoadPlan {
 public:
     LoadPlan(const Document& document, const model::SpaceReader& space);
@@ -30,7 +30,7 @@ public:
     [[nodiscard]] const std::vector<Problem>& notes() const { return notes_; }
     void add_error(Problem error);
     void add_note(Problem note);
-    /// True for a node of namespace 0 that the AddressSpace has.
+    /// True for a node of namespace 0 that the AddressSpace already has.
     [[nodiscard]] bool is_skipped(const Node& node) const;
     [[nodiscard]] Target find(const NodeId& id) const;
     [[nodiscard]] std::string text(const NodeId& id) const;
@@ -63,7 +63,7 @@ private:
     const model::SpaceReader& space_;
     std::vector<Problem> errors_;
     std::vector<Problem> notes_;
-    /// By position of the node; null where there is none yet.
+    /// By position of the node; null until it is known.
     std::vector<NodeId> supertypes_;
     std::vector<NodeId> type_definitions_;
     std::unordered_map<NodeId, bool> is_hierarchical_;

@@ -19,7 +19,7 @@ const Node* LoadPlan::type_above(const Node& node) const
     return find(supertypes_[position(node)]).node;
 }
 
-/// Known once check_type_levels has found that the ways up end.
+/// Valid once check_type_levels has found that the type hierarchy has no circles.
 bool LoadPlan::is_below(const NodeId& reference_type, std::uint32_t base)
 {
     auto& known = base == hierarchical_references ? is_hierarchical_ : is_has_child_;
@@ -35,7 +35,7 @@ bool LoadPlan::is_below(const NodeId& reference_type, std::uint32_t base)
     return result;
 }
 
-/// No type is above itself, and none too far below.
+/// Checks that no type is above itself, and none too far below.
 void LoadPlan::check_type_levels()
 {
     const std::size_t most = document_.limits().max_type_levels;
@@ -62,7 +62,7 @@ void LoadPlan::check_type_levels()
     }
 }
 
-/// Following HasChild references never leads back to a node (Part 3, 7.5).
+/// Checks that HasChild references never lead back to a node (Part 3, 7.5).
 void LoadPlan::check_circles()
 {
     const auto& nodes = document_.nodes();

@@ -43,7 +43,7 @@ public:
         add_data_types(space, types_);
     }
 
-    /// False, with errors in the plan, if nothing was added.
+    /// Returns false, with errors in the plan, if nothing was added.
     [[nodiscard]] bool run();
     [[nodiscard]] NodeSetSummary summary() const;
 
@@ -88,7 +88,7 @@ bool Loader::run()
             set_access(nodes[i], indices_[i]);
             add_texts(nodes[i], indices_[i]);
         }
-        // A node of namespace 0 that was there may refer to one that was not.
+        // An old node of namespace 0 may refer to a new one.
         add_references(nodes[i], find(nodes[i].id));
     }
     graft_.link();
@@ -223,8 +223,8 @@ void Loader::add_texts(const Node& node, NodeIndex index)
     }
 }
 
-/// Those of a model are for the nodes of its namespace that have none of their own (Part 6, F.5).
-/// Namespace 0 is the server's own matter.
+/// Sets a model's restrictions for the nodes of its namespace that have none of their own (Part 6,
+/// F.5). Those of namespace 0 are the server's decision.
 void Loader::set_restrictions()
 {
     for (const Model& model : document_.models()) {
@@ -246,7 +246,7 @@ void Loader::add_references(const Node& node, NodeIndex index)
     for (const Reference& reference : node.references) {
         const NodeIndex type = find(reference.type);
         const NodeIndex other = find(reference.target);
-        // One that leads nowhere is in the notes.
+        // A reference that leads nowhere is in the notes.
         if (type != model::no_node && other != model::no_node) {
             graft_.add_reference(reference.is_forward ? index : other, type,
                                  reference.is_forward ? other : index);
@@ -254,7 +254,7 @@ void Loader::add_references(const Node& node, NodeIndex index)
     }
 }
 
-/// Published files have values that are not of their Variable's DataType; they are kept.
+/// Published files have values that do not fit their Variable's DataType; they are kept.
 void Loader::note_values()
 {
     for (std::size_t i = 0; i < indices_.size(); ++i) {

@@ -13,7 +13,7 @@ namespace busbar::nodeset {
 
 namespace {
 
-/// "1.5.7" as numbers; a suffix such as "-rc1" does not count. Nothing for any other text.
+/// Reads "1.5.7" as numbers, without a suffix such as "-rc1". Returns nothing for any other text.
 std::optional<std::array<std::uint32_t, 3>> parse_version(std::string_view text)
 {
     std::array<std::uint32_t, 3> version{};
@@ -31,7 +31,7 @@ std::optional<std::array<std::uint32_t, 3>> parse_version(std::string_view text)
     return std::nullopt;
 }
 
-/// True if `there` may stand for `required`. ModelVersions are compared if both have one, else the
+/// True if `there` satisfies `required`. ModelVersions are compared if both have one, else the
 /// dates of publication; Version is for people.
 bool is_recent_enough(const Model& required, const Model& there)
 {
@@ -72,7 +72,7 @@ model::NodeIndex child_named(const model::SpaceReader& space, model::NodeIndex p
     return result;
 }
 
-/// What the AddressSpace's NamespaceMetadata (Part 5, 6.3.14) says of a namespace.
+/// Returns the model that NamespaceMetadata (Part 5, 6.3.14) of the AddressSpace describe.
 Model model_in_space(const model::SpaceReader& space, const std::string& uri)
 {
     Model result;
@@ -124,7 +124,7 @@ std::vector<Problem> missing_models(const Document& document, const model::Space
                 fail("it in no file and not in the address space");
                 continue;
             }
-            // What the AddressSpace has stays; a file cannot replace it.
+            // A file cannot replace the AddressSpace's own model.
             const Model there = is_in_space ? model_in_space(space, required.uri) : *in_files;
             if (!document.limits().accepts_older_models && !is_recent_enough(required, there)) {
                 fail(described(there));

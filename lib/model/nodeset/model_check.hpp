@@ -8,7 +8,7 @@
 
 namespace busbar::nodeset {
 
-/// What the models of a Document require and neither the Document nor the AddressSpace has, or has
+/// Returns the models that a Document requires and that neither it nor the AddressSpace has, or
 /// only in an older version (Part 6, F.5).
 [[nodiscard]] std::vector<Problem> missing_models(const Document& document,
                                                   const model::SpaceReader& space);

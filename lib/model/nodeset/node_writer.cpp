@@ -228,7 +228,7 @@ void NodeWriter::references(model::NodeIndex index)
     out_.end();
 }
 
-/// The fields that the type itself adds; the attribute has those of its supertypes, too.
+/// Writes the fields that the type itself adds; the attribute includes those of its supertypes.
 void NodeWriter::definition(model::NodeIndex index, const model::NodeSetNodeExtras& extras)
 {
     const DataType& type = *types_.find(space_.node_id(index));

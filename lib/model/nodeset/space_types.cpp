@@ -49,7 +49,7 @@ Definition from_enumeration(const EnumDefinition& from)
     return definition;
 }
 
-/// The structure, wherever the ExtensionObject has it.
+/// Returns the structure, in any form of the ExtensionObject.
 template <typename T>
 std::optional<T> body_of(const ExtensionObject& object)
 {

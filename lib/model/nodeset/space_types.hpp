@@ -6,10 +6,10 @@
 
 namespace busbar::nodeset {
 
-/// Adds the DataTypes of an AddressSpace, as their attributes and references describe them.
+/// Adds the DataTypes of an AddressSpace by their attributes and references.
 void add_data_types(const model::SpaceReader& space, DataTypeTable& types);
 
-/// The Definition that a DataTypeDefinition attribute stands for, with the fields of supertypes.
+/// Returns the Definition for a DataTypeDefinition attribute, with the fields of supertypes.
 [[nodiscard]] std::optional<Definition> definition_from(const ExtensionObject& attribute);
 
 } // namespace busbar::nodeset

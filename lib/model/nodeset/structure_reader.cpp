@@ -9,7 +9,7 @@ namespace busbar::nodeset {
 
 namespace {
 
-/// The elements of a structure by name; a long one is not searched again for each field.
+/// The elements of a structure by name, so that a long one is not searched again for each field.
 class FieldElements {
 public:
     explicit FieldElements(const Element& xml) : xml_{xml}
@@ -43,8 +43,8 @@ bool is_absent(const Element* found)
 
 } // namespace
 
-/// The DataType of an ExtensionObject's TypeId, which names the XML encoding or the DataType; of
-/// namespace 0 Busbar has no nodes for XML encodings.
+/// Returns the DataType for an ExtensionObject's TypeId, which names the XML encoding or the
+/// DataType; Busbar has no nodes for XML encodings of namespace 0.
 const DataType* XmlValueReader::structure_type(const Element& xml, const Element& structure)
 {
     NodeId type_id;
@@ -107,7 +107,7 @@ void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml
         return;
     }
     if (types_.kind(type.id) == Kind::OptionSetStructure) {
-        // Its only fields are those of OptionSet; the Definition names the bits (Part 3, 8.40).
+        // It has only the fields of OptionSet; the Definition names the bits (Part 3, 8.40).
         ByteString value = read_child<ByteString>(xml, "Value", depth);
         encode(writer, value);
         encode(writer, read_child<ByteString>(xml, "ValidBits", depth));
@@ -142,8 +142,8 @@ void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml
     }
 }
 
-/// One bit for each optional field, in their order (Part 6, 5.2.7 and 5.3.6); without an
-/// <EncodingMask> the fields that are there.
+/// Returns one bit for each optional field, in their order (Part 6, 5.2.7 and 5.3.6); without an
+/// <EncodingMask> those of the present fields.
 std::uint32_t XmlValueReader::encoding_mask(const Element& xml,
                                             const std::vector<const Field*>& fields)
 {
@@ -169,8 +169,8 @@ std::uint32_t XmlValueReader::encoding_mask(const Element& xml,
     return mask;
 }
 
-/// The <SwitchField> and the field it names (Part 6, 5.2.8 and 5.3.7); without it the one field
-/// that is there.
+/// Encodes the <SwitchField> and the field it names (Part 6, 5.2.8 and 5.3.7); without it the one
+/// present field.
 void XmlValueReader::encode_union(binary::Writer& writer, const Element& xml,
                                   const std::vector<const Field*>& fields, unsigned depth)
 {
@@ -225,7 +225,7 @@ void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, 
     }
 }
 
-/// The dimensions as an array of Int32 and the elements (Part 6, 5.2.5).
+/// Encodes the dimensions as an array of Int32 and the elements (Part 6, 5.2.5).
 void XmlValueReader::encode_matrix(binary::Writer& writer, const Element& xml, const Field& field,
                                    unsigned depth)
 {

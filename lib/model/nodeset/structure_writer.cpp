@@ -21,7 +21,7 @@ struct XmlEncoding {
 /// The XML encodings of namespace 0 that models use most; Busbar has no nodes for them.
 constexpr std::array<XmlEncoding, 3> xml_encodings = {{{296, 297}, {887, 888}, {7594, 7616}}};
 
-/// The id that names the structure in XML: that of its XML encoding if there is one.
+/// Returns the id of the structure in XML: that of its XML encoding if there is one.
 NodeId xml_type_id(const DataType& type)
 {
     if (!type.xml_encoding.is_null()) {
@@ -40,7 +40,7 @@ bool is_binary(const ExtensionObject& value)
     return value.body() == ExtensionObject::Body::Binary || value.type() != nullptr;
 }
 
-/// The bytes of a body that can have some, whatever form it has; else null.
+/// Returns the bytes of a body, in any form; null if it has none.
 ByteString binary_body(const ExtensionObject& value)
 {
     if (!is_binary(value)) {
@@ -80,7 +80,7 @@ void ValueWriter::body(const ExtensionObject& value)
     out_.end();
 }
 
-/// False, with nothing written, if the bytes are no structure of the type.
+/// Returns false, with nothing written, if the bytes are not a structure of the type.
 bool ValueWriter::structure_body(const DataType& type, const ByteString& bytes)
 {
     const Kind kind = types_.kind(type.id);

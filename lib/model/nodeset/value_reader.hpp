@@ -11,23 +11,24 @@
 namespace busbar::nodeset {
 
 /// Turns the XML form of values (Part 6, 5.3) into C++ values. Used for one value; remembers the
-/// first thing wrong.
+/// first error.
 ///
-/// Structures are encoded in OPC UA Binary by the definitions that `types` has. One that it does
-/// not know stays the XML it is.
+/// Structures are encoded in OPC UA Binary by the definitions in `types`. A structure of an unknown
+/// type stays XML.
 class XmlValueReader {
 public:
     /// `namespaces` has the index in the result for each namespace index in the text. `fields_left`
-    /// counts down the fields of structures: types may nest so that few bytes stand for very many.
+    /// counts down the fields of structures: types may be nested so that few bytes stand for very
+    /// many.
     XmlValueReader(const DataTypeTable& types, const std::vector<std::uint16_t>& namespaces,
                    std::size_t& fields_left)
         : types_{types}, namespaces_{namespaces}, fields_left_{fields_left}
     {
     }
 
-    /// The value of the element in <Value>, such as <ListOfInt32>.
+    /// Returns the value of the element in <Value>, such as <ListOfInt32>.
     [[nodiscard]] Variant variant(const Element& xml) { return variant(xml, 0); }
-    /// What is wrong and where; empty and 0 if nothing is.
+    /// The error and its place; empty and 0 if there is none.
     [[nodiscard]] const std::string& error() const { return error_; }
     [[nodiscard]] std::uint32_t error_line() const { return error_line_; }
 

@@ -15,7 +15,7 @@
 
 namespace busbar::nodeset {
 
-/// xs:boolean, integers, xs:float and xs:double; the fewest digits that give the number again.
+/// Writes xs:boolean, integers, xs:float and xs:double; the fewest digits that restore the number.
 template <typename T>
 [[nodiscard]] std::string number_text(T value)
 {
@@ -35,12 +35,12 @@ template <typename T>
     }
 }
 
-/// Gives the namespaces of a server the indices of a file, in the order of their first use.
+/// Maps the namespaces of a server to the indices of a file, in the order of their first use.
 class FileNamespaces {
 public:
     [[nodiscard]] std::uint16_t operator()(std::uint16_t index);
     [[nodiscard]] NodeId operator()(NodeId id);
-    /// The server's indices; that of OPC UA itself first.
+    /// The server's indices, with that of OPC UA itself first.
     [[nodiscard]] const std::vector<std::uint16_t>& used() const { return used_; }
 
 private:
@@ -48,7 +48,7 @@ private:
     std::unordered_map<std::uint16_t, std::uint16_t> local_{{0, 0}};
 };
 
-/// Writes values in their XML form (Part 6, 5.3), as ValueReader reads them.
+/// Writes values in their XML form (Part 6, 5.3), which XmlValueReader reads.
 class ValueWriter {
 public:
     ValueWriter(const DataTypeTable& types, FileNamespaces& namespaces, XmlOut& out)
@@ -111,7 +111,8 @@ private:
     FileNamespaces& namespaces_;
     XmlOut& out_;
     unsigned depth_{0};
-    /// Of the outermost structure; types may nest so that few bytes stand for very many fields.
+    /// For the outermost structure; types may be nested so that few bytes stand for very many
+    /// fields.
     std::size_t fields_left_{0};
 };
 

@@ -8,7 +8,8 @@ namespace busbar::nodeset {
 
 namespace {
 
-/// Line ends other than \n would be lost, and in attributes all of them.
+/// Line ends other than
+/// would be lost, and in attributes all of them.
 void append_escaped(std::string& to, std::string_view text, bool is_attribute)
 {
     for (const char c : text) {
@@ -26,7 +27,7 @@ void append_escaped(std::string& to, std::string_view text, bool is_attribute)
             to += "&quot;";
             break;
         case '\0':
-            // No XML can have it.
+            // XML cannot contain it.
             to += "&#xFFFD;";
             break;
         default:

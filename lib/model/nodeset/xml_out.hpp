@@ -6,20 +6,20 @@
 
 namespace busbar::nodeset {
 
-/// True for what may be the name of an element or attribute; of letters beyond ASCII any.
+/// True for a valid name of an element or attribute; letters beyond ASCII are all allowed.
 [[nodiscard]] bool is_xml_name(std::string_view text);
 
-/// Writes XML, indented by levels; what it is given is escaped as needed.
+/// Writes XML, indented by levels; its input is escaped as needed.
 class XmlOut {
 public:
-    /// Opens an element, whose attributes come next.
+    /// Opens an element, whose attributes follow.
     void begin(std::string_view name);
     void attribute(std::string_view name, std::string_view value);
-    /// The text of the element; an empty one is kept apart from none.
+    /// Writes the text of the element; an empty one differs from none.
     void text(std::string_view value);
-    /// XML that stands alone; what is not well-formed becomes text.
+    /// Writes a complete fragment of XML; one that is not well-formed becomes text.
     void xml(std::string_view fragment);
-    /// Closes the element opened last.
+    /// Closes the last open element.
     void end();
 
     void element(std::string_view name, std::string_view value)
@@ -29,7 +29,7 @@ public:
         end();
     }
 
-    /// Where the writer is; `back` returns there.
+    /// A position of the writer; `back` returns there.
     struct Mark {
         std::size_t size;
         std::size_t level;
@@ -47,7 +47,7 @@ private:
     std::string text_;
     std::vector<std::string> open_;
     bool is_in_tag_{false};
-    /// The element has text, in which blanks would count.
+    /// The element has text, in which blanks are significant.
     bool has_text_{false};
 };
 

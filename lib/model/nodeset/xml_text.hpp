@@ -11,7 +11,7 @@
 
 #include "core/number_text.hpp"
 
-/// Small pieces of text as NodeSet2 files have them.
+/// Helpers for small pieces of text in NodeSet2 files.
 namespace busbar::nodeset {
 
 [[nodiscard]] inline std::string_view trimmed(std::string_view text)
@@ -30,10 +30,10 @@ namespace busbar::nodeset {
     return '"' + printable(text, 80) + '"';
 }
 
-/// Text in UTF-16 (with a byte order mark) as UTF-8; nothing for any other text.
+/// Returns text in UTF-16 (with a byte order mark) as UTF-8; nothing for any other text.
 [[nodiscard]] std::string from_utf16(std::string_view text);
 
-/// The element's name without its namespace prefix.
+/// Returns the element's name without its namespace prefix.
 [[nodiscard]] inline std::string_view local_name(const pugi::xml_node& xml)
 {
     const std::string_view name = xml.name();
@@ -51,7 +51,7 @@ namespace busbar::nodeset {
     return {};
 }
 
-/// The value of xsi:nil, whatever its prefix is.
+/// Returns the value of xsi:nil, whatever its prefix is.
 [[nodiscard]] inline const char* nil_attribute(const pugi::xml_node& xml)
 {
     for (const pugi::xml_attribute& attribute : xml.attributes()) {
@@ -62,7 +62,7 @@ namespace busbar::nodeset {
     return "";
 }
 
-/// False, and `value` unchanged, unless all of `text` is a number that fits.
+/// Returns false, with `value` unchanged, unless all of `text` is a number that fits.
 template <typename Number>
 [[nodiscard]] bool to_number(std::string_view text, Number& value)
 {
@@ -101,7 +101,7 @@ struct SplitName {
     std::string_view name;
 };
 
-/// "2:Name" into its two parts; a name may have colons of its own.
+/// Splits "2:Name" into its two parts; a name may have colons of its own.
 [[nodiscard]] inline SplitName split_qualified_name(std::string_view text)
 {
     const std::size_t colon = text.find(':');
