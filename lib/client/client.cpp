@@ -30,15 +30,15 @@ Client::Impl::Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironm
 {
 }
 
-/// Time does not go back, whatever clock is used.
+/// Keeps time from going back, whatever clock is used.
 void Client::Impl::tell(TimePoint time)
 {
     now = std::max(now, time);
-    busbar::detail::attempt([&] { requests.tell(now); }); // else it is told the next time
+    busbar::detail::attempt([&] { requests.tell(now); }); // if this fails, it is told the next time
     transport.check(now);
 }
 
-/// What has found no memory on its way is the connection's end, as nobody knows how far it came.
+/// Work that ran out of memory ends the connection, since its progress is unknown.
 void Client::Impl::survive(FunctionRef<void()> work)
 {
     const StatusCode thrown =
@@ -48,7 +48,7 @@ void Client::Impl::survive(FunctionRef<void()> work)
     }
 }
 
-/// True if something had failed.
+/// Returns true if something had failed.
 bool Client::Impl::end_failed()
 {
     const StatusCode why = std::exchange(failure, StatusCode{});
@@ -84,7 +84,7 @@ bool Client::Impl::announce()
     const auto [next, why] = changes.front();
     changes.pop_front();
     if (state_handler) {
-        // A copy: it may set another one.
+        // A copy, since the handler may set another one.
         const auto handler = state_handler;
         handler(next, why);
     }

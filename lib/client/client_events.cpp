@@ -13,7 +13,7 @@ bool Client::Impl::receive()
     if (!connection || transport.state() != detail::Transport::State::Up) {
         return false;
     }
-    connection->handle_deadline(now); // which also tells the time of what is sent next
+    connection->handle_deadline(now); // also sets the time of requests that are sent next
     auto event = connection->next_event();
     is_drained = !event;
     if (!event) {
@@ -149,8 +149,8 @@ void Client::Impl::begin_user_change(PendingUserChange change)
                     [](const PendingUserChange& other) { return !other.result; });
     if (state == ClientState::Waiting || state == ClientState::Closed) {
         config.identity = std::move(change.identity);
-        choice.reset();       // that one was good for the other
-        kept_session.reset(); // another channel gets a session for its own user only
+        choice.reset();       // it was chosen for the previous user
+        kept_session.reset(); // another channel can resume a session for its own user only
         answer(status::Good_CompletesAsynchronously);
     } else if (state != ClientState::Ready || !config.wants_session || is_other_under_way) {
         answer(status::Bad_InvalidState);
@@ -179,7 +179,7 @@ void Client::Impl::user_change_arrived(PendingUserChange& change, StatusCode sta
         choice->token_policy = std::move(change.token_policy);
     } else if (status == status::Bad_Timeout || status == status::Bad_NonceInvalid ||
                detail::is_session_gone(status)) {
-        lose(status); // nobody knows whose the session is now
+        lose(status); // the user of the session is unknown now
     }
 }
 

@@ -23,22 +23,22 @@ struct KeptSession {
     channel::SecuritySetting security;
     std::string server_uri;
     TimePoint ends_at{no_deadline};
-    /// Connections that were lost while they took it over.
+    /// Number of connections that were lost while they resumed it.
     int failures{0};
 };
 
-/// A change of the user that has not been told of yet.
+/// A change of the user that has not been reported yet.
 struct PendingUserChange {
     UserIdentity identity;
     UserTokenPolicy token_policy;
     std::function<void(StatusCode)> done;
-    /// Of the request; 0 if none is under way.
+    /// Handle of the request; 0 if none is under way.
     std::uint32_t handle{0};
     std::optional<StatusCode> result;
 };
 
-/// What poll() does, one step of each kind in turn, so that none keeps the others waiting. A step
-/// is true if there was something to do.
+/// The steps of poll(), one of each kind in turn, so that none delays the others. A step returns
+/// true if there was something to do.
 struct Client::Impl {
     Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironment& e, TimePoint start);
 
@@ -59,7 +59,7 @@ struct Client::Impl {
     bool receive();
     bool advance();
 
-    // What the connection tells (client_events.cpp).
+    // Events of the connection (client_events.cpp).
     void handle(ConnectionEvent event);
     void connection_ready();
     void handle_response(ConnectionEvent event);
@@ -73,7 +73,7 @@ struct Client::Impl {
     void ask(Request request, std::uint32_t& handle, Duration timeout = {});
     void keep_alive_due();
 
-    // From one attempt to the next (client_attempt.cpp).
+    // Transitions between attempts (client_attempt.cpp).
     void set_state(ClientState next, StatusCode why);
     bool go_on();
     void begin_attempt();
@@ -100,7 +100,7 @@ struct Client::Impl {
     Client& client;
     ClientConfig config;
     busbar::detail::SafeLog safe_log;
-    /// With the log above: nothing that is written throws.
+    /// With the log above, so that writing never throws.
     channel::ChannelEnvironment environment;
     TimePoint now;
 
@@ -109,7 +109,7 @@ struct Client::Impl {
     std::function<void(ClientState, StatusCode)> state_handler;
     std::deque<std::pair<ClientState, StatusCode>> changes;
 
-    /// What the connection is to be ended for.
+    /// The reason why the connection must end.
     StatusCode failure;
     bool is_wanted{false};
     bool deletes_subscriptions{true};
@@ -119,37 +119,38 @@ struct Client::Impl {
     TimePoint attempt_ends_at{no_deadline};
     TimePoint ready_since{};
 
-    /// What the last GetEndpoints gave; none if it has to be asked again.
+    /// The result of the last GetEndpoints; none if it must be requested again.
     Array<EndpointDescription> discovered;
     std::optional<EndpointChoice> choice;
-    /// The choice is that of an earlier attempt.
+    /// The choice was made in an earlier attempt.
     bool is_choice_old{false};
     /// The choice's URL is the one that the server was reached by, as its own did not answer.
     bool is_detour{false};
-    /// Of this attempt, because the server had no connection left; the next one is at `redial_at`.
+    /// Redials of this attempt, because the server had no connection left; the next one is at
+    /// `redial_at`.
     std::uint32_t redials{0};
     TimePoint redial_at{TimePoint::min()};
 
     detail::Transport transport;
     std::optional<Connection> connection;
-    /// The Subscriptions were told of a session and not yet that it is lost.
+    /// The Subscriptions know of a session and not yet of its loss.
     bool is_session_told{false};
-    /// Everything that the connection had to say was heard.
+    /// All events of the connection were processed.
     bool is_drained{true};
-    /// The session that another connection may take over.
+    /// The session that another connection may resume.
     std::optional<KeptSession> kept_session;
 
-    /// Requests of our own; 0: none.
+    /// Handles of our own requests; 0: none.
     std::uint32_t endpoints_handle{0};
     std::uint32_t info_handle{0};
     std::uint32_t state_handle{0};
     detail::ServerInfoReader reader;
     ServerInfo info;
-    /// With the server's namespace indexes.
+    /// With the server's namespace indices.
     binary::TypeRegistry types{standard_types()};
     detail::KeepAlive keep_alive;
 
-    /// Told of in the order they were asked for; one at most is under way.
+    /// Reported in the order of the requests; at most one is under way.
     std::deque<PendingUserChange> user_changes;
 
     detail::RequestQueue requests;

@@ -79,12 +79,12 @@ void Connection::Impl::handle_response(channel::ChannelEvent event)
 {
     const auto context = pending.remove(event.request_id);
     if (!context) {
-        return; // it came too late, or nobody asked
+        return; // it came too late, or was not requested
     }
     ConnectionEvent response{ConnectionEvent::Kind::Response, event.request_id, event.status,
                              std::move(event.body), *context};
     if (response.status.is_good()) {
-        // Every response begins with its header, a ServiceFault is nothing else.
+        // Every response begins with its header, which is all that a ServiceFault has.
         binary::Reader reader{response.body, binary::Strings::Borrow};
         NodeId id;
         ResponseHeader header;
@@ -151,7 +151,7 @@ void Connection::Impl::session_activated(const ConnectionEvent& event)
         is_resumed = state == State::Resuming;
         become_ready();
     } else if (state == State::Resuming) {
-        // Whatever the reason: the server has forgotten the session, or made another nonce for an
+        // For any reason: the server has forgotten the session, or has created another nonce for an
         // activation whose answer was lost. If it is the user, the new session will tell.
         environment.log->write(LogLevel::Info, "client",
                                "the server does not resume the session: " +
@@ -175,14 +175,14 @@ void Connection::Impl::close_session(bool deletes_subscriptions)
     static_cast<void>(send(request));
 }
 
-/// One that is taken over is not ours yet.
+/// A session that is being resumed is not ours yet.
 bool Connection::Impl::has_session() const
 {
     return state != State::Resuming && state != State::Closed &&
            !session.ticket.authentication_token.is_null();
 }
 
-/// Nobody waits for the answer.
+/// The answer is ignored.
 void Connection::Impl::tell_cancelled(std::uint32_t request_handle)
 {
     CancelRequest request;
@@ -218,7 +218,7 @@ Result<std::uint32_t> Connection::Impl::change_user(UserChange change)
     return sent;
 }
 
-/// A bad answer leaves the session to the user it had; `event` tells of it.
+/// A bad answer means that the session keeps its user; `event` reports it.
 void Connection::Impl::user_changed(ConnectionEvent& event)
 {
     UserChange change = *std::exchange(user_change, std::nullopt);
@@ -234,7 +234,7 @@ void Connection::Impl::user_changed(ConnectionEvent& event)
     }
 }
 
-/// The server shall not keep a session that nobody will use.
+/// Prevents the server from keeping an unused session.
 void Connection::Impl::abandon(StatusCode status)
 {
     if (has_session()) {

@@ -27,7 +27,7 @@ enum class ConnectionState : std::uint8_t {
 struct Connection::Impl {
     using State = detail::ConnectionState;
 
-    /// A change of the session's user that is under way.
+    /// A pending change of the session's user.
     struct UserChange {
         std::uint32_t handle{0};
         UserIdentity identity;

@@ -10,14 +10,14 @@
 
 namespace busbar::client::detail {
 
-/// `start + time`, or never if that is past what a TimePoint can tell.
+/// Returns `start + time`, or no_deadline if that exceeds the range of a TimePoint.
 [[nodiscard]] inline TimePoint deadline_after(TimePoint start, Duration time)
 {
     return time >= no_deadline - start ? no_deadline : start + time;
 }
 
-/// Deadlines of what is kept elsewhere by its Id, the earliest first. One that counts no longer
-/// stays until prune() drops it, so that neither costs an allocation of its own.
+/// Deadlines of objects that are kept elsewhere, by Id, the earliest first. An obsolete one stays
+/// until prune() drops it, so that neither needs an allocation of its own.
 template <typename Id>
 class DeadlineHeap {
 public:
@@ -26,9 +26,9 @@ public:
         heap_.emplace_back(deadline, id);
         std::push_heap(heap_.begin(), heap_.end(), std::greater{});
     }
-    /// To be called when one may count no longer: those for which `counts(deadline, id)` is false
-    /// are dropped where they are the earliest, and all of them where they are more than the
-    /// `count` that do.
+    /// Call it when a deadline may have become obsolete: those for which `counts(deadline, id)`
+    /// returns false are dropped if they are the earliest, and all of them if they are more than
+    /// the `count` valid ones.
     template <typename Counts>
     void prune(std::size_t count, Counts counts)
     {
@@ -41,14 +41,14 @@ public:
             pop();
         }
     }
-    /// The earliest; only after prune(), and if there is one.
+    /// The Id of the earliest one; only after prune(), and if there is one.
     [[nodiscard]] Id first() const { return heap_.front().second; }
     void pop()
     {
         std::pop_heap(heap_.begin(), heap_.end(), std::greater{});
         heap_.pop_back();
     }
-    /// The first deadline or, if there is none, no_deadline.
+    /// Returns the first deadline, or no_deadline.
     [[nodiscard]] TimePoint next_deadline() const
     {
         return heap_.empty() ? no_deadline : heap_.front().first;

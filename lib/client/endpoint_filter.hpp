@@ -4,7 +4,7 @@
 
 namespace busbar::client::detail {
 
-/// choose_endpoint without a user, for channels that carry no session, if `identity` is null.
+/// Calls choose_endpoint without a user, for channels that carry no session, if `identity` is null.
 [[nodiscard]] Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoints,
                                                      const SecurityWishes& wishes,
                                                      const UserIdentity* identity,

@@ -8,8 +8,8 @@
 
 namespace busbar::client::detail {
 
-/// `handler` of a user so that what it throws goes no further than to the log, which may be null.
-/// An empty one stays empty.
+/// Wraps a user's `handler` so that its exceptions are only logged, to a log that may be null. An
+/// empty one stays empty.
 template <typename... Args>
 std::function<void(Args...)> guarded_handler(LogSink* log, std::string_view name,
                                              std::function<void(Args...)> handler)

@@ -6,12 +6,12 @@
 
 namespace busbar::client::detail {
 
-/// When to ask a silent server whether it is there, and when to stop asking.
+/// Decides when to send a request to a silent server, and when to give up.
 class KeepAlive {
 public:
     enum class Action : std::uint8_t { None, Ask, GiveUp };
 
-    /// Begins anew; an interval of zero never asks.
+    /// Starts again; with an interval of zero it never asks.
     void start(TimePoint now, Duration interval)
     {
         interval_ = interval;

@@ -20,7 +20,7 @@ public:
         std::uint64_t context{0};
     };
 
-    /// `context` is given back with the request; `handle` is the requestHandle of its header.
+    /// `context` is returned with the request; `handle` is the requestHandle of its header.
     void add(std::uint32_t id, TimePoint deadline, std::uint64_t context, std::uint32_t handle = 0)
     {
         requests_[id] = {deadline, context, handle};
@@ -28,13 +28,13 @@ public:
         deadlines_.add(deadline, id);
         undo.keep();
     }
-    /// 0 if there is none with that id.
+    /// Returns 0 if there is none with this id.
     [[nodiscard]] std::uint32_t handle_of(std::uint32_t id) const
     {
         const auto found = requests_.find(id);
         return found == requests_.end() ? 0 : found->second.handle;
     }
-    /// Its context; nothing if there is none with that id.
+    /// Returns its context; nothing if there is none with this id.
     std::optional<std::uint64_t> remove(std::uint32_t id)
     {
         const auto found = requests_.find(id);
@@ -46,7 +46,7 @@ public:
         prune();
         return context;
     }
-    /// Removes one whose deadline has come, the earliest first.
+    /// Removes a request whose deadline has come, the earliest first.
     [[nodiscard]] std::optional<Pending> take_expired(TimePoint now)
     {
         if (requests_.empty() || next_deadline() > now) {
@@ -54,7 +54,7 @@ public:
         }
         return take_first();
     }
-    /// Removes all, in the order of their deadlines.
+    /// Removes all requests, in the order of their deadlines.
     [[nodiscard]] std::vector<Pending> take_all()
     {
         std::vector<Pending> all;

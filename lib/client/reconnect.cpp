@@ -17,10 +17,9 @@ constexpr std::string_view user = "the server does not accept the user";
 constexpr std::string_view trust = "the server's certificate has to be trusted or replaced";
 constexpr std::string_view offer = "the server offers nothing that may be used";
 
-/// Everything else may be mended by time: a server that is starting, full, or behind a broken wire.
-/// So may Bad_SecurityChecksFailed, which is all that a server says until its administrator
-/// trusts the client's certificate (Part 4, 6.1.3). Trying on with a wrong password would lock the
-/// user out.
+/// All other failures may end with time: a server that is starting or full, or a broken line. So
+/// may Bad_SecurityChecksFailed, which is all that a server says until its administrator trusts the
+/// client's certificate (Part 4, 6.1.3). Repeating a wrong password would lock the user out.
 constexpr std::array final_errors{
     FinalError{status::Bad_ConfigurationError, configuration},
     FinalError{status::Bad_TcpEndpointUrlInvalid, configuration},
@@ -78,7 +77,7 @@ BackOff::BackOff(const ReconnectPolicy& policy)
 Duration BackOff::next(crypto::Random& random)
 {
     std::array<std::byte, 1> chance{};
-    // Without randomness the wait is the full one.
+    // Without randomness the delay is the full one.
     static_cast<void>(random.fill(chance));
     const double share = 1 - 0.2 * std::to_integer<int>(chance[0]) / 256;
     const auto ticks = static_cast<double>(next_.count());

@@ -5,17 +5,17 @@
 
 namespace busbar::client::detail {
 
-/// Why another attempt would end like the last one; empty if it may not.
+/// Returns why another attempt would end like the last one; empty if it may succeed.
 [[nodiscard]] std::string_view final_reason(StatusCode status);
 
-/// True if the server has no connection left for now.
+/// True if the server has no free connection for now.
 [[nodiscard]] bool is_server_full(StatusCode status);
 
-/// True if the server no longer has the session that a request was sent in.
+/// True if the server no longer has the request's session.
 [[nodiscard]] bool is_session_gone(StatusCode status);
 
-/// How long to wait before the next attempt. Finite and more than nothing, whatever the policy
-/// says: a server that refuses at once must not be asked without pause.
+/// Computes the delay before the next attempt. Finite and more than zero, whatever the policy
+/// contains: a server that refuses at once must not be tried without pause.
 class BackOff {
 public:
     explicit BackOff(const ReconnectPolicy& policy);

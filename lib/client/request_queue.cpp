@@ -83,7 +83,7 @@ bool RequestQueue::send_one(Connection& connection, TimePoint now)
     }
     const auto request = std::find_if(requests_.lower_bound(next_waiting_), requests_.end(),
                                       [](const auto& entry) { return entry.second.is_waiting(); });
-    next_waiting_ = request->first; // if it throws on the way, it waits still
+    next_waiting_ = request->first; // if this throws, the request still waits
     Request& sent = request->second;
     if (sent.deadline <= now) {
         finish(request, fail(status::Bad_Timeout));
@@ -97,7 +97,7 @@ bool RequestQueue::send_one(Connection& connection, TimePoint now)
             },
             sent.deadline == no_deadline ? sent.timeout : sent.deadline - now, request->first);
     });
-    if (thrown.is_bad() || !handle) { // it may have been sent, and is not sent again
+    if (thrown.is_bad() || !handle) { // it may have been sent, and must not be sent again
         finish(request, fail(thrown.is_bad() ? thrown : handle.error()));
         return true;
     }

@@ -71,7 +71,7 @@ std::vector<std::string> names_of(const DataValue& value, std::size_t max)
     return names;
 }
 
-/// A server without this service, or a user without the right to it.
+/// True for a server without this service, or a user without the right to it.
 bool is_unreadable(StatusCode status)
 {
     return status == status::Bad_ServiceUnsupported || status == status::Bad_UserAccessDenied ||
@@ -93,7 +93,7 @@ ReadRequest ServerInfoReader::request() const
 Result<bool> ServerInfoReader::take(const Result<ReadResponse>& response)
 {
     if (!response) {
-        // Limits may be smaller than what tells them (Part 5, 6.3.11).
+        // A limit may be smaller than the request that reads it (Part 5, 6.3.11).
         if (response.error() == status::Bad_TooManyOperations && batch_ > 1) {
             batch_ = 1;
             return false;

@@ -5,15 +5,16 @@
 
 namespace busbar::client::detail {
 
-/// Reads what ServerInfo holds, in one request if the server lets us, else node by node.
+/// Reads the contents of ServerInfo, in one request if the server allows it, else node by node.
 class ServerInfoReader {
 public:
     explicit ServerInfoReader(std::size_t max_names) : max_names_{max_names} {}
 
-    /// The next request; only while there is one.
+    /// Returns the next request; only while there is one.
     [[nodiscard]] ReadRequest request() const;
-    /// True when everything was asked. What a server does not have is as it is by default; a server
-    /// that lets us read nothing at all has no more to say. Bad if it answers what was not asked.
+    /// Returns true when everything was read. Values that a server does not have keep their
+    /// defaults; a server that allows no reading at all has no more to say. Fails if the answer
+    /// does not fit the request.
     [[nodiscard]] Result<bool> take(const Result<ReadResponse>& response);
     [[nodiscard]] const ServerInfo& info() const { return info_; }
 
@@ -26,16 +27,16 @@ private:
     std::size_t batch_{SIZE_MAX};
 };
 
-/// Whether both say the same of the server, but for its state.
+/// Returns whether both are the same except for the server's state.
 [[nodiscard]] bool is_same(const ServerInfo& a, const ServerInfo& b);
 
-/// The structures of namespace 0, and those of `tables` whose namespaces the server has.
+/// Returns the structures of namespace 0, and those of `tables` whose namespaces the server has.
 [[nodiscard]] binary::TypeRegistry types_at(const ServerInfo& info,
                                             const std::vector<binary::TypeRegistry::Table>& tables);
 
 /// Server_ServerStatus_State and SecondsTillShutdown.
 [[nodiscard]] ReadRequest state_request();
-/// Takes them into `info`; false if they are not there.
+/// Stores the answer in `info`; returns false if it is incomplete.
 bool take_state(const ReadResponse& response, ServerInfo& info);
 
 } // namespace busbar::client::detail

@@ -5,7 +5,7 @@
 
 namespace busbar::client::detail {
 
-/// What CreateSession gave and ActivateSession needs.
+/// The result of CreateSession, which ActivateSession needs.
 struct SessionData {
     SessionTicket ticket;
     std::vector<std::byte> client_nonce;
@@ -16,19 +16,19 @@ struct SessionData {
 [[nodiscard]] Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
                                                                const channel::ChannelEnvironment& e,
                                                                SessionData& session);
-/// Takes the response in, and checks it: the server's certificate and signature, its nonce, and
-/// that its endpoints are those of GetEndpoints (Part 4, 5.7.2). After a failure the session is
-/// good for nothing but CloseSession.
+/// Stores and checks the response: the server's certificate and signature, its nonce, and that its
+/// endpoints are those of GetEndpoints (Part 4, 5.7.2). After a failure the session can only be
+/// closed.
 [[nodiscard]] Result<void> accept_session(const ConnectionConfig& config,
                                           const channel::ChannelEnvironment& environment,
                                           const CreateSessionResponse& response,
                                           SessionData& session);
-/// Signature and user token (Part 4, 5.7.3). Bad_IdentityTokenRejected if the server takes no token
-/// of the kind that is wanted.
+/// Creates signature and user token (Part 4, 5.7.3). Bad_IdentityTokenRejected if the server
+/// accepts no token of this kind.
 [[nodiscard]] Result<ActivateSessionRequest>
 make_activate_session(const ConnectionConfig& config,
                       const channel::ChannelEnvironment& environment, const SessionData& session);
-/// Takes the next nonce in. Bad_NonceInvalid if it is short or the last one.
+/// Stores the next nonce. Bad_NonceInvalid if it is too short or equals the last one.
 [[nodiscard]] Result<void> accept_activation(const ConnectionConfig& config,
                                              const ActivateSessionResponse& response,
                                              SessionData& session);

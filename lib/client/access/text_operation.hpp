@@ -10,7 +10,7 @@
 
 namespace busbar::client::detail {
 
-/// What operations with texts have in common: steps one after the other, and one way to end.
+/// The common part of operations with texts: steps one after the other, and one way to end.
 template <typename Outcome>
 class TextOperation : public OperationState {
 public:

@@ -16,7 +16,7 @@
 
 namespace busbar::client::detail {
 
-/// What an item has if its request failed; overloaded for other outcomes.
+/// Sets the outcome of an item whose request failed; overloaded for other outcomes.
 inline void set_failed(StatusCode& outcome, StatusCode why)
 {
     outcome = why;
@@ -43,9 +43,9 @@ void set_failed(T& outcome, StatusCode why)
 
 /// One service over a list of items, in parts of which a few are under way at a time.
 ///
-/// Service has Item, Outcome, Response, is_repeatable, limit(OperationLimits),
-/// request(span of items) and results(Response&, count), an Array of what becomes an Outcome.
-/// A part that fails gives its items the status. Lives as long as a request is under way.
+/// Service has Item, Outcome, Response, is_repeatable, limit(OperationLimits), request(span of
+/// items) and results(Response&, count), an Array whose elements convert to Outcome. A part that
+/// fails gives its status to its items. Lives as long as a request is under way.
 template <typename Service>
 class Batch final : public OperationState, public std::enable_shared_from_this<Batch<Service>> {
 public:
@@ -86,8 +86,8 @@ public:
             requester_.cancel(request.id);
         }
     }
-    /// What was not sent yet is given up with Bad_RequestCancelledByClient; the handler is called
-    /// when the rest is answered.
+    /// Unsent parts end with Bad_RequestCancelledByClient; the handler is called when the rest is
+    /// answered.
     void stop()
     {
         for (const BatchPlan::Part& part : plan_.take_rest()) {
@@ -150,7 +150,7 @@ private:
         send_parts();
         undo.keep();
     }
-    /// What was not sent yet is not sent any more.
+    /// Drops unsent parts.
     void give_up(StatusCode why)
     {
         if (const auto part = std::exchange(sending_, std::nullopt)) {
@@ -196,11 +196,11 @@ private:
     ServiceOptions options_;
     BatchPlan plan_;
     std::vector<UnderWay> under_way_;
-    /// What is not under way yet, and not in the plan any more.
+    /// The part that is no longer in the plan and not yet under way.
     std::optional<BatchPlan::Part> sending_;
 };
 
-/// Begins a service that is nothing but a batch.
+/// Starts a service that consists of a batch only.
 template <typename Service>
 Operation run_batch(Requester& requester, Service service,
                     std::vector<typename Service::Item> items,
@@ -210,7 +210,8 @@ Operation run_batch(Requester& requester, Service service,
                                            std::move(done), options)};
 }
 
-/// `options` with RequestHeader.returnDiagnostics asking for the additionalInfo of operations.
+/// Returns `options` with RequestHeader.returnDiagnostics that requests the additionalInfo of
+/// operations.
 [[nodiscard]] inline ServiceOptions asking_for_additional_info(ServiceOptions options)
 {
     constexpr std::uint32_t additional_info = 0x80; // Part 4, 7.32
@@ -218,7 +219,7 @@ Operation run_batch(Requester& requester, Service service,
     return options;
 }
 
-/// Of operation `index`; empty if the response has none.
+/// Returns the additionalInfo of operation `index`; empty if the response has none.
 [[nodiscard]] inline std::string additional_info_of(const Array<DiagnosticInfo>& infos,
                                                     std::size_t index)
 {

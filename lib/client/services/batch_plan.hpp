@@ -9,7 +9,7 @@
 
 namespace busbar::client::detail {
 
-/// Which items go into which request.
+/// Assigns items to requests.
 class BatchPlan {
 public:
     struct Part {
@@ -19,23 +19,23 @@ public:
 
     BatchPlan(std::size_t items, std::size_t max_items);
 
-    /// Parts from now on are no larger; 0 is no limit.
+    /// Limits the size of parts from now on; 0 means no limit.
     void limit(std::size_t max_items);
-    /// The next part, nothing if there is no more.
+    /// Returns the next part, nothing if there is none.
     [[nodiscard]] std::optional<Part> next();
-    /// The part was too large: it comes again in halves, and others are no larger. False if it is
-    /// one item, which cannot be halved.
+    /// The part was too large: it comes again in halves, and later ones are no larger. False if it
+    /// is one item, which cannot be halved.
     [[nodiscard]] bool halve(Part part);
-    /// All that is left, to be given up.
+    /// Returns all remaining parts, to be given up.
     [[nodiscard]] std::vector<Part> take_rest();
 
 private:
-    std::vector<Part> waiting_; // the next one last
+    std::vector<Part> waiting_; // the next one is at the end
     std::size_t max_items_;
 };
 
-/// True if a request with fewer items may succeed. A service that must not be carried out twice
-/// is repeated only where the server cannot have begun with it.
+/// True if a request with fewer items may succeed. A service that must not be executed twice is
+/// repeated only if the server cannot have begun it.
 [[nodiscard]] bool is_too_large(StatusCode why, bool is_repeatable);
 
 } // namespace busbar::client::detail

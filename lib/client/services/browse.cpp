@@ -14,7 +14,7 @@ using detail::BrowseService;
 /// Browses in rounds. A round is Browse for some nodes and BrowseNext until none of them has more.
 ///
 /// A server may have few continuation points, and frees older ones for a new request (Part 4, 7.9).
-/// Nodes that went without, or lost theirs, come again in the next round, which is smaller.
+/// Nodes that got none, or lost theirs, are browsed again in the next round, which is smaller.
 class BrowseOperation final : public detail::OperationState,
                               public std::enable_shared_from_this<BrowseOperation> {
 public:
@@ -52,7 +52,7 @@ public:
             options_);
     }
 
-    /// What is under way is waited for, so that its continuation points can be released.
+    /// Waits for requests under way, so that their continuation points can be released.
     void cancel() override
     {
         done_ = nullptr;
@@ -75,14 +75,14 @@ private:
             if (!results[i].status_code.is_bad()) {
                 take(node, std::move(results[i]));
             } else if (results[i].status_code.code() == status::Bad_NoContinuationPoints) {
-                // Part 4, 5.9.2.4: others may give theirs back.
+                // Part 4, 5.9.2.4: others may release theirs.
                 refused_.push_back(node);
             }
         }
         go_on();
         undo.keep();
     }
-    /// There is no memory to go on: the nodes that more was to be done for have failed.
+    /// There is no memory to continue: unfinished nodes have failed.
     void give_up()
     {
         if (is_finished_) {
@@ -128,7 +128,7 @@ private:
         undo.keep();
     }
 
-    /// Adds what came for a node, and keeps its continuation point to go on with or to release.
+    /// Adds a node's result, and keeps its continuation point to continue with or to release.
     void take(std::size_t node, BrowseResult from)
     {
         BrowseResult& to = results_[node];
@@ -180,7 +180,7 @@ private:
             },
             options_);
     }
-    /// False if nothing is left that another try could help.
+    /// Returns false if another try cannot help.
     [[nodiscard]] bool plan_next_round()
     {
         const std::size_t succeeded = round_.size() - refused_.size();
@@ -191,7 +191,7 @@ private:
         }
         is_careful_ = is_careful_ || !refused_.empty();
         window_ = refused_.empty() ? window_ * 2 : std::max<std::size_t>(succeeded, 1);
-        // One request, so that none of the round takes continuation points from another.
+        // One request, so that nodes of the round do not take continuation points from each other.
         const std::size_t limit = requester_.server().operation_limits.max_nodes_per_browse;
         window_ = std::min(window_, is_careful_ && limit != 0 ? limit : nodes_.size());
         waiting_.insert(waiting_.end(), refused_.rbegin(), refused_.rend());
@@ -217,18 +217,19 @@ private:
     bool is_cancelled_{false};
     bool is_finished_{false};
 
-    // Indices of nodes_: not begun (the next one last), in this round, refused in it, with more.
+    // Indices of nodes_: not begun (the next one at the end), in this round, refused in it, with
+    // more references.
     std::vector<std::size_t> waiting_;
     std::vector<std::size_t> round_;
     std::vector<std::size_t> refused_;
     std::vector<std::size_t> more_;
-    /// How many nodes a round has.
+    /// Number of nodes in a round.
     std::size_t window_;
     bool is_careful_{false};
     /// Others in the session may take continuation points, but not for ever.
     static constexpr int max_lonely_tries = 3;
     int lonely_tries_{0};
-    std::vector<ByteString> points_; // of more_
+    std::vector<ByteString> points_; // for more_
     std::vector<ByteString> unused_; // to be released
     std::weak_ptr<Batch<BrowseService>> browse_;
     std::weak_ptr<Batch<BrowseNextService>> browse_next_;

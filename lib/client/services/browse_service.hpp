@@ -36,7 +36,7 @@ struct BrowseNextService {
     using Item = ByteString;
     using Outcome = BrowseResult;
     using Response = BrowseNextResponse;
-    /// A continuation point is used up by the first try.
+    /// The first try uses a continuation point up.
     static constexpr bool is_repeatable = false;
 
     static std::uint32_t limit(const ServerOperationLimits& limits)

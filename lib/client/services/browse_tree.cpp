@@ -9,7 +9,7 @@ namespace busbar::client {
 
 namespace {
 
-/// Browses level by level; a node that was seen is not entered again.
+/// Browses level by level; a node that was already found is not browsed again.
 class TreeOperation final : public detail::OperationState,
                             public std::enable_shared_from_this<TreeOperation> {
 public:
@@ -42,7 +42,7 @@ public:
             requester_.cancel(later_);
         }
     }
-    /// What was to be browsed, or was browsed and has not been taken whole, has failed.
+    /// Nodes that were not browsed completely have failed.
     void no_memory()
     {
         if (done_ == nullptr) {
@@ -74,7 +74,7 @@ private:
             next_.push_back(tree_.nodes.size() - 1);
         }
     }
-    /// False if there is nothing to browse.
+    /// Returns false if there is nothing to browse.
     bool browse_level()
     {
         level_ = std::exchange(next_, {});
@@ -82,7 +82,7 @@ private:
             return false;
         }
         if (tree_.nodes[level_.front()].depth >= limits_.max_depth) {
-            tree_.is_complete = false; // nobody knows what is below
+            tree_.is_complete = false; // the nodes below are unknown
             return false;
         }
         std::vector<BrowseDescription> items;
@@ -128,7 +128,7 @@ private:
     BrowsedTree tree_;
     std::set<ExpandedNodeId> seen_;
     std::vector<std::size_t> level_; // indices of nodes that are browsed now
-    std::vector<std::size_t> next_;  // and then
+    std::vector<std::size_t> next_;  // indices of nodes that are browsed next
     Operation step_;
     RequestId later_{0};
     bool is_later_{false};

@@ -22,8 +22,8 @@ std::optional<std::size_t> find_namespace(const ServerInfo& server, std::string_
     return static_cast<std::size_t>(found - server.namespaces.begin());
 }
 
-/// The path with "2:" for each "nsu=<uri>;" that begins a name. Bad_SyntaxError for a URI without
-/// end, Bad_NodeIdUnknown for one that is not found.
+/// Returns the path with "2:" for each "nsu=<uri>;" that begins a name. Bad_SyntaxError for an
+/// unterminated URI, Bad_NodeIdUnknown for an unknown one.
 Result<std::string> with_indices(std::string_view path, FindNamespace find)
 {
     std::string result;
@@ -54,7 +54,7 @@ Result<std::string> with_indices(std::string_view path, FindNamespace find)
     return result;
 }
 
-/// That the text is a path, whatever the server has.
+/// Returns whether the text is a path, independent of the server.
 bool is_path_text(std::string_view text)
 {
     const auto plain = with_indices(text, [](std::string_view) { return std::size_t{1}; });
@@ -73,7 +73,7 @@ std::string bracketed(const std::string& id)
     return result + "]";
 }
 
-/// Takes "[<id>]" off the front; nothing if it does not end.
+/// Removes "[<id>]" from the front; nothing if it is unterminated.
 std::optional<std::string> take_bracketed(std::string_view& text)
 {
     std::string id;

@@ -13,10 +13,10 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// What is looked at of one node.
+/// Maximum number of targets of one node.
 constexpr std::size_t max_targets = 10'000;
 
-/// One element for all paths in each step.
+/// Follows one element of all paths in each step.
 class PathSearch final : public OperationState, public std::enable_shared_from_this<PathSearch> {
 public:
     using Done = std::function<void(std::vector<SearchedPath>)>;
@@ -87,8 +87,8 @@ private:
         ++at_;
         step();
     }
-    /// A target in the namespace that was named goes before all others. The path's element gets
-    /// the name of the target, for candidates of later elements.
+    /// Chooses a target in the named namespace before all others. The path's element gets the name
+    /// of the target, for candidates of later elements.
     [[nodiscard]] SearchedPath choose(const BrowseResult& result, BrowsePath& path) const
     {
         QualifiedName& name = path.relative_path.elements[at_].target_name;
@@ -105,7 +105,7 @@ private:
             }
         }
         const auto& fitting = exact.empty() ? others : exact;
-        // What was not seen may fit, too.
+        // Targets that were not returned may fit, too.
         const bool is_complete = result.status_code.is_good();
         if (fitting.empty() || !is_complete) {
             return {fail(status::Bad_NoMatch), {}};
@@ -140,7 +140,7 @@ private:
         }
         return found;
     }
-    /// Several references to one node are one match.
+    /// Several references to one node count as one match.
     static void add(const ReferenceDescription& reference, Targets& to)
     {
         if (std::ranges::none_of(to, [&](const ReferenceDescription* each) {

@@ -9,21 +9,21 @@
 
 namespace busbar::client::detail {
 
-/// What a path might mean is told up to this number.
+/// Maximum number of candidates that are reported.
 constexpr std::size_t max_candidates = 20;
 
 struct SearchedPath {
     Result<NodeId> id;
-    /// As those of ResolvedNode; a path without elements is its starting node.
+    /// As in ResolvedNode; a path without elements is its starting node.
     std::vector<BrowsePath> candidates;
 };
 
-/// True if an element of the path names no namespace, or that of OPC UA itself.
+/// True if an element of the path has no namespace, or that of OPC UA itself.
 [[nodiscard]] bool may_be_searched(const BrowsePath& path);
 
-/// Follows paths that TranslateBrowsePathsToNodeIds had no match for by browsing: a name of
-/// namespace 0 stands for that of the only target that has it in any namespace. In `done`
-/// Bad_NoMatch, or Bad_TooManyMatches with what the path might mean.
+/// Follows paths by browsing for which TranslateBrowsePathsToNodeIds had no match: a name in
+/// namespace 0 stands for the only target with this name in any namespace. `done` gets Bad_NoMatch,
+/// or Bad_TooManyMatches with the candidates.
 Operation search_paths(Requester& requester, std::vector<BrowsePath> paths,
                        std::function<void(std::vector<SearchedPath>)> done,
                        const ServiceOptions& options);

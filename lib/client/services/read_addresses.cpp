@@ -4,7 +4,7 @@ namespace busbar::client {
 
 namespace {
 
-/// Resolves, then reads what could be resolved.
+/// Resolves the addresses, then reads those that could be resolved.
 class ReadAddresses final : public detail::OperationState,
                             public std::enable_shared_from_this<ReadAddresses> {
 public:

@@ -14,7 +14,7 @@ struct Type {
     std::uint32_t id;
 };
 
-/// Those that everybody names in paths; others are looked up on the server.
+/// Common types; others are looked up on the server.
 constexpr std::array types{
     Type{"References", id::References},
     Type{"HierarchicalReferences", id::HierarchicalReferences},

@@ -4,9 +4,9 @@
 
 namespace busbar::client::detail {
 
-/// The ReferenceType of namespace 0 with that BrowseName; null if it is none of the usual ones.
+/// Returns the ReferenceType of namespace 0 with this BrowseName; null if it is not a common one.
 [[nodiscard]] NodeId standard_reference_type(const QualifiedName& name);
-/// The BrowseName of such a ReferenceType; empty if it is none of them.
+/// Returns the BrowseName of such a ReferenceType; empty if it is not one of them.
 [[nodiscard]] QualifiedName standard_name(const NodeId& reference_type);
 
 } // namespace busbar::client::detail

@@ -10,7 +10,7 @@ struct RegisterService {
     using Item = NodeId;
     using Outcome = Result<NodeId>;
     using Response = RegisterNodesResponse;
-    /// What was registered twice would have to be unregistered twice.
+    /// A node that was registered twice would have to be unregistered twice.
     static constexpr bool is_repeatable = false;
 
     static std::uint32_t limit(const ServerOperationLimits& limits)

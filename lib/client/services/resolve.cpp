@@ -15,8 +15,8 @@ namespace busbar::client {
 
 namespace {
 
-/// In steps, each left out if there is no need: wait for a session, browse ReferenceTypes for names
-/// that are not known here, translate.
+/// Works in steps, each skipped if it is not needed: wait for a session, browse ReferenceTypes for
+/// unknown names, translate.
 class ResolveOperation final : public detail::OperationState,
                                public std::enable_shared_from_this<ResolveOperation> {
 public:
@@ -92,7 +92,7 @@ private:
         }
     }
 
-    /// Makes BrowsePaths; with ReferenceTypes of the server if they are needed.
+    /// Creates BrowsePaths; with ReferenceTypes of the server if they are needed.
     void look_up()
     {
         auto paths = make_paths();
@@ -145,7 +145,7 @@ private:
     }
     void learn(const BrowsedTree& tree)
     {
-        types_.emplace(QualifiedName{}, NodeId{}); // it is no longer empty: asked once
+        types_.emplace(QualifiedName{}, NodeId{}); // not empty any more: asked once
         for (const TreeNode& node : tree.nodes) {
             if (node.parent != TreeNode::no_parent && node.reference.node_id.is_local()) {
                 types_.emplace(node.reference.browse_name, node.reference.node_id.node_id);
@@ -256,7 +256,7 @@ private:
     bool needs_types_{false};
     std::vector<std::size_t> paths_; // indices of addresses_
     std::vector<std::size_t> asked_; // those that have a BrowsePath
-    std::vector<BrowsePath> sent_;   // theirs
+    std::vector<BrowsePath> sent_;   // BrowsePaths of asked_
     std::map<QualifiedName, NodeId> types_;
 };
 
@@ -276,7 +276,7 @@ Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
                   std::function<void(std::vector<Result<NodeId>>)> done,
                   const ServiceOptions& options)
 {
-    // Made before it is needed: who has been found cannot fail any more.
+    // Created before it is needed, so that resolved addresses cannot fail any more.
     const auto results =
         std::make_shared<std::vector<Result<NodeId>>>(addresses.size(), fail(status::Bad_NoMatch));
     return resolve_nodes(

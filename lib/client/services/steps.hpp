@@ -7,9 +7,9 @@
 
 namespace busbar::client::detail {
 
-/// What a request's handler is for an operation in several steps: `step` gets the operation and the
-/// answer. A step that finds no memory is the last one: no_memory() of the operation ends it, so
-/// that its own handler is called all the same.
+/// Returns the handler of a request in an operation of several steps: `step` gets the operation and
+/// the answer. A step that runs out of memory is the last one: no_memory() ends the operation, so
+/// that its own handler is called nevertheless.
 template <typename Operation, typename Step>
 auto step_of(std::shared_ptr<Operation> operation, Step step)
 {

@@ -10,7 +10,7 @@ struct WriteService {
     using Item = WriteValue;
     using Outcome = StatusCode;
     using Response = WriteResponse;
-    /// The same value once more changes nothing.
+    /// Writing the same value again changes nothing.
     static constexpr bool is_repeatable = true;
 
     static std::uint32_t limit(const ServerOperationLimits& limits)

@@ -33,7 +33,7 @@ void Delivery::deliver(WatchedSubscription& subscription, const NotificationMess
     rest->failures = 0;
     rest->messages.complete_until = message.publish_time;
     publishes_.acknowledge(server_id, message.sequence_number);
-    // Part 4, 7.25.4: ended, be it by its lifetime or because another session has it now.
+    // Part 4, 7.25.4: it has ended, by its lifetime or because another session has it now.
     if (change.is_bad() || change == status::Good_SubscriptionTransferred) {
         ends_.lost(*rest, change, false);
     }

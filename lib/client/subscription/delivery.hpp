@@ -9,13 +9,13 @@
 
 namespace busbar::client::detail {
 
-/// Hands NotificationMessages, whose turn it is, to the user's handlers, and acknowledges them.
+/// Delivers NotificationMessages in their order to the user's handlers, and acknowledges them.
 class Delivery {
 public:
     Delivery(WatchList& subscriptions, ItemTable& items, SubscriptionEnds& ends,
              PublishQueue& publishes);
 
-    /// Calls handlers: `subscription` may be gone then.
+    /// Calls handlers: `subscription` may have been removed by them.
     void deliver(WatchedSubscription& subscription, const NotificationMessage& message);
 
 private:

@@ -41,7 +41,7 @@ void SubscriptionEngine::session_started(bool is_new)
     refresh_.begin_session();
 }
 
-/// Its handlers are called, so it is part of the next handle_deadline().
+/// Calls handlers, so it is part of the next handle_deadline().
 void SubscriptionEngine::begin_session()
 {
     is_begun_ = true;
@@ -62,8 +62,8 @@ void SubscriptionEngine::session_lost()
     });
 }
 
-/// Something has found no memory, and nobody knows what the server has and what was told: all that
-/// is at the server is made anew. This needs next to none itself, and can be repeated.
+/// Memory ran out, and the state at the server and of the notifications is unknown: everything at
+/// the server is created again. This needs hardly any memory itself, and can be repeated.
 void SubscriptionEngine::start_over()
 {
     requests_.cancel_all();

@@ -19,9 +19,9 @@
 
 namespace busbar::client::detail {
 
-/// The parts of Subscriptions and what is next for each of them. Each part owns the state that is
-/// named with it and knows those before it only. Everything that may call a handler is done in
-/// handle_deadline() or in the answer to a request.
+/// The parts of Subscriptions and their order. Each part owns the state that is named with it and
+/// knows only the parts before it. Everything that may call a handler is done in handle_deadline()
+/// or in the answer to a request.
 class SubscriptionEngine {
 public:
     SubscriptionEngine(Requester& requester, const SubscriberLimits& limits);
@@ -29,7 +29,7 @@ public:
     SubscriptionEngine& operator=(const SubscriptionEngine&) = delete;
 
     [[nodiscard]] Wishes& wishes() { return wishes_; }
-    /// Null if the user has no such Subscription.
+    /// Returns null if the user has no such Subscription.
     [[nodiscard]] const WatchedSubscription* find(SubscriptionHandle handle);
     [[nodiscard]] bool has_session() const { return requests_.has_session(); }
 
@@ -47,24 +47,24 @@ private:
     void work_on_live(WatchedSubscription& subscription);
 
     ItemTable items_;            // the user's items
-    WatchList subscriptions_;    // the user's Subscriptions, and how far each of them is
+    WatchList subscriptions_;    // the user's Subscriptions, and the progress of each
     PublishQueue publishes_;     // Publish requests under way and acknowledgements
     SessionRequests requests_;   // all requests under way, and whether there is a session
-    SubscriptionEnds ends_;      // what is to be deleted at the server
-    ItemRequests item_requests_; // how many items the server takes in one request
-    ItemPolling polling_;        // how many it reads in one
+    SubscriptionEnds ends_;      // Subscriptions to be deleted at the server
+    ItemRequests item_requests_; // the number of items that the server accepts in one request
+    ItemPolling polling_;        // the number of items that it reads in one
     ItemCreation creation_;
     ItemChanges changes_;
     SubscriptionSetup setup_;
     Delivery delivery_;
     Reception reception_;
-    Publishing publishing_; // until when no Publish is sent
+    Publishing publishing_; // the time until which no Publish is sent
     ValueRefresh refresh_;  // whether the server has ResendData
     SessionChange sessions_;
     Wishes wishes_;
 
     bool is_new_session_{false};
-    bool is_begun_{false}; // what a new session needs was sent
+    bool is_begun_{false}; // the requests that a new session needs were sent
     TimePoint handled_until_{};
 };
 

@@ -6,7 +6,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// Why `response` has no result for each of `count` items; Good if it has.
+/// Returns why `response` lacks a result for each of `count` items; Good if it is complete.
 template <typename Response>
 StatusCode failure(const Result<Response>& response, std::size_t count)
 {
@@ -152,7 +152,7 @@ bool ItemChanges::remove(WatchedSubscription& subscription)
     const auto redo = [ids](WatchedSubscription& changed) {
         changed.work.to_delete.insert(changed.work.to_delete.end(), ids.begin(), ids.end());
     };
-    // One that is not there any more is as good as deleted.
+    // An item that does not exist any more is as good as deleted.
     requests_.change<DeleteMonitoredItemsResponse>(subscription, std::move(request), count, redo,
                                                    [](WatchedSubscription&, const auto&) {});
     return true;

@@ -7,13 +7,13 @@
 
 namespace busbar::client::detail {
 
-/// Changes items that are at the server: parameters, MonitoringModes, links and their end (Part 4,
-/// 5.13.3 to 5.13.6).
+/// Changes items at the server: parameters, MonitoringModes, links and their end (Part 4, 5.13.3 to
+/// 5.13.6).
 class ItemChanges {
 public:
     ItemChanges(ItemTable& items, ItemRequests& requests);
 
-    /// Each sends the next request that is needed. False if none is.
+    /// Each of these sends the next request that is needed. False if none is.
     bool send_one(WatchedSubscription& subscription);
     bool remove(WatchedSubscription& subscription);
 

@@ -7,7 +7,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// The next handles of `queue` for which `is_due` holds, `limit` at most, each once.
+/// Returns the next handles of `queue` for which `is_due` holds, at most `limit`, each once.
 template <typename IsDue>
 std::vector<ItemHandle> take_batch(std::deque<ItemHandle>& queue, std::size_t limit, IsDue is_due)
 {
@@ -79,7 +79,7 @@ void ItemCreation::items_resolved(SubscriptionHandle handle,
             continue;
         }
         if (!nodes[i] && is_uncertain(nodes[i].error())) {
-            subscription.queue_creation(items_, items[i]); // its path was not looked up
+            subscription.queue_creation(items_, items[i]); // its path was not resolved
             is_late = true;
         } else if (!nodes[i]) {
             statuses.push_back({items[i], {nodes[i].error(), 0, 0, {}}});
@@ -157,7 +157,7 @@ ItemStatus ItemCreation::item_created(WatchedSubscription& subscription, ItemHan
     } else if (!result.status_code.is_bad()) {
         item->is_created = true;
         item->server_id = result.monitored_item_id;
-        item->told_after = subscription.refresh.losses; // its first value is still to come
+        item->told_after = subscription.refresh.losses; // its first value has not arrived yet
         if (item->is_modified) {
             work.to_modify[static_cast<std::size_t>(item->parameters->timestamps)].push_back(
                 handle);

@@ -11,13 +11,13 @@
 
 namespace busbar::client::detail {
 
-/// Makes items at the server (Part 4, 5.13.2), or puts them among those that are polled.
+/// Creates items at the server (Part 4, 5.13.2), or adds them to the polled ones.
 class ItemCreation {
 public:
     ItemCreation(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
                  SubscriptionEnds& ends, ItemRequests& changes, ItemPolling& polling);
 
-    /// Begins with the next batch that is queued. False if there is none.
+    /// Starts with the next queued batch. False if there is none.
     bool create(WatchedSubscription& subscription);
 
 private:

@@ -7,7 +7,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-// Handles of a link's, in ascending order, each once.
+// Adds a handle to the handles of a link, in ascending order, each once.
 
 void put(std::vector<ItemHandle>& handles, ItemHandle handle)
 {
@@ -95,7 +95,7 @@ void ItemChanges::send_links(WatchedSubscription& subscription, SetTriggeringReq
     const auto redo = [trigger](WatchedSubscription& changed) {
         const auto links = changed.links.find(trigger);
         if (links != changed.links.end()) {
-            links->second.made.clear(); // a link that is there already does no harm
+            links->second.made.clear(); // adding an existing link does no harm
             changed.work.to_link.push_back(trigger);
         }
     };

@@ -10,7 +10,7 @@ namespace busbar::client::detail {
 
 struct ItemParameters;
 
-/// An item that is polled, and what was delivered last.
+/// A polled item and its last delivered value.
 struct PolledItem {
     ItemHandle handle{0};
     std::uint16_t version{0};
@@ -30,7 +30,7 @@ struct PollKey {
 struct PollGroup {
     std::vector<PolledItem> items;
     TimePoint due{};
-    std::size_t position{0}; // of the next item in the round under way
+    std::size_t position{0}; // of the next item in the present round
     bool is_reading{false};
 };
 
