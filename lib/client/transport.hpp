@@ -10,7 +10,7 @@
 
 namespace busbar::client::detail {
 
-/// What became of the one transport that a Client has, and the orders for whoever drives it.
+/// The state of the one transport that a Client has, and the orders for the code that drives it.
 class Transport {
 public:
     enum class State : std::uint8_t { None, Ordered, Up, Dropping };
@@ -21,15 +21,16 @@ public:
         lost_.reset();
         order_ = TransportOrder{TransportOrder::Kind::Open, ++id_, std::move(url)};
     }
-    /// Whoever drives it may be stuck in a dead connection: the Client goes on without it then.
+    /// The driver may be stuck with a dead connection: the Client continues without it then.
     void drop(TimePoint now) { drop(now, std::chrono::seconds{2}, false); }
-    /// The same, and it counts as gone only when the peer has ended it too, or after `patience`.
+    /// Drops likewise, but counts the transport as closed only when the peer has ended it too, or
+    /// after `patience`.
     void drop_with_peer(TimePoint now, Duration patience) { drop(now, patience, true); }
     [[nodiscard]] std::optional<TransportOrder> next_order()
     {
         return std::exchange(order_, std::nullopt);
     }
-    /// False if the order is an old one.
+    /// Returns false if the order is an old one.
     bool connected(std::uint64_t order)
     {
         const bool is_it = order == id_ && state_ == State::Ordered && !lost_;
@@ -48,7 +49,7 @@ public:
             lost_ = why.is_bad() ? why : StatusCode{status::Bad_ConnectionClosed};
         }
     }
-    /// Ends a drop that nobody confirmed.
+    /// Ends a drop that was not confirmed.
     void check(TimePoint now)
     {
         if (state_ == State::Dropping && now >= give_up_at_) {
@@ -62,7 +63,7 @@ public:
     }
     [[nodiscard]] State state() const { return state_; }
     [[nodiscard]] bool is_none() const { return state_ == State::None; }
-    /// Why it is gone, if it went by itself.
+    /// The reason why it was lost, if it was not dropped.
     [[nodiscard]] std::optional<StatusCode> lost() const { return lost_; }
 
 private:
@@ -71,7 +72,7 @@ private:
         if (state_ == State::None || state_ == State::Dropping) {
             return;
         }
-        // It is gone, or nobody has heard of the order yet.
+        // It is closed, or the order was not taken yet.
         if (std::exchange(lost_, std::nullopt) || (state_ == State::Ordered && order_)) {
             state_ = State::None;
             order_.reset();

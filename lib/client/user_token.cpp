@@ -9,10 +9,10 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// In bytes; those that are longer than the legacy format has room for go in the other one (Part 4,
+/// In bytes; a longer password than the legacy format has room for uses the other one (Part 4,
 /// 7.40.4), which not every server knows.
 constexpr std::size_t max_password_size = 256;
-/// Issued tokens are larger than passwords may be, in the legacy format, too.
+/// Issued tokens may be larger than passwords, in the legacy format, too.
 constexpr std::size_t max_issued_size = 8'192;
 
 bool is_for(const UserTokenPolicy& policy, const UserIdentity& identity)
@@ -24,7 +24,7 @@ bool is_for(const UserTokenPolicy& policy, const UserIdentity& identity)
     return issued == nullptr || policy.issued_token_type.view() == issued->type_uri;
 }
 
-/// Whether what `identity` has to prove or hide is safe with `security` over the channel.
+/// Returns whether the secrets of `identity` are safe with `security` over the channel.
 bool is_safe(const crypto::SecurityPolicy& security, const channel::SecuritySetting& channel,
              const UserIdentity& identity)
 {
@@ -40,7 +40,7 @@ bool is_safe(const crypto::SecurityPolicy& security, const channel::SecuritySett
     return !security.is_none() || channel.mode == MessageSecurityMode::SignAndEncrypt;
 }
 
-/// Everything that goes into a token but the identity.
+/// The parts of a token except the identity.
 struct TokenContext {
     const ConnectionConfig& config;
     const channel::ChannelEnvironment& environment;
@@ -57,8 +57,8 @@ Result<void> refuse(const TokenContext& context, StatusCode status, std::string 
     return fail(status);
 }
 
-/// Without security in the channel nobody has looked at the certificate yet (Part 4, 6.1.3): a
-/// secret for anyone's key is no secret.
+/// Without security in the channel the certificate has not been checked yet (Part 4, 6.1.3): a
+/// secret encrypted for any key is not secret.
 Result<void> check_server(const TokenContext& context)
 {
     const auto& channel = context.config.channel;
@@ -88,7 +88,7 @@ struct ProtectedSecret {
     String algorithm;
 };
 
-/// Part 4, 7.40.2; as it is only where the channel hides it.
+/// Part 4, 7.40.2; unencrypted only if the channel encrypts it.
 Result<ProtectedSecret> protect(const TokenContext& context, std::string_view secret,
                                 std::size_t max_legacy_size, std::size_t max_size)
 {
@@ -234,7 +234,7 @@ const UserTokenPolicy* find_token_policy(const Array<UserTokenPolicy>& policies,
     const crypto::SecurityPolicy* best_security = nullptr;
     for (const UserTokenPolicy& policy : policies) {
         const auto* used = token_security(policy, *security.policy, identity);
-        // Policies lie in one table, from the weakest to the strongest.
+        // The table of policies is ordered from the weakest to the strongest.
         if (used != nullptr && is_for(policy, identity) && is_safe(*used, security, identity) &&
             (best == nullptr || used > best_security)) {
             best = &policy;

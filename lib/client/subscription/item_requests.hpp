@@ -11,38 +11,39 @@
 
 namespace busbar::client::detail {
 
-/// The request may have been carried out though nobody knows its results.
+/// True if the request may have been carried out although its results are unknown.
 [[nodiscard]] bool is_uncertain(StatusCode status);
 
-/// Requests that change a Subscription or its items, one at a time for each Subscription, and how
-/// many items one may carry.
+/// Requests that change a Subscription or its items, one at a time for each Subscription, and the
+/// number of items in one.
 class ItemRequests {
 public:
-    /// A request that keeps failing is tried so often, and its items are told the reason then.
+    /// Number of attempts of a failing request, after which its items get the error.
     static constexpr std::uint32_t max_tries = 3;
 
     ItemRequests(SessionRequests& requests, WatchList& subscriptions, SubscriptionEnds& ends);
 
     void begin_session();
-    /// As the server wants it, or less if that was too much.
+    /// The limit of the server, or less if that was too much.
     [[nodiscard]] std::size_t batch_limit() const;
-    /// True if `status` says that `count` items were too many, and fewer are worth a try.
+    /// Returns true if `status` means that `count` items were too many, and fewer may succeed.
     bool shrink(StatusCode status, std::size_t count);
 
     /// Sends a change of `count` items. If it fails, `redo` queues it again, or `done` gets the
-    /// error when that has been tried often enough; `done` gets any other answer as well.
+    /// error after enough attempts; `done` gets any other answer as well.
     template <typename Response, typename Request, typename Done>
     void change(WatchedSubscription& subscription, Request request, std::size_t count,
                 std::function<void(WatchedSubscription&)> redo, Done done);
-    /// `done` gets the NodeIds: at once, or later if paths have to be looked up, unless the session
-    /// or the Subscription at the server is another one then.
+    /// Passes the NodeIds to `done`: at once, or later if paths must be resolved, unless the
+    /// session or the Subscription at the server has changed then.
     void resolve_nodes(const WatchedSubscription& subscription, std::vector<NodeAddress> addresses,
                        std::function<void(const std::vector<Result<NodeId>>&)> done);
-    /// False as soon as answers for what the Subscription is now are of no use. May outlive this.
+    /// Returns a function that is false as soon as answers for the present Subscription are
+    /// obsolete. May outlive this.
     [[nodiscard]] std::function<bool()> guard(const WatchedSubscription& subscription) const;
 
 private:
-    /// True if a change of `count` items that failed is to be queued again; no handler was called
+    /// Returns true if a failed change of `count` items must be queued again; no handler was called
     /// then.
     bool change_failed(WatchedSubscription& subscription, StatusCode status, std::size_t count);
 

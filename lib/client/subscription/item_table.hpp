@@ -10,12 +10,12 @@
 
 namespace busbar::client::detail {
 
-/// What items have in common; those that were added together share it.
+/// The common parameters of items; those that were added together share them.
 struct ItemParameters {
     explicit ItemParameters(const ItemSettings& settings);
     [[nodiscard]] bool are_those_of(const ItemSettings& settings) const;
     [[nodiscard]] bool has_events() const;
-    /// A Read gives what a notification would: neither events nor what a filter calculates.
+    /// True if a Read returns what a notification would: neither events nor calculated values.
     [[nodiscard]] bool is_readable() const;
     [[nodiscard]] MonitoringParameters for_server(ItemHandle item) const;
 
@@ -34,10 +34,10 @@ struct Item {
     std::shared_ptr<const ItemParameters> parameters;
     SubscriptionHandle subscription{0}; // 0: this place of the table is free
     std::uint32_t server_id{0};
-    /// How often notifications of its Subscription had been lost when it was told of last.
+    /// Number of losses of notifications of its Subscription before its last notification.
     std::uint32_t told_after{0};
     std::uint16_t generation{1};
-    /// Counts its changes while it is polled; of older places in a poll it is known by that.
+    /// Counts its changes while it is polled, to recognise its obsolete places in a poll.
     std::uint16_t poll_version{0};
     MonitoringMode mode{MonitoringMode::Reporting};
     bool is_created{false};
@@ -46,15 +46,15 @@ struct Item {
 };
 
 /// All items, found by their handles in constant time. A handle, which the server gets as
-/// ClientHandle, is a place in the table and how often that was used before, so that a late
+/// ClientHandle, is a place in the table and the number of its earlier uses, so that a late
 /// notification is not taken for a new item's.
 class ItemTable {
 public:
     static constexpr std::size_t capacity = std::size_t{1} << 22U;
 
-    /// 0 if there are `capacity` items.
+    /// Returns 0 if there are `capacity` items.
     [[nodiscard]] ItemHandle add(Item item);
-    /// Null if there is no such item. Valid until it is removed.
+    /// Returns null if there is no such item. Valid until it is removed.
     [[nodiscard]] Item* find(ItemHandle handle);
     void remove(ItemHandle handle);
     [[nodiscard]] std::size_t size() const { return items_.size() - free_.size(); }

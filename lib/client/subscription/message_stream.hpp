@@ -12,45 +12,47 @@
 
 namespace busbar::client::detail {
 
-/// Why notifications are missing and since when; becomes a Gap with the next notification.
+/// The reason why notifications are missing and the time since when; becomes a Gap with the next
+/// notification.
 struct Loss {
     StatusCode reason;
     DateTime from;
 };
 
-/// The messages of one Subscription: which of them came, which are to be asked for again, and by
-/// when the next one has to be here. It sends nothing and calls nobody.
+/// The messages of one Subscription: those that arrived, those to be requested again, and the time
+/// by which the next one must arrive. It sends nothing and calls no handlers.
 struct MessageStream {
     explicit MessageStream(std::size_t max_missing) : sequence{max_missing} {}
 
-    /// A message came that the server made at `time`, null if none ever did; the next one has to
-    /// come within one and a half keep-alive intervals and what a slow link may take.
+    /// A message arrived that the server created at `time`, null if none ever did; the next one
+    /// must arrive within one and a half keep-alive intervals and some time for a slow link.
     void heard(DateTime time, TimePoint now);
-    /// Nothing came in time: probes for messages, and waits as long again. How often that was so
-    /// since the last message.
+    /// Nothing arrived in time: probes for messages, and waits as long again. Returns how often
+    /// that happened since the last message.
     std::uint32_t fall_silent(TimePoint now);
-    /// Notifications after complete_until are lost. What was lost earlier keeps its reason.
+    /// Notifications after complete_until are lost. An earlier loss keeps its reason.
     void lose(StatusCode reason);
 
-    /// A session began: nothing was asked for in it.
+    /// A session began: no request was made in it yet.
     void begin_session();
-    /// The Subscription lives on in this session: what the server has kept is asked for first.
+    /// The Subscription continues in this session: messages that the server has kept are requested
+    /// first.
     void catch_up(TimePoint now);
-    /// The session ended: requests under way have no answers.
+    /// The session ended: requests under way will not be answered.
     void interrupt();
-    /// The Subscription is made anew and counts from 1. What is told of is not forgotten.
+    /// The Subscription is created again and counts from 1. A reported loss is not forgotten.
     void restart();
 
-    /// True if Republish is needed. Ends the catching up if it is not.
+    /// Returns true if Republish is needed. Ends the catching up if it is not.
     bool needs_republish();
-    /// A message came by Republish. A server that never ends is not probed for ever.
+    /// A message arrived by Republish. A server that never ends is not probed for ever.
     void republished();
 
     SequenceTracker sequence;
     bool is_republishing{false};
-    /// Republish shall tell whether there is more than is known of.
+    /// Republish shall tell whether there are more messages than known.
     bool is_probing{false};
-    /// Since the session began it was not yet brought up to date; nothing is published meanwhile.
+    /// It was not brought up to date since the session began; nothing is published meanwhile.
     bool is_catching_up{false};
     std::size_t probe_count{0};
     std::uint32_t republish_failures{0};

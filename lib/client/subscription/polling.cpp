@@ -9,7 +9,7 @@ namespace {
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-// As fast as possible, where no interval is given (Part 4, 7.21), is not for Read.
+// "As fast as possible", without an interval (Part 4, 7.21), does not suit Read.
 constexpr Milliseconds shortest_interval{50};
 constexpr Milliseconds longest_interval{std::chrono::hours{24}};
 
@@ -76,7 +76,7 @@ void ItemPolling::poll(WatchedSubscription& subscription, TimePoint now)
             ++next;
             continue;
         }
-        // Removed items, and those that were put into another place.
+        // Removed items, and those that were moved to another place.
         std::erase_if(group.items, [&](const PolledItem& polled) {
             const Item* item = items_.find(polled.handle);
             return item == nullptr || item->poll_version != polled.version;
@@ -92,7 +92,7 @@ void ItemPolling::poll(WatchedSubscription& subscription, TimePoint now)
     }
 }
 
-/// Asks for the next items of a round, as many as a Read may have.
+/// Requests the next items of a round, as many as a Read may have.
 void ItemPolling::read(WatchedSubscription& subscription, const PollKey& key)
 {
     PollGroup& group = subscription.polls[key];

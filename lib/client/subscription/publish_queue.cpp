@@ -108,8 +108,8 @@ void PublishQueue::acknowledge(std::uint32_t subscription_id, std::uint32_t sequ
 
 void PublishQueue::keep(const SubscriptionAcknowledgement& acknowledgement)
 {
-    // A server that answers Republish alone would have them grow for ever. One that never hears of
-    // a message keeps it, until it has too many.
+    // If a server answers only Republish, they would grow for ever. A server that never gets an
+    // acknowledgement keeps the message, until it has too many.
     if (acknowledgements_.size() == max_waiting_acknowledgements) {
         acknowledgements_.pop_front();
     }
@@ -121,7 +121,7 @@ void PublishQueue::forget(std::uint32_t subscription_id)
     std::erase_if(acknowledgements_, [&](const SubscriptionAcknowledgement& acknowledgement) {
         return acknowledgement.subscription_id == subscription_id;
     });
-    // Their places tell whose results are in the answer.
+    // Their places identify the results in the answer.
     for (auto& [number, request] : requests_) {
         for (SubscriptionAcknowledgement& acknowledgement : request.acknowledgements) {
             if (acknowledgement.subscription_id == subscription_id) {

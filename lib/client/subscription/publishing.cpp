@@ -48,13 +48,13 @@ std::size_t Publishing::wanted() const
         const bool is_live = subscription.phase == Phase::Live;
         if (subscription.phase == Phase::Transferring ||
             (is_live && subscription.messages.is_catching_up)) {
-            return 0; // its messages come first
+            return 0; // its messages have precedence
         }
         live += is_live ? 1 : 0;
         kept += subscription.messages.sequence.kept_count();
     }
     if (live == 0 || kept > max_kept) {
-        return 0; // what waits for a Republish may not grow for ever
+        return 0; // messages that wait for a Republish must not grow for ever
     }
     // Part 4, 5.14.5: with one more than Subscriptions each of them can answer at any time.
     return std::max<std::size_t>(live + 1, 2);
@@ -96,7 +96,7 @@ void Publishing::answered(std::uint64_t number, PublishResponse response)
     if (!acknowledged) {
         return;
     }
-    // What is unknown now needs no acknowledgement; only a Subscription that is gone matters.
+    // An unknown message needs no acknowledgement; only a missing Subscription matters.
     const std::size_t count = std::min(acknowledged->size(), response.results.size());
     for (std::size_t i = 0; i < count; ++i) {
         if (response.results[i] != status::Bad_SubscriptionIdInvalid) {
@@ -125,7 +125,7 @@ void Publishing::failed(StatusCode status)
     }
     publish_at_ = requests_.now() + pause_after_failure;
     if (status == status::Bad_NoSubscription) {
-        reception_.probe_all(); // Republish tells which of them are gone
+        reception_.probe_all(); // Republish tells which of them do not exist
     }
 }
 

@@ -10,7 +10,7 @@
 
 namespace busbar::client::detail {
 
-/// Keeps Publish requests at the server (Part 4, 5.14.5), and pauses where it does not want them.
+/// Keeps Publish requests at the server (Part 4, 5.14.5), and pauses when it refuses them.
 class Publishing {
 public:
     Publishing(SessionRequests& requests, WatchList& subscriptions, SubscriptionEnds& ends,
@@ -18,12 +18,12 @@ public:
 
     void begin_session();
     [[nodiscard]] TimePoint next_deadline(TimePoint handled_until) const;
-    /// Sends as many as are missing.
+    /// Sends as many requests as are missing.
     void publish();
 
 private:
     [[nodiscard]] std::size_t wanted() const;
-    /// Of the next request.
+    /// The timeout of the next request.
     [[nodiscard]] Duration timeout() const;
     void send_one();
     void answered(std::uint64_t number, PublishResponse response);

@@ -15,7 +15,8 @@ void Reception::receive(PublishResponse response)
 {
     WatchedSubscription* subscription = subscriptions_.find_at_server(response.subscription_id);
     if (subscription == nullptr) {
-        // One of an earlier life. What is being made or transferred may answer before that does.
+        // It belongs to an earlier Subscription. One that is being created or transferred may
+        // answer before that request does.
         const bool may_become_ours = std::any_of(
             subscriptions_.all().begin(), subscriptions_.all().end(), [](const auto& entry) {
                 return entry.second.phase == Phase::Creating ||
@@ -47,7 +48,7 @@ void Reception::accept(SubscriptionHandle handle, NotificationMessage message)
     const std::uint32_t number = message.sequence_number;
     switch (subscription.messages.sequence.put(message)) {
     case SequenceTracker::Arrival::Duplicate:
-        // It was delivered; the server may forget it.
+        // It was delivered earlier; the server may forget it.
         publishes_.acknowledge(subscription.server_id, number);
         break;
     case SequenceTracker::Arrival::TooFar:
@@ -63,7 +64,7 @@ void Reception::accept(SubscriptionHandle handle, NotificationMessage message)
     deliver_kept(handle);
 }
 
-/// Gives up all that is missing before `sequence_number`, and delivers what is here of it.
+/// Gives up all missing messages before `sequence_number`, and delivers those that are here.
 void Reception::jump_to(SubscriptionHandle handle, std::uint32_t sequence_number)
 {
     for (WatchedSubscription* subscription = subscriptions_.find(handle); subscription != nullptr;

@@ -10,21 +10,21 @@
 
 namespace busbar::client::detail {
 
-/// Brings the NotificationMessages of each Subscription into their order, fetches those that are
-/// missing (Part 4, 6.7), and notices where none come. The state is each Subscription's
-/// MessageStream. All of it may call handlers.
+/// Sorts the NotificationMessages of each Subscription, fetches missing ones (Part 4, 6.7), and
+/// notices if none arrive. The state is each Subscription's MessageStream. All functions may call
+/// handlers.
 class Reception {
 public:
     Reception(SessionRequests& requests, WatchList& subscriptions, SubscriptionEnds& ends,
               PublishQueue& publishes, Delivery& delivery);
 
     void receive(PublishResponse response);
-    /// Asks for what the server has kept, before it is asked for more (Part 4, 6.7): an answer to
-    /// Publish would push the oldest out.
+    /// Requests the messages that the server has kept, before further ones (Part 4, 6.7): an answer
+    /// to Publish would push the oldest out.
     void catch_up(WatchedSubscription& subscription);
-    /// The server says that it has no Subscription: Republish tells which are there.
+    /// The server reports that it has no Subscription: Republish tells which exist.
     void probe_all();
-    /// Fetches what is due until `now`, and probes where something should have come.
+    /// Fetches what is due until `now`, and probes if a message is overdue.
     void watch(WatchedSubscription& subscription, TimePoint now);
 
 private:
@@ -38,7 +38,7 @@ private:
     void go_on(SubscriptionHandle handle, std::uint32_t incarnation);
     void not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status);
     void ask_for_life(WatchedSubscription& subscription);
-    /// The message is lost, or there is none.
+    /// The message is lost, or does not exist.
     void stop_republishing(WatchedSubscription& subscription, bool is_sent);
 
     SessionRequests& requests_;

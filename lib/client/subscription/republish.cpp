@@ -15,7 +15,7 @@ constexpr std::uint32_t patient_silences = 2;
 constexpr std::uint32_t max_silences = 5;
 constexpr Duration republish_pause = std::chrono::seconds{1};
 
-/// The server answered, and the message is not to be had.
+/// True if the server answered, and the message is not available.
 bool is_final(StatusCode status)
 {
     return status == status::Bad_MessageNotAvailable ||
@@ -27,7 +27,7 @@ bool is_final(StatusCode status)
 
 } // namespace
 
-/// After something was heard: asks for what is missing, or has all until now.
+/// Continues after a message: requests missing ones, or is complete until now.
 void Reception::settle(SubscriptionHandle handle)
 {
     WatchedSubscription* subscription = subscriptions_.find(handle);
@@ -53,7 +53,7 @@ void Reception::fetch_missing(WatchedSubscription& subscription)
         return;
     }
     const std::uint32_t number = messages.sequence.next();
-    // Of a message that nobody has heard of yet, Bad_MessageNotAvailable means nothing.
+    // For a message that is not known to exist, Bad_MessageNotAvailable means nothing.
     const bool is_sent = messages.sequence.is_missing();
     RepublishRequest request;
     request.subscription_id = subscription.server_id;
@@ -74,7 +74,7 @@ void Reception::go_on(SubscriptionHandle handle, std::uint32_t incarnation)
 {
     WatchedSubscription* const found = subscriptions_.find(handle, incarnation);
     if (found != nullptr && found->messages.heard_time > found->messages.complete_until) {
-        settle(handle); // what was told of since is here, or is given up
+        settle(handle); // known messages have arrived, or are given up
     } else if (found != nullptr) {
         fetch_missing(*found);
     }
@@ -86,7 +86,7 @@ void Reception::republished(WatchedSubscription& subscription, std::uint32_t num
     if (!response && response.error() == status::Bad_SubscriptionIdInvalid) {
         ends_.lost(subscription, response.error(), false);
     } else if (number != subscription.messages.sequence.next()) {
-        return; // a Publish response has brought it since
+        return; // a Publish response has brought it meanwhile
     } else if (!response) {
         not_republished(subscription, is_sent, response.error());
     } else if (response->notification_message.sequence_number != number) {
@@ -114,9 +114,9 @@ void Reception::not_republished(WatchedSubscription& subscription, bool is_sent,
     }
 }
 
-/// Who answers nothing at all may have messages still: the link holds everything up. Answers to
-/// Publish would push them out of the server's queue, so that none is sent before it answers
-/// something; then it has one more attempt.
+/// A server that does not answer at all may still have messages: the link delays everything.
+/// Answers to Publish would push them out of the server's queue, so that none is sent before the
+/// server answers something; then it has one more attempt.
 void Reception::ask_for_life(WatchedSubscription& subscription)
 {
     ReadRequest request;

@@ -6,7 +6,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-// 0 is no sequence number (Part 4, 7.11.3: Counter values begin again with 1).
+// 0 is not a sequence number (Part 4, 7.11.3: Counter values begin again with 1).
 constexpr std::uint32_t last_number = 0xFFFF'FFFF;
 
 } // namespace

@@ -9,9 +9,8 @@
 
 namespace busbar::client::detail {
 
-/// Puts the NotificationMessages of one Subscription into the order of their sequence numbers, and
-/// tells which one is missing (Part 4, 5.14.1.1: they count from 1 and go on with 1 after
-/// 4,294,967,295).
+/// Sorts the NotificationMessages of one Subscription by their sequence numbers, and finds missing
+/// ones (Part 4, 5.14.1.1: they count from 1 and continue with 1 after 4,294,967,295).
 class SequenceTracker {
 public:
     enum class Arrival : std::uint8_t {
@@ -25,21 +24,21 @@ public:
 
     /// Moves from `message` if it is kept.
     Arrival put(NotificationMessage& message);
-    /// The message whose turn it is, if it is here.
+    /// Returns the next message, if it has arrived.
     [[nodiscard]] std::optional<NotificationMessage> take();
 
     /// All numbers before `sequence_number` have been sent. False if more than `max_missing` of
-    /// them would be missing; the number is not believed then.
+    /// them would be missing; the number is ignored then.
     bool expect_before(std::uint32_t sequence_number);
-    /// The same of the numbers up to this one.
+    /// The numbers up to and including this one have been sent.
     bool expect_through(std::uint32_t sequence_number);
-    /// The next message was sent, as far as is known, and is not here.
+    /// True if the next message was sent, as far as is known, and has not arrived.
     [[nodiscard]] bool is_missing() const;
-    /// Gives the next message up.
+    /// Gives up the next message.
     void skip();
-    /// Goes on with `sequence_number`; what is kept is dropped.
+    /// Continues with `sequence_number`; kept messages are dropped.
     void restart(std::uint32_t sequence_number);
-    /// As made: another Subscription, which counts from 1.
+    /// Starts again, for another Subscription, which counts from 1.
     void reset() { *this = SequenceTracker{max_missing_}; }
 
     /// The sequence number of the next message.
@@ -48,14 +47,15 @@ public:
     [[nodiscard]] std::size_t max_missing() const { return max_missing_; }
 
 private:
-    /// How far ahead of the next number this is; nothing if it is behind or no sequence number.
+    /// Returns how far this number is ahead of the next one; nothing if it is older or not a
+    /// sequence number.
     [[nodiscard]] std::optional<std::uint32_t> distance_to(std::uint32_t sequence_number) const;
 
     std::size_t max_missing_;
     std::uint32_t next_{1};
-    // Positions count on where sequence numbers begin again.
+    // Positions continue where sequence numbers begin again.
     std::uint64_t position_{0};
-    std::uint64_t end_{0}; // behind the last message that is known of
+    std::uint64_t end_{0}; // after the last known message
     std::map<std::uint64_t, NotificationMessage> kept_;
 };
 

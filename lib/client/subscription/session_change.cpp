@@ -4,8 +4,8 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// How often a server without memory is asked, once a second: meanwhile nothing is published, as
-/// the messages of what is transferred come first.
+/// Number of attempts with a server that has no memory, once a second: meanwhile nothing is
+/// published, as the messages of transferred Subscriptions have precedence.
 constexpr std::uint32_t most_transfers = 10;
 
 } // namespace
@@ -48,7 +48,7 @@ void SessionChange::start_again(WatchedSubscription& subscription, bool is_new_s
 void SessionChange::transfer()
 {
     std::vector<SubscriptionHandle> handles;
-    // Values that were delivered must not come again; what is missing comes by Republish.
+    // Delivered values must not arrive again; missing ones are fetched by Republish.
     TransferSubscriptionsRequest request;
     request.send_initial_values = false;
     for (const auto& [handle, subscription] : subscriptions_.all()) {
@@ -107,20 +107,20 @@ void SessionChange::refused(WatchedSubscription& subscription, StatusCode reason
         subscription.retry_at = requests_.now() + first_retry;
         return;
     }
-    // A server that has none of that id may give it to the next one.
+    // A server that has none with this id may give the id to the next one.
     ends_.lost(subscription, reason, reason != status::Bad_SubscriptionIdInvalid);
 }
 
 void SessionChange::transferred(WatchedSubscription& subscription, const TransferResult& result)
 {
-    // Bad_NothingToDo: it is this session's since a request whose answer was lost.
+    // Bad_NothingToDo: it belongs to this session since a request whose answer was lost.
     if (result.status_code.is_bad() && result.status_code != status::Bad_NothingToDo) {
         refused(subscription, result.status_code);
         return;
     }
     subscription.failures = 0;
     subscription.phase = Phase::Live;
-    // Numbers that are too far ahead are not believed until a message has one.
+    // Numbers that are too far ahead are ignored until a message has one.
     for (const std::uint32_t number : result.available_sequence_numbers) {
         subscription.messages.sequence.expect_through(number);
     }

@@ -9,8 +9,8 @@
 
 namespace busbar::client::detail {
 
-/// Brings Subscriptions that live at the server into the session that has begun: they go on, are
-/// transferred (Part 4, 5.14.7), or are lost.
+/// Brings Subscriptions at the server into the new session: they continue, are transferred (Part 4,
+/// 5.14.7), or are lost.
 class SessionChange {
 public:
     SessionChange(SessionRequests& requests, WatchList& subscriptions, SubscriptionEnds& ends,
@@ -18,8 +18,8 @@ public:
 
     /// Calls handlers.
     void begin(bool is_new_session);
-    /// Asks for what is to be transferred and was not asked for yet, or was refused for want of
-    /// memory and has waited for it.
+    /// Requests transfers that were not requested yet, or were refused for lack of memory and have
+    /// waited.
     void transfer();
 
 private:

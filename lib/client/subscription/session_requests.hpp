@@ -12,11 +12,12 @@
 
 namespace busbar::client::detail {
 
-/// The requests that Subscriptions have under way, which end with the session they are sent in, and
-/// whether there is work that no answer waits for.
+/// The pending requests of Subscriptions, which end with their session, and whether there is work
+/// that no answer will trigger.
 class SessionRequests {
 public:
-    /// Items in one request, where neither the user nor the server wants fewer.
+    /// Maximum number of items in one request, if neither the user nor the server sets a lower
+    /// limit.
     static constexpr std::size_t default_batch = 1'000;
 
     /// `answered` is called after the handler of each answer.
@@ -26,14 +27,15 @@ public:
     SessionRequests& operator=(const SessionRequests&) = delete;
 
     void begin_session();
-    /// Forgets what is under way.
+    /// Forgets pending requests.
     void end_session();
     void cancel_all();
     [[nodiscard]] bool has_session() const { return session_ != nullptr; }
-    /// True as long as the session that there is now lasts. May outlive this.
+    /// Returns a function that is true as long as the present session lasts. May outlive this.
     [[nodiscard]] std::function<bool()> in_session() const;
 
-    /// `handle` gets the Result; not after end_session() or the end of this. Only in a session.
+    /// Passes the Result to `handle`; not after end_session() or the end of this. Only in a
+    /// session.
     template <typename Response, typename Request, typename Handle>
     void send(Request request, Handle handle, Duration timeout = {});
 
@@ -42,13 +44,13 @@ public:
     /// For services over several requests.
     [[nodiscard]] Requester& requester() { return requester_; }
 
-    /// Calls `work`. If that finds no memory, nobody knows how far it came: has_failed() from then
-    /// on. All handlers of answers are called so.
+    /// Calls `work`. If that runs out of memory, its progress is unknown: has_failed() from then
+    /// on. All handlers of answers are called through this.
     void watch(FunctionRef<void()> work);
     [[nodiscard]] bool has_failed() const { return has_failed_; }
     void forget_failure() { has_failed_ = false; }
 
-    /// There is something to do at the next deadline, which is now.
+    /// Schedules work at the next deadline, which is now.
     void call_for_work() { has_work_ = true; }
     void begin_work() { has_work_ = false; }
     [[nodiscard]] bool has_work() const { return has_work_; }

@@ -21,13 +21,13 @@ SubscriptionEnds::SubscriptionEnds(SessionRequests& requests, WatchList& subscri
 void SubscriptionEnds::begin_session(bool is_new)
 {
     if (is_new) {
-        doomed_.clear(); // of another session
+        doomed_.clear(); // they belong to another session
     }
 }
 
 void SubscriptionEnds::end_session()
 {
-    // One that is forgotten ends with its lifetime.
+    // A forgotten one ends with its lifetime.
     busbar::detail::attempt(
         [this] { doomed_.insert(doomed_.end(), deleting_.begin(), deleting_.end()); });
     deleting_.clear();

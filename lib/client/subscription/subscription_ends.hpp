@@ -9,8 +9,8 @@
 
 namespace busbar::client::detail {
 
-/// The ends of Subscriptions at the server: those that the server has no longer, which are wished
-/// again, and those that nobody wants any more, which are deleted.
+/// The ends of Subscriptions at the server: those that the server no longer has, which are created
+/// again, and those that are not needed any more, which are deleted.
 class SubscriptionEnds {
 public:
     SubscriptionEnds(SessionRequests& requests, WatchList& subscriptions, PublishQueue& publishes);
@@ -20,10 +20,10 @@ public:
 
     /// The user has removed it.
     void remove(WatchedSubscription& subscription);
-    /// The server has it no longer, or nobody knows what it has: it is made anew. Calls a handler.
-    /// `may_live`: the server may have it all the same, and deletes it then.
+    /// The server no longer has it, or its state there is unknown: it is created again. Calls a
+    /// handler. `may_live`: the server may still have it, and shall delete it then.
     void lost(WatchedSubscription& subscription, StatusCode reason, bool may_live);
-    /// The server deletes it, if it has it: 1,000 wait for that at most, others end with their
+    /// Deletes it at the server, if it has it: at most 1,000 wait for that, others end with their
     /// lifetime.
     void doom(std::uint32_t server_id);
     void delete_doomed();

@@ -12,7 +12,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 constexpr Duration longest_keep_alive = std::chrono::hours{24};
 
-/// What the server revised, or what was asked for if that makes no sense.
+/// Returns the server's revised value, or the requested one if that is absurd.
 double sensible(double revised, double asked)
 {
     if (std::isfinite(revised) && revised > 0) {
@@ -52,7 +52,7 @@ void SubscriptionSetup::create(WatchedSubscription& subscription)
     request.requested_max_keep_alive_count = settings.max_keep_alive_count;
     request.max_notifications_per_publish = settings.max_notifications_per_publish;
     request.priority = settings.priority;
-    // One that replaces another begins when all its items are there: the Gap ends then for all.
+    // A replacement is enabled when all its items exist: the Gap then ends for all.
     request.publishing_enabled = settings.is_publishing_enabled && !subscription.messages.loss;
     subscription.phase = Phase::Creating;
     subscription.is_busy = true;

@@ -9,8 +9,8 @@
 
 namespace busbar::client::detail {
 
-/// Makes Subscriptions at the server and changes them (Part 4, 5.14.2 to 5.14.4); has them polled
-/// where the server does not know that service set.
+/// Creates Subscriptions at the server and changes them (Part 4, 5.14.2 to 5.14.4); has them polled
+/// if the server does not know that service set.
 class SubscriptionSetup {
 public:
     SubscriptionSetup(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,

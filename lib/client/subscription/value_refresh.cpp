@@ -11,7 +11,7 @@ namespace busbar::client::detail {
 namespace {
 
 constexpr std::uint32_t max_refreshes = 3;
-// However often notifications are lost, nobody is asked for all values more often.
+// However often notifications are lost, no server is asked for all values more often.
 constexpr Duration refresh_pause = std::chrono::seconds{1};
 
 StatusCode outcome_of(const Result<CallResponse>& response)
@@ -62,7 +62,7 @@ void ValueRefresh::ask_again(WatchedSubscription& subscription)
     }
 }
 
-/// It reports values, and has had none since some were lost.
+/// True if the item reports values, and has had none since some were lost.
 bool ValueRefresh::is_stale(const WatchedSubscription& subscription, ItemHandle handle)
 {
     const Item* item = items_.find(handle);
@@ -71,7 +71,7 @@ bool ValueRefresh::is_stale(const WatchedSubscription& subscription, ItemHandle 
            item->told_after != subscription.refresh.losses;
 }
 
-/// Part 5, 9.2. The values come in notifications.
+/// Part 5, 9.2: the values arrive in notifications.
 void ValueRefresh::call_resend_data(WatchedSubscription& subscription)
 {
     CallMethodRequest method;
@@ -103,7 +103,7 @@ void ValueRefresh::resend_answered(WatchedSubscription& subscription, StatusCode
         ++refresh.failures;
         refresh.is_due = true;
     } else {
-        // Whatever the reason, a Read needs neither the Method nor the right to call it.
+        // For any reason, since a Read needs neither the Method nor the right to call it.
         has_resend_data_ = is_unanswered(status);
         refresh.failures = 0;
         refresh.at = {};
@@ -161,7 +161,7 @@ void ValueRefresh::read_again(WatchedSubscription& subscription,
                               const ReadSettings& settings)
 {
     std::vector<ReadValueId> asked;
-    std::vector<DataChange> values; // those that are asked for first
+    std::vector<DataChange> values; // only items that are requested first
     std::vector<DataChange> unresolved;
     for (std::size_t i = 0; i < items.size(); ++i) {
         const Item* item = items_.find(items[i]);
@@ -193,7 +193,7 @@ void ValueRefresh::read_again(WatchedSubscription& subscription,
         settings, at_once);
 }
 
-/// `losses`: how many there were when the values were asked for.
+/// `losses`: the number of losses when the values were requested.
 void ValueRefresh::deliver_read(SubscriptionHandle handle, const std::vector<DataChange>& values,
                                 std::uint32_t losses)
 {
@@ -204,7 +204,7 @@ void ValueRefresh::deliver_read(SubscriptionHandle handle, const std::vector<Dat
     std::vector<DataChange> changes;
     for (const DataChange& value : values) {
         Item* item = items_.find(value.item);
-        // After a notification that came meanwhile another one brings what is newer.
+        // If a notification arrived meanwhile, another one brings newer values.
         if (item == nullptr || item->mode != MonitoringMode::Reporting ||
             item->told_after >= losses) {
             continue;

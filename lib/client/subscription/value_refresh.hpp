@@ -13,15 +13,14 @@
 
 namespace busbar::client::detail {
 
-/// Part 4, 6.7: where notifications are lost for good, ResendData or Read bring the client up to
-/// date.
+/// Part 4, 6.7: if notifications are lost for good, ResendData or Read bring the client up to date.
 class ValueRefresh {
 public:
     ValueRefresh(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
                  SubscriptionEnds& ends, ItemRequests& item_requests);
 
     void begin_session() { has_resend_data_ = true; }
-    /// Asks for values if some were lost and the Gap was told, so that they come after it.
+    /// Requests values if some were lost and the Gap was reported, so that they follow it.
     void refresh(WatchedSubscription& subscription);
 
 private:

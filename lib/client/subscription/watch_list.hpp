@@ -9,10 +9,10 @@
 
 namespace busbar::client::detail {
 
-/// The Subscriptions that the user wants, by their handles and by what the server calls them.
+/// The Subscriptions that the user wants, by their handles and by the server's ids.
 ///
-/// A handler may make and remove whatever it likes: after one was called, a WatchedSubscription has
-/// to be looked up again.
+/// A handler may create and remove any of them: after calling one, a WatchedSubscription must be
+/// looked up again.
 class WatchList {
 public:
     WatchedSubscription& add(const SubscriptionSettings& settings, SubscriptionHandlers handlers,
@@ -21,13 +21,14 @@ public:
     [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
 
     [[nodiscard]] WatchedSubscription* find(SubscriptionHandle handle);
-    /// Null as well if it was made anew since: what was asked for then is of no use.
+    /// Returns null also if it was created again since: the answers to earlier requests are
+    /// obsolete.
     [[nodiscard]] WatchedSubscription* find(SubscriptionHandle handle, std::uint32_t incarnation);
     [[nodiscard]] WatchedSubscription* find_at_server(std::uint32_t server_id);
 
-    /// The server calls it that. False if that is no name, or another one's.
+    /// Sets the server's id. False if it is invalid, or belongs to another one.
     bool name(WatchedSubscription& subscription, std::uint32_t server_id);
-    /// The server has it no longer.
+    /// The server no longer has it.
     void unname(WatchedSubscription& subscription);
 
     /// `f` may call handlers.

@@ -27,7 +27,7 @@ bool Refresh::is_reading() const
                        [](const auto& queue) { return !queue.empty(); });
 }
 
-/// What is under way has no answer; it is asked for again.
+/// Pending requests will not be answered; they are repeated.
 void Refresh::interrupt()
 {
     is_due = is_due || is_under_way || is_reading();
@@ -104,7 +104,7 @@ void WatchedSubscription::begin_anew()
     under_way.clear();
     redo = {};
     messages.restart();
-    // However often a server takes it away, it is not asked more than once a second.
+    // However often a server removes it, it is created at most once a second.
     retry_at = created_at + first_retry;
 }
 

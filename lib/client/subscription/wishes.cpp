@@ -7,7 +7,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-// Up to so many removed items are not worth going through the list.
+// With so few removed items it is not worth cleaning the list.
 constexpr std::size_t few_items = 64;
 
 StatusCode check(const ItemSettings& settings)
@@ -153,7 +153,7 @@ Result<void> Wishes::modify_items(std::span<const ItemHandle> items, const ItemS
         item.parameters = parameters;
         const auto timestamps = static_cast<std::size_t>(settings.timestamps);
         if (subscriptions_.find(item.subscription)->phase == Phase::Polling) {
-            item.is_created = false; // it finds its place among the others anew
+            item.is_created = false; // it gets a new place among the others
         }
         if (!item.is_created) {
             work.to_create[timestamps].push_back(handle);
@@ -179,7 +179,7 @@ Result<void> Wishes::remove_items(std::span<const ItemHandle> items)
     for (const ItemHandle handle : items) {
         const Item* item = items_.find(handle);
         if (item == nullptr) {
-            continue; // it stands there twice
+            continue; // it appears twice
         }
         WatchedSubscription& subscription = *subscriptions_.find(item->subscription);
         if (item->is_created && subscription.phase != Phase::Polling) {

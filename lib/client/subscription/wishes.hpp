@@ -10,8 +10,8 @@
 
 namespace busbar::client::detail {
 
-/// What the user wants, as busbar/client/subscriptions.hpp has it. Wishes send nothing and call no
-/// handler: they leave work behind.
+/// The user's requests, as in busbar/client/subscriptions.hpp. They send nothing and call no
+/// handler, but queue work.
 class Wishes {
 public:
     Wishes(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,

@@ -11,8 +11,8 @@ namespace busbar::client::detail {
 
 using busbar::detail::Json;
 
-/// The scalar that `from` stands for; false if it is none of that type. A String of JSON is a text
-/// as well as a number in quotes. An overload for each built-in type that has a text.
+/// Reads a scalar from `from`; false if it is not of this type. A String of JSON is a text as well
+/// as a number in quotes. There is an overload for each built-in type with a text form.
 [[nodiscard]] bool read_scalar(const Json& from, bool& to);
 [[nodiscard]] bool read_scalar(const Json& from, std::int8_t& to);
 [[nodiscard]] bool read_scalar(const Json& from, std::uint8_t& to);
@@ -35,13 +35,14 @@ using busbar::detail::Json;
 [[nodiscard]] bool read_scalar(const Json& from, QualifiedName& to);
 [[nodiscard]] bool read_scalar(const Json& from, LocalizedText& to);
 
-/// The number of an enumeration's value, or of "A|B" for an option set; nothing for other texts.
+/// Returns the number of an enumeration's value, or of "A|B" for an option set; nothing for other
+/// texts.
 [[nodiscard]] std::optional<std::int64_t> number_of_name(std::string_view text,
                                                          const binary::DynamicType& type);
 
-/// What a value of the type looks like, for messages: "a Byte, 0 to 255".
+/// Describes the values of a type for messages: "a Byte, 0 to 255".
 [[nodiscard]] std::string expectation(BuiltInType type);
-/// The same for an enumeration: "a number or name of Mode: Off, Manual, ...".
+/// Describes those of an enumeration: "a number or name of Mode: Off, Manual, ...".
 [[nodiscard]] std::string expectation(const binary::DynamicType& type);
 
 } // namespace busbar::client::detail

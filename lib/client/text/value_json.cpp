@@ -88,7 +88,7 @@ private:
         }
         json_.end_list();
     }
-    /// Lists of lists, by the dimensions that are left.
+    /// Prints lists of lists, by the remaining dimensions.
     template <typename T, typename Print>
     void matrix(std::span<const T> values, std::span<const std::uint32_t> dimensions, Print print)
     {
@@ -114,7 +114,7 @@ private:
             list(value.dimensions(), [this](std::uint32_t size) { write(size); });
         }
     }
-    /// Of a matrix a list, whose dimensions stand beside it, or lists of lists.
+    /// Prints a matrix as a list, with its dimensions beside it, or as lists of lists.
     void content(const Variant& value, bool is_flat = false)
     {
         if (value.is_null()) {
@@ -148,7 +148,7 @@ private:
     void field(const DynamicValue& value, std::size_t index)
     {
         if (const Variant* const simple = value.value(index)) {
-            // Only a field that may hold any type needs to name it.
+            // Only a field of any type needs to name the type.
             const bool is_open = value.type().fields[index].built_in == BuiltInType::Variant;
             is_open ? write(*simple) : content(*simple);
         } else if (const DynamicValue* const part = value.structure(index)) {
@@ -176,7 +176,7 @@ private:
         char digits[32];
         const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
         const std::string_view number{digits, static_cast<std::size_t>(end - digits)};
-        // JSON's numbers are Doubles to many readers, which have no room for 64 bits.
+        // Many readers read numbers of JSON as Doubles, which cannot hold 64 bits.
         constexpr bool is_long = std::is_integral_v<T> && sizeof(T) == 8;
         is_long ? quoted(number) : add(number);
     }

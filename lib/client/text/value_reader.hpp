@@ -12,13 +12,13 @@ namespace busbar::client::detail {
 
 using busbar::detail::Json;
 
-/// Makes values of what parse_json read. The first failure stays in error().
+/// Creates values from the result of parse_json. The first failure stays in error().
 class TextValueReader {
 public:
     /// `types`, which may be null, has the structures that objects name.
     explicit TextValueReader(const binary::DynamicTypes* types) : types_{types} {}
 
-    /// Nothing, with error(), if `from` is no value of that type.
+    /// Returns nothing, with error(), if `from` is not a value of this type.
     [[nodiscard]] std::optional<Variant> read(const Json& from, const ValueType& type);
     /// "[3]: expected a Byte, 0 to 255, found 300"
     [[nodiscard]] const std::string& error() const { return error_; }
@@ -48,7 +48,7 @@ private:
                                        binary::DynamicValue& to);
 
     std::nullopt_t fail(const Json& found, std::string_view expected);
-    /// Puts the place of the failure before what is known of it.
+    /// Puts the place of the failure before its description.
     void within(const std::string& place);
 
     const binary::DynamicTypes* types_;

@@ -25,7 +25,7 @@ bool is_json(std::string_view text, const ValueType& type)
            (c == '{' && may_be_object);
 }
 
-/// Takes "Int16:" off the front.
+/// Removes "Int16:" from the front.
 std::optional<BuiltInType> take_type(std::string_view& text)
 {
     const std::size_t colon = text.find(':');
@@ -38,7 +38,7 @@ std::optional<BuiltInType> take_type(std::string_view& text)
     return std::nullopt;
 }
 
-/// Text without quotes that means the same as in JSON; any other text is a String.
+/// Returns text without quotes that means the same in JSON; any other text is a String.
 Json word(std::string_view text)
 {
     const auto json = busbar::detail::parse_json(text);

@@ -22,8 +22,8 @@ NodeId first_target(const BrowseResult& answer)
     return found == answer.references.end() ? NodeId{} : found->node_id.node_id;
 }
 
-/// The way of Part 5, 1.04, Annex D: an encoding HasDescription of a Variable whose value is a name
-/// in the dictionary that the Variable is a component of.
+/// Follows Part 5, 1.04, Annex D: an encoding HasDescription of a Variable whose value is a name in
+/// the dictionary that the Variable is a component of.
 class DictionarySteps final : public OperationState,
                               public std::enable_shared_from_this<DictionarySteps> {
 public:
@@ -72,7 +72,7 @@ private:
         }
         std::vector<ReadValueId> items;
         for (const ReferenceDescription& reference : found.references) {
-            // That of namespace 0 is known, and the longest of all.
+            // The dictionary of namespace 0 is known, and the longest of all.
             if (reference.node_id.is_local() && reference.node_id.node_id.namespace_index() != 0 &&
                 items.size() < cache_->limits.max_dictionaries) {
                 dictionaries_.push_back(reference.node_id.node_id);
@@ -113,12 +113,12 @@ private:
         for (binary::DataTypeEntry& entry : known.entries(errors)) {
             cache_->add(std::move(entry));
         }
-        cache_->dictionaries = std::move(known); // now that nothing of them is missing
+        cache_->dictionaries = std::move(known); // kept now that they are complete
         cache_->dictionary_errors = std::move(errors);
         ask_descriptions();
     }
 
-    // The descriptions of the types that are asked for.
+    // Requests the descriptions of the types.
 
     void ask_descriptions()
     {
@@ -207,7 +207,7 @@ private:
         return may_go_on(std::ranges::all_of(
             results, [](const BrowseResult& result) { return is_answer(result.status_code); }));
     }
-    /// False, and the end, if an answer is missing or another server answers now.
+    /// Returns false, and ends, if an answer is missing or another server answers now.
     [[nodiscard]] bool may_go_on(bool is_complete)
     {
         cache_->check_revision();

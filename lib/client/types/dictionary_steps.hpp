@@ -8,8 +8,8 @@ namespace busbar::client::detail {
 [[nodiscard]] bool is_undescribed(const binary::DataTypeEntry& entry);
 
 /// Looks for the definitions of `types`, which the cache has entries of, in the server's type
-/// dictionaries, which it reads before the first time. They are no longer among the cache's
-/// undescribed ones then, unless an answer is missing, which `done` is told.
+/// dictionaries, which it reads before the first time. They are then no longer undescribed in the
+/// cache, unless an answer is missing, which `done` is told.
 Operation learn_from_dictionaries(const std::shared_ptr<TypeCache::State>& cache,
                                   const std::set<NodeId>& types, std::function<void(bool)> done,
                                   const ServiceOptions& options);

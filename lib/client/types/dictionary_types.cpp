@@ -22,7 +22,7 @@ struct NamedType {
     std::uint32_t id;
 };
 
-/// Part 5, C.6, as far as OPC UA Binary has them; Char stands for itself in arrays only.
+/// Part 5, C.6, as far as OPC UA Binary has these types; Char is used in arrays only.
 constexpr std::array schema_types{
     NamedType{"Boolean", id::Boolean},
     NamedType{"SByte", id::SByte},
@@ -42,7 +42,7 @@ constexpr std::array schema_types{
     NamedType{"Guid", id::Guid},
 };
 
-/// What OPC UA's own dictionary calls differently than its nodes.
+/// Names in OPC UA's own dictionary that differ from its nodes.
 constexpr std::array ua_types{
     NamedType{"ExtensionObject", id::Structure},
     NamedType{"Variant", id::BaseDataType},
@@ -145,7 +145,7 @@ bool DictionaryTypes::define(DataTypeEntry& entry, const NodeId& node, std::stri
     if (found != nullptr) {
         reason = describe(found->from, entry);
         if (found->from.kind == DictionaryType::Kind::Union) {
-            entry.base = supertype_of(found->from); // there was no Union before 1.03
+            entry.base = supertype_of(found->from); // Union did not exist before 1.03
         }
     }
     if (!reason.empty()) {

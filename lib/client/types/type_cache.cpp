@@ -13,7 +13,7 @@ namespace busbar::client {
 
 namespace {
 
-/// Goes from encodings to their types, from types to what those need, and again to the values,
+/// Goes from encodings to their types, from types to those they need, and again to the values,
 /// until nothing is new or a limit is reached.
 class LearnOperation final : public detail::OperationState,
                              public std::enable_shared_from_this<LearnOperation> {
@@ -49,7 +49,7 @@ public:
             cache_->requester.cancel(later_);
         }
     }
-    /// What is known by half is forgotten, so that it is asked for again.
+    /// Forgets incomplete knowledge, so that it is requested again.
     void no_memory()
     {
         if (done_ == nullptr) {
@@ -63,7 +63,8 @@ public:
     }
 
 private:
-    /// Also what known types need: it may be missing since an answer failed or was not waited for.
+    /// Includes what known types need: it may be missing since an answer failed or was not waited
+    /// for.
     void want(std::vector<NodeId> types)
     {
         while (!types.empty()) {
@@ -88,7 +89,7 @@ private:
             undescribed_.insert(type);
         }
     }
-    /// False, and the end, if what was asked is of no use any more or it takes too long.
+    /// Returns false, and ends, if the question is obsolete or it takes too long.
     [[nodiscard]] bool may_go_on()
     {
         cache_->check_revision();
@@ -102,7 +103,7 @@ private:
         return true;
     }
 
-    // One step: the types that are wanted.
+    // One step: requests the needed types.
 
     void ask_types()
     {
@@ -210,7 +211,7 @@ private:
             options_);
     }
 
-    // Another step: the encodings in the values.
+    // Another step: searches the values for encodings.
 
     void look_at_values()
     {
@@ -226,7 +227,7 @@ private:
                 continue;
             }
             if (!tried_encodings_.insert(encoding).second) {
-                // Its type is there now, and cannot be used or has another encoding.
+                // Its type is known now, and cannot be used or has another encoding.
                 give_up(encoding);
             } else if (encodings_.size() < cache_->limits.max_types) {
                 items.push_back(detail::ask_type_of(encoding));
@@ -263,7 +264,7 @@ private:
         next_types();
     }
 
-    /// Not to be asked for again, unless the reason may be that an answer is missing.
+    /// Does not request it again, unless an answer may be missing.
     void give_up(const NodeId& encoding)
     {
         if (!has_failed_ &&
@@ -274,7 +275,7 @@ private:
     [[nodiscard]] BrowseLimits browse_limits() const
     {
         BrowseLimits limits;
-        limits.max_references_per_node = 100; // a type has a few
+        limits.max_references_per_node = 100; // a type has only a few
         return limits;
     }
     void finish()
@@ -299,10 +300,10 @@ private:
     std::set<NodeId> seen_;
     std::set<NodeId> tried_encodings_;
     std::vector<NodeId> asked_;
-    std::vector<DataValue> attributes_; // of asked_
+    std::vector<DataValue> attributes_; // for asked_
     std::vector<NodeId> named_;         // types whose names are read
-    std::set<NodeId> undescribed_;      // types to be looked for in dictionaries
-    std::vector<NodeId> encodings_;     // whose types are asked for
+    std::set<NodeId> undescribed_;      // types to be searched in dictionaries
+    std::vector<NodeId> encodings_;     // encodings whose types are requested
 };
 
 Operation begin(const std::shared_ptr<TypeCache::State>& state, const std::vector<NodeId>& types,

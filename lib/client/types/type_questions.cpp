@@ -13,7 +13,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// The first target on this server, with that BrowseName of namespace 0 if there is one.
+/// Returns the first target on this server, with this BrowseName of namespace 0 if there is one.
 NodeId target_of(const BrowseResult& answer, std::string_view name = {})
 {
     for (const ReferenceDescription& reference : answer.references) {
@@ -108,7 +108,7 @@ std::optional<EnumDefinition> definition_of(const Variant& names)
     };
     if (const auto* const texts = names.array_if<LocalizedText>()) {
         for (std::size_t i = 0; i < texts->size(); ++i) {
-            // Bits that mean nothing have no name (Part 3, 5.8.2).
+            // Bits without a meaning have no name (Part 3, 5.8.2).
             if (!(*texts)[i].text.empty()) {
                 add(static_cast<std::int64_t>(i), (*texts)[i]);
             }

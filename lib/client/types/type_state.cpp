@@ -25,7 +25,7 @@ void TypeCache::State::check_revision()
 {
     if (revision != requester.server().revision) {
         begin();
-        revision = requester.server().revision; // if it throws on the way, it begins again
+        revision = requester.server().revision; // last: repeated if something above throws
     }
 }
 

@@ -11,17 +11,17 @@
 
 namespace busbar::client {
 
-/// What a TypeCache has, shared with its operations.
+/// The state of a TypeCache, shared with its operations.
 struct TypeCache::State {
     State(Requester& r, const TypeCacheLimits& l, DictionaryParser p);
 
     void begin();
-    /// Forgets what another namespace table was the base of.
+    /// Forgets everything if the namespace table has changed.
     void check_revision();
     void add(binary::DataTypeEntry entry);
-    /// The types of all entries.
+    /// Returns the types of all entries.
     [[nodiscard]] std::shared_ptr<const binary::DynamicTypes> compiled();
-    /// How many more types may be taken from the server.
+    /// Returns how many more types may be taken from the server.
     [[nodiscard]] std::size_t room() const
     {
         const std::size_t taken = entries.size() - built_in;
@@ -32,16 +32,16 @@ struct TypeCache::State {
     TypeCacheLimits limits;
     DictionaryParser parser;
     std::uint64_t revision{0};
-    /// By the NodeId of the DataType; those of namespace 0 that the build has are there before any
-    /// server is asked.
+    /// Entries by the NodeId of the DataType; those of namespace 0 that the build has are present
+    /// from the start.
     std::unordered_map<NodeId, binary::DataTypeEntry> entries;
     std::size_t built_in{0};
-    /// None until the server's dictionaries were read.
+    /// Empty until the server's dictionaries were read.
     std::optional<detail::DictionaryTypes> dictionaries;
     std::vector<binary::DefinitionError> dictionary_errors;
-    /// Types that are still to be looked for in dictionaries.
+    /// Types that must still be searched in dictionaries.
     std::set<NodeId> undescribed;
-    /// Encodings that no DataType has.
+    /// Encodings without a DataType.
     std::set<NodeId> unknown_encodings;
     std::shared_ptr<const binary::DynamicTypes> types{
         std::make_shared<const binary::DynamicTypes>()};
@@ -59,7 +59,7 @@ public:
     }
 
     void look_at(const Variant& value);
-    /// Those that are not among the types.
+    /// Returns those that are not among the types.
     [[nodiscard]] std::set<NodeId> take_unknown() { return std::move(unknown_); }
 
 private:
