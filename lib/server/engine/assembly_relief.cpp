@@ -6,8 +6,8 @@
 #include "peer_link.hpp"
 #include "server/users/login_guard.hpp"
 
-// Whose unfinished message is given up when those of all take too much: nobody's small request is
-// refused for what others hold.
+// Decides which unfinished message is given up when all of them together take too much, so that no
+// small request is refused for the memory of others.
 
 namespace busbar::server::detail {
 
@@ -15,11 +15,11 @@ namespace {
 
 struct Holder {
     PeerLink* link{nullptr};
-    /// Of all connections from its network.
+    /// Sum of all connections from its network.
     std::size_t together{0};
 };
 
-/// The oldest of the greediest.
+/// Returns the oldest connection of the network with most.
 Holder find_greediest(const std::vector<PeerLink*>& links)
 {
     std::map<std::string, std::size_t> networks;

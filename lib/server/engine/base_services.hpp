@@ -4,7 +4,7 @@ namespace busbar::server::detail {
 
 class ServiceTable;
 
-/// Adds what every server carries out: Discovery, Session, Attribute, View and Subscription
+/// Adds the services of every server: Discovery, Session, Attribute, View and Subscription
 /// services.
 void add_base_services(ServiceTable& services);
 

@@ -10,7 +10,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// What both Methods take: the id of a Subscription.
+/// Returns the input of both Methods: the id of a Subscription.
 std::uint32_t subscription_id(std::span<const Variant> inputs)
 {
     return inputs.empty() ? 0 : inputs[0].value_or<std::uint32_t>(0);

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Renewals that one channel may ask for at once, and in the shortest lifetime of a token.
+/// Renewals that one channel may request at once, and within the shortest lifetime of a token.
 constexpr int renewals_per_lifetime = 4;
 
 } // namespace

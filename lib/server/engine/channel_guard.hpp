@@ -11,58 +11,59 @@
 
 namespace busbar::server::detail {
 
-/// A bucket of tokens, seen as the time until which they are spent.
+/// A token bucket, represented by the time until which its tokens are spent.
 struct TokenBucket {
-    /// How long to wait for a token where `burst` of them, at least one, may be spent at once and a
-    /// new one comes each `interval`.
+    /// Returns the time to wait for a token if `burst` of them, at least one, may be spent at once
+    /// and a new one is added each `interval`.
     [[nodiscard]] Duration wait(std::size_t burst, Duration interval, TimePoint now) const;
-    /// Spends one that costs `interval`, also before its time.
+    /// Spends one that costs `interval`, even before its time.
     void spend(Duration interval, TimePoint now);
 
     TimePoint spent_until{};
 };
 
-/// Rations by the peer's address what OpenSecureChannel costs a server (Part 2, 5.1.2.2): the
-/// sender of a message, whether new or overheard and sent again, has no work with it, the server
-/// has some milliseconds of its private key's.
+/// Limits by the peer's address what OpenSecureChannel costs a server (Part 2, 5.1.2.2): sending a
+/// message, whether new or recorded and sent again, costs nothing, processing it takes the server's
+/// private key some milliseconds.
 ///
 /// - A *source* is an IPv4 address or the /64 of an IPv6 address. Each has max_channel_burst tokens
-///   and gets one each channel_interval; what finds none waits for it, in the order of arrival.
-/// - What would wait longer than max_channel_delay is refused at once.
+///   and gets one each channel_interval; a request that finds none waits for it, in the order of
+///   arrival.
+/// - A request that would wait longer than max_channel_delay is refused at once.
 /// - **Failures** make a source wait failed_channel_interval for each request, from the
 ///   max_channel_failures-th on. One is forgiven in each of these intervals; no more than twice
 ///   max_channel_failures are counted, so that a source is as good as new soon after it has
 ///   stopped.
-/// - **A channel that works** gives back what it cost and forgives all failures of its source. That
-///   it works shows in its first message, which takes the keys: to open it takes an overheard
-///   request only.
+/// - **A channel that works** returns its cost and forgives all failures of its source. Its first
+///   message proves that it works, since that needs the keys: opening it needs only a recorded
+///   request.
 ///
-/// Times of nothing ration nothing. What this cannot tell apart are peers at one address; that is
-/// why a renewal is none of its business. Memory is bounded: the source that was seen least
-/// recently makes room, and is new when it comes again.
+/// Intervals of 0 mean no limit. It cannot tell peers at one address apart; that is why it does not
+/// handle renewals. Memory is bounded: the source that was seen least recently makes room, and is
+/// new when it returns.
 class ChannelGuard {
 public:
-    /// With limits that check_config lets pass.
+    /// The limits must have passed check_config.
     explicit ChannelGuard(const ServerLimits& limits) : limits_{&limits} {}
 
     struct Admission {
         bool is_admitted{true};
-        /// Until it is worked on.
+        /// The delay until it is processed.
         Duration wait{Duration::zero()};
-        /// What worked() gives back.
+        /// The cost that worked() returns.
         Duration cost{Duration::zero()};
-        /// Refused, as others of the same episode were: it ends when a request of that source has
-        /// not to wait.
+        /// Refused, like others of the same episode, which ends when a request of this source does
+        /// not have to wait.
         bool is_known{false};
     };
-    /// Of a request to open a channel that has no more than `longest` to wait. Source as
-    /// network_of() names it.
+    /// Decides about a request to open a channel that may wait at most `longest`. `source` has the
+    /// form of network_of().
     [[nodiscard]] Admission admit(std::string_view source, Duration longest, TimePoint now);
     /// An admitted request failed, or its channel ended without a message.
     void failed(std::string_view source, TimePoint now);
     void worked(std::string_view source, Duration cost);
 
-    /// Sources that are remembered, for tests.
+    /// Number of remembered sources, for tests.
     [[nodiscard]] std::size_t size() const { return sources_.size(); }
 
 private:
@@ -70,7 +71,7 @@ private:
         std::string name;
         TokenBucket bucket;
         std::size_t failures{0};
-        /// Since when none of the failures was forgiven.
+        /// The time since when no failure was forgiven.
         TimePoint counted;
         TimePoint seen;
         bool is_refused{false};
@@ -84,8 +85,8 @@ private:
     std::vector<Source> sources_;
 };
 
-/// The guard as the channel of one connection sees it. A renewal is rationed by itself: a client
-/// that asks no more often than its tokens' lifetime makes sensible never waits.
+/// The guard from the view of one connection's channel. Renewals are limited separately: a client
+/// that renews no more often than its tokens' lifetime requires never waits.
 class ConnectionGate final : public channel::OpenGate {
 public:
     /// Both must outlive it.

@@ -17,7 +17,7 @@ struct ChannelWork::Item final : WorkItem {
     }
 
     std::shared_ptr<channel::OpenWork> work;
-    /// Until it is done.
+    /// The status until it is done.
     StatusCode failure{status::Bad_OutOfMemory};
     busbar::detail::ThrownText thrown;
 };

@@ -17,14 +17,15 @@ namespace busbar::server::detail {
 class PeerLink;
 struct Core;
 
-/// Has a Worker do the asymmetric work of one connection's channel: of channels that are open
-/// before what strangers ask for (see WorkQueue).
+/// Lets a Worker do the asymmetric work of one connection's channel: work of open channels precedes
+/// that of unknown peers (see WorkQueue).
 class ChannelWork final : public channel::OpenWorker, private WorkOwner {
 public:
     /// Both must outlive it.
     ChannelWork(Core& core, PeerLink& link, std::string_view address);
 
-    /// Itself; null if there is no worker, or no way back from it: the work is done in place then.
+    /// Returns itself; null if there is no worker, or it cannot report back: the work is then done
+    /// in place.
     [[nodiscard]] channel::OpenWorker* if_there();
     [[nodiscard]] bool start(std::shared_ptr<channel::OpenWork> work) override;
     void drop() override;

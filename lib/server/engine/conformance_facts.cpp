@@ -79,8 +79,8 @@ void add_policy(ConformanceFacts& facts, const crypto::SecurityPolicy& policy)
     facts.policy_aes256 |= policy.name == "Aes256_Sha256_RsaPss";
 }
 
-/// The most sessions that a profile asks for, and Subscriptions of each; of what one may have, half
-/// of them have to be able to have it at a time (Part 7, Subscription Minimum, Monitor Items).
+/// The maximum numbers of sessions in a profile, and of Subscriptions of each; half of the sessions
+/// must be able to use the maximum at a time (Part 7, Subscription Minimum, Monitor Items).
 constexpr std::size_t sessions_of_profile = 50;
 constexpr std::size_t subscriptions_of_profile = 5;
 
@@ -117,12 +117,12 @@ bool is_of_type(const model::SpaceReader& space, model::NodeIndex node)
     return false;
 }
 
-/// Types that nodes beyond namespace 0 have, without those of instance declarations.
+/// Returns the types of nodes beyond namespace 0, without those of instance declarations.
 std::vector<model::NodeIndex> types_in_use(const model::SpaceReader& space)
 {
     std::vector<model::NodeIndex> types;
     space.for_each([&](model::NodeIndex node) {
-        if (space.node_id(node).namespace_index() == 0) { // most of a small server's
+        if (space.node_id(node).namespace_index() == 0) { // most nodes of a small server
             return;
         }
         const model::NodeIndex type = space.type_definition(node);
@@ -165,7 +165,7 @@ ConformanceFacts conformance_facts(const Core& core)
         add_policy(facts, *endpoint.security.policy);
     }
     add_limits(facts, core.limits());
-    facts.tcp = true; // whatever carries the bytes, a Connection speaks it
+    facts.tcp = true; // a Connection speaks it, whatever carries the bytes
     facts.reverse_connect = core.config.program.has_reverse_connect;
     facts.discovery = core.config.program.has_registration;
     facts.declared_units = core.config.program.conformance_units;

@@ -6,7 +6,7 @@ namespace busbar::server::detail {
 
 struct Core;
 
-/// What the server is made of, when all modules have been added. Looks at every node.
+/// Collects the facts about the server, when all modules have been added. Visits every node.
 [[nodiscard]] ConformanceFacts conformance_facts(const Core& core);
 
 } // namespace busbar::server::detail

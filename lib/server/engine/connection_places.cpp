@@ -5,7 +5,7 @@
 #include "server/users/login_guard.hpp"
 #include "server_impl.hpp"
 
-// Which connection is closed so that another has a place (Part 4, 5.6.2.1).
+// Decides which connection is closed to make room for another one (Part 4, 5.6.2.1).
 
 namespace busbar::server {
 
@@ -26,7 +26,7 @@ std::size_t count_from(const std::vector<PeerLink*>& links, std::string_view add
         }));
 }
 
-/// Null if all have sessions. `links` has the oldest first.
+/// Returns null if all have sessions. `links` has the oldest first.
 PeerLink* find_oldest_from(const std::vector<PeerLink*>& links, std::string_view address)
 {
     const auto found = std::find_if(links.begin(), links.end(), [&](const PeerLink* link) {
@@ -35,7 +35,7 @@ PeerLink* find_oldest_from(const std::vector<PeerLink*>& links, std::string_view
     return found == links.end() ? nullptr : *found;
 }
 
-/// The oldest without a session, of the network that has most such.
+/// Returns the oldest without a session, of the network that has most of these.
 PeerLink* find_oldest_of_greediest(const std::vector<PeerLink*>& links)
 {
     std::unordered_map<std::string, std::size_t> networks;
@@ -80,7 +80,7 @@ std::string Server::Impl::find_obstacle(std::string_view peer_address)
         oldest->close(displaced(address, "max_connections_per_address"));
         sweep();
     }
-    // Those that are closed and still send take memory, too.
+    // Closed connections that still send take memory, too.
     if (const std::size_t all = count_from(links, address, false); all >= 2 * most) {
         return std::to_string(all) + " connections from this address with those that are closed "
                                      "and still send, twice the limit max_connections_per_address";

@@ -82,7 +82,7 @@ void Core::add(ModuleTable modules)
     for (const Module* module : modules) {
         module->add_to(*this);
     }
-    // Last, since a table of all types, where there is one, has these too.
+    // Last, since a table of all types, if there is one, includes these.
     types.add(0, type_table<AnonymousIdentityToken, UserNameIdentityToken, X509IdentityToken,
                             DataChangeFilter, Argument, EnumValueType, EUInformation, Range>());
 }
@@ -134,7 +134,7 @@ void Core::claim()
         conformance = assess_all(*this);
         return;
     }
-    // Whatever carries the bytes, a Connection speaks it.
+    // A Connection speaks it, whatever carries the bytes.
     ProfileAssessment transport;
     transport.name = "TransportUaTcp";
     transport.uri = "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
@@ -165,7 +165,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
     if (session.peer != nullptr) {
         session.peer->end_operations(session, status);
     }
-    // What began before it moved to the channel that it has now is with another.
+    // Requests from before it moved to its present channel are on another connection.
     for (auto link = links.begin(); link != links.end() && session.pending_operations != 0;
          ++link) {
         (*link)->end_operations(session, status);
@@ -179,7 +179,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
 void Core::session_activated(Session& session)
 {
     subscriptions.session_moved(session);
-    // A session without nodes is better than none.
+    // Keep the session even if its diagnostics nodes cannot be created.
     busbar::detail::guarded(rationed_log, "diagnostics of a session",
                             [&] { diagnostics->add(session); });
 }
@@ -192,7 +192,7 @@ void Core::user_changed(Session& session, TimePoint now)
 std::uint32_t Core::cancel(const Session& session, std::uint32_t request_handle)
 {
     std::uint32_t count = 0;
-    // The session may have brought requests from an earlier channel with it.
+    // The session may have pending requests on an earlier channel.
     for (PeerLink* link : links) {
         count += link->cancel(session, request_handle);
     }
@@ -205,7 +205,7 @@ void Core::kept_values_written()
     diagnostics->take_flag();
 }
 
-/// Goes once through all items, however many were written.
+/// Makes one pass through all items, however many were written.
 bool Core::wants_node_ids() const
 {
     return rationed_log.wants(RecordKind::AttributeWritten);

@@ -35,10 +35,9 @@ namespace busbar::server::detail {
 
 class PeerLink;
 
-/// All that one server consists of, and the ports by which its parts reach each other. Nobody below
-/// knows it.
+/// All parts of one server, and the ports by which they reach each other. No lower floor knows it.
 struct Core : private SessionKeeper, private WriteObserver, private ModelObserver {
-    /// A log that is as bounded as log().
+    /// A log that is rationed like log().
     struct Rationed final : LogSink {
         explicit Rationed(Core& c) : core{c} {}
         void write(LogLevel level, std::string_view source, std::string_view text) override
@@ -59,28 +58,28 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     Core& operator=(const Core&) = delete;
     virtual ~Core() = default;
 
-    /// What the server is to have beyond what every one has; once, before anything else.
+    /// Adds the server's modules; called once, before anything else.
     void add(ModuleTable modules);
 
     ServerConfig config;
     Rationed rationed_log{*this};
     Guards guards;
-    /// The guarded one: nothing in it throws.
+    /// The guarded environment: nothing in it throws.
     ServerEnvironment environment;
     std::uint16_t own_namespace;
     ServerLife life;
     model::AddressSpace address_space;
     binary::TypeRegistry types;
     Counters counters;
-    /// When the server was made or, later, started.
+    /// Assessed when the server was created or, later, started.
     Conformance conformance;
     /// Null without the module.
     Conformance (*assess_all)(const Core& core){nullptr};
     DataSources sources;
     ServiceTable services;
-    /// Outlives the items that take part in it.
+    /// Outlives the items that are registered with it.
     std::unique_ptr<EventPart> events{std::make_unique<EventPart>()};
-    /// For what requests are decoded to, and their results.
+    /// Memory for decoded requests and their results.
     busbar::detail::KeptMemory kept_memory;
     channel::AssemblyBudget assembly;
     /// Outlives the connections.
@@ -92,7 +91,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     PasswordChecks password_checks{environment.waker};
     WorkQueue channel_work{environment.waker};
 
-    // What each service set gets of all this.
+    // The needs of each service set.
 
     const DiagnosticsNeeds diagnostics_needs;
     ServerObject server_object{diagnostics_needs};
@@ -100,61 +99,61 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     SubscriptionTable subscriptions{subscription_needs};
     SessionNeeds session_needs;
     AttributeNeeds attribute_needs;
-    /// Null without the module that has some.
+    /// Null without a module that has some.
     LateNodes* late_nodes{nullptr};
     const ViewNeeds view_needs;
 
-    // What modules have added.
+    // Parts of modules.
 
     std::unique_ptr<DiagnosticsPart> diagnostics{std::make_unique<DiagnosticsPart>()};
     std::unique_ptr<ModulePart> methods;
     std::unique_ptr<ModulePart> node_management;
 
     crypto::CertificateWatch certificate_watch;
-    /// When the server's certificate is looked at again.
+    /// The time of the next check of the server's certificate.
     TimePoint certificate_check{no_deadline};
-    /// All connections, oldest first, which is by id.
+    /// All connections, oldest first, which is the order of ids.
     std::vector<PeerLink*> links;
-    /// Those with operations that have answered and can be destroyed, each once.
+    /// Connections with operations that have answered and can be destroyed, each once.
     std::vector<PeerLink*> to_sweep;
-    /// Connections with news for whoever drives them, each once.
+    /// Connections with changes for the driver, each once.
     std::list<PeerLink*> changed;
     std::uint64_t next_link_id{1};
-    /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
+    /// Id of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
 
-    /// When the server was called last.
+    /// The time of the last call of the server.
     TimePoint latest{};
     TimePoint shutdown_deadline{no_deadline};
-    /// Of a shutdown that can be taken back until its end; null if there is none.
+    /// Set during a shutdown that can be cancelled until its end; else null.
     CountdownHeir* countdown_heir{nullptr};
-    /// Something that was due has failed: it is tried again then, and not before.
+    /// Due work has failed: it is repeated at this time, and not before.
     TimePoint retry{TimePoint::min()};
-    /// When channels that were opened with another certificate are closed: those of links before
-    /// this one.
+    /// The time when channels that were opened with another certificate are closed: those of links
+    /// before this one.
     TimePoint old_channels_deadline{no_deadline};
     std::uint64_t first_new_link_id{0};
-    /// When it is looked which clients are still trusted.
+    /// The time when the clients' certificates are checked again.
     TimePoint trust_check_deadline{no_deadline};
 
-    /// The most that kept_memory holds.
+    /// The maximum size of kept_memory.
     [[nodiscard]] static std::size_t kept_bytes(const ServerLimits& limits);
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }
-    /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
+    /// Limits the lines a minute: messages that peers cause must not fill a disk (Part 2, 5.1.2.3).
     void log(LogLevel level, std::string_view source, std::string_view text);
-    /// Has connections give way whose unfinished messages leave too little for others' (see
-    /// ServerLimits::max_assembly), because of what came from `taker`.
+    /// Closes connections whose unfinished messages leave too little for others' (see
+    /// ServerLimits::max_assembly), because of input from `taker`.
     void relieve_assembly(std::string_view taker);
-    /// Null if it has gone.
+    /// Returns null if it was closed.
     [[nodiscard]] PeerLink* find_link(std::uint64_t link_id) const;
-    /// To be called at the end of whatever is called from outside.
+    /// Call at the end of every public entry point.
     void sweep();
-    /// Assesses anew what the server meets.
+    /// Assesses the server's conformance again.
     void claim();
-    /// Who hears of what node management does.
+    /// Returns the observer of node management.
     [[nodiscard]] ModelObserver& model_observer() { return *this; }
-    /// Says what the operator should know of the server's own certificate (see
+    /// Reports what the operator should know about the server's own certificate (see
     /// certificate_notices).
     void watch_certificate(TimePoint now);
 

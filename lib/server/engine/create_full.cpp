@@ -2,7 +2,7 @@
 
 namespace busbar::server {
 
-// In a file of its own: who names a table has no other linked.
+// In a separate file: a program that names a table links no other.
 Configured<Server> Server::create(ServerConfig config, const ServerEnvironment& environment,
                                   model::AddressSpace address_space)
 {

@@ -17,7 +17,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// What 0 requests (Part 4, 7.21).
+/// The size that a requested 0 means (Part 4, 7.21).
 constexpr std::uint32_t default_queue_size = 1'000;
 
 std::uint32_t revise_queue_size(std::uint32_t requested, std::uint32_t most)
@@ -25,7 +25,7 @@ std::uint32_t revise_queue_size(std::uint32_t requested, std::uint32_t most)
     return std::min(requested == 0 ? default_queue_size : requested, most);
 }
 
-/// Good if there is a node whose events the user may subscribe to.
+/// Returns Good if it is a node whose events the user may subscribe to.
 StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
 {
     constexpr std::uint8_t subscribe_to_events = 1; // EventNotifierType (Part 3, 8.59)
@@ -49,8 +49,8 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
     return (notifier & subscribe_to_events) != 0 ? status::Good : status::Bad_NotSupported;
 }
 
-/// The fields with Bad_EncodingLimitsExceeded in place of as many of the largest as take `excess`
-/// bytes (Part 4, 7.22.3).
+/// Returns the fields with Bad_EncodingLimitsExceeded in place of as many of the largest as are
+/// needed to save `excess` bytes (Part 4, 7.22.3).
 EventItemQueue::Fields without_largest(EventItemQueue::Fields fields, std::size_t excess)
 {
     const Variant reason{status::Bad_EncodingLimitsExceeded};
@@ -124,7 +124,7 @@ StatusCode EventItem::take_filter(const ExtensionObject& filter, ItemRevision& r
     if (code.is_bad()) {
         return code;
     }
-    // With the overflow event that can always be queued.
+    // Includes the overflow event, which can then always be queued.
     const std::size_t cost = sizeof(EventItem) + compiled.memory() + 256 +
                              requested->select_clauses.size() * sizeof(Variant);
     if (!subscription().memory().charge(cost)) {
@@ -152,8 +152,9 @@ void EventItem::deliver(const RaisedEvent& event)
     notify();
 }
 
-/// RolePermissions of event types (Part 3, 4.9); audit events only over channels with encryption
-/// and to those who may receive AuditEvents at all (Part 5, 6.4.3), whatever a subtype says.
+/// Checks the RolePermissions of event types (Part 3, 4.9); audit events go only over channels with
+/// encryption and to users who may receive AuditEvents at all (Part 5, 6.4.3), whatever a subtype
+/// allows.
 bool EventItem::may_know_of(model::NodeIndex type) const
 {
     const NodeRights rights = subscription().rights();
@@ -197,7 +198,7 @@ void EventItem::pay_overflow()
 
 std::size_t EventItem::notification_size() const
 {
-    // The item has paid for more than an overflow event takes.
+    // The item has paid for more than the size of an overflow event.
     return (owes_overflow_ ? paid_ : 0) +
            (queue_.size() != 0 ? binary::encoded_size(client_handle(), queue_.oldest()) : 0);
 }
@@ -205,7 +206,7 @@ std::size_t EventItem::notification_size() const
 void EventItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     pay_overflow();
-    // An EventFieldList (Part 4, 7.25.3), encoded from where the fields lie.
+    // An EventFieldList (Part 4, 7.25.3), encoded from the fields in place.
     encode(writer, client_handle());
     const std::size_t size = notification_size();
     if (size <= most) {
@@ -234,11 +235,11 @@ void EventItem::user_changed(const ItemContext& context)
                    rights.is_permitted(PermissionType::ReceiveEvents, node) &&
                    rights.check_channel(node).is_good();
     if (!may_receive_) {
-        // What the user before was allowed to know is not this one's.
+        // The new user must not see events that the previous one was allowed to see.
         clear();
         subscription().ready(Kind::Event).remove(*this);
     } else if (queue_.discard_guarded()) {
-        queue_overflow(); // their fields were chosen for the one before
+        queue_overflow(); // their fields were selected for the previous user
         notify();
     }
 }

@@ -11,11 +11,11 @@
 namespace busbar::server::detail {
 
 /// A MonitoredItem of a Node's EventNotifier attribute (Part 4, 5.13.1.4): queues the selected
-/// fields of the events that its filter lets pass.
+/// fields of the events that pass its filter.
 class EventItem final : public MonitoredItem, private EventReceiver {
 public:
     /// `notifier` is the node whose events it gets. Good, or why the filter is refused; the item
-    /// is then good for nothing but to be destroyed.
+    /// can then only be destroyed.
     EventItem(Events& events, const ItemContext& context, const MonitoredItemCreateRequest& request,
               model::NodeHandle notifier, ItemRevision& revision);
     ~EventItem() override;
@@ -41,11 +41,11 @@ protected:
 private:
     void deliver(const RaisedEvent& event) override;
     void tell_of_loss() override;
-    /// Takes filter and queue size over, or neither.
+    /// Sets filter and queue size, or neither.
     void set(const MonitoringParameters& parameters, ItemRevision& revision);
     [[nodiscard]] StatusCode take_filter(const ExtensionObject& filter, ItemRevision& revision);
     void queue_overflow();
-    /// Makes the overflow event that is owed. May throw, and it still is.
+    /// Queues the overflow event that is owed. May throw, and it is then still owed.
     void pay_overflow();
     [[nodiscard]] bool may_know_of(model::NodeIndex type) const;
 
@@ -55,11 +55,11 @@ private:
     std::size_t paid_{0};
     EventItemQueue queue_;
     bool may_receive_{true};
-    /// Events were lost, and there was no memory for the one that tells of it.
+    /// Events were lost, and there was no memory for the overflow event.
     bool owes_overflow_{false};
 };
 
-/// Makes items of the events of one server.
+/// Creates items for the events of one server.
 class EventItemMaker final : public EventItems {
 public:
     explicit EventItemMaker(Events& events) : events_{events} {}

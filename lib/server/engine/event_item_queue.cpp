@@ -41,8 +41,8 @@ bool EventItemQueue::push(Fields fields, bool is_guarded)
         return false;
     }
     busbar::detail::Undo undo{[&] { account_->release(bytes); }};
-    // Behind an overflow event at the end only if there is place again: it tells of a loss before
-    // this event, or of one that this event is part of.
+    // After an overflow event at the end only if there is room again: it reports a loss before this
+    // event, or one that includes this event.
     const bool is_behind =
         !is_full || discards_oldest_ || entries_.empty() || !entries_.back().is_overflow;
     entries_.insert(is_behind ? entries_.end() : entries_.end() - 1,
@@ -81,7 +81,7 @@ void EventItemQueue::push_overflow(Fields fields)
 {
     const std::size_t bytes = overflow_count_ == 0 ? 0 : bytes_of(fields);
     if (!account_->charge(bytes)) {
-        return; // another one in the queue tells of a loss already
+        return; // another one in the queue reports the loss already
     }
     busbar::detail::Undo undo{[&] { account_->release(bytes); }};
     entries_.insert(discards_oldest_ ? entries_.begin() : entries_.end(),

@@ -10,32 +10,32 @@
 
 namespace busbar::server::detail {
 
-/// The queue of an event item (Part 4, 5.13.1.5): so many events and, on top of them, the
-/// EventQueueOverflowEventType that stands where events were lost, which is never discarded.
+/// The queue of an event item (Part 4, 5.13.1.5): up to a number of events and, in addition, the
+/// EventQueueOverflowEventType at the place where events were lost, which is never discarded.
 class EventItemQueue {
 public:
     using Fields = Array<Variant>;
 
-    /// `account` pays for what is queued and must outlive the queue.
+    /// `account` pays for queued events and must outlive the queue.
     explicit EventItemQueue(MemoryAccount& account) : account_{&account} {}
     EventItemQueue(const EventItemQueue&) = delete;
     EventItemQueue& operator=(const EventItemQueue&) = delete;
     ~EventItemQueue() { clear(); }
 
-    /// False if events were lost that have no place any more.
+    /// Returns false if events were lost for lack of room.
     [[nodiscard]] bool set_capacity(std::uint32_t capacity, bool discards_oldest);
 
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
-    /// Queues an event, if need be in place of the oldest or of the newest. False if one was lost,
-    /// which may be this one, if it cannot be paid for.
-    /// `is_guarded`: not everybody may read all of its fields.
+    /// Queues an event, if necessary in place of the oldest or of the newest. Returns false if one
+    /// was lost, which may be this one, if it cannot be paid for. `is_guarded`: not every user may
+    /// read all of its fields.
     [[nodiscard]] bool push(Fields fields, bool is_guarded = false);
     /// Discards the events with such fields, for another user; false if there are none.
     [[nodiscard]] bool discard_guarded();
-    /// True if a new overflow event has to follow a loss: none stands there yet.
+    /// Returns true if a loss needs a new overflow event, since there is none at this place yet.
     [[nodiscard]] bool wants_overflow() const;
-    /// Puts the overflow event where it belongs: in front where the oldest are discarded, else at
-    /// the end. The first one that waits is free: items pay for its place when they are created.
+    /// Puts the overflow event in its place: in front if the oldest are discarded, else at the end.
+    /// The first one is free: items pay for its place when they are created.
     void push_overflow(Fields fields);
     [[nodiscard]] const Fields& oldest() const { return entries_.front().fields; }
     void pop();
@@ -49,7 +49,7 @@ private:
         bool is_guarded{false};
     };
     [[nodiscard]] std::size_t event_count() const { return entries_.size() - overflow_count_; }
-    /// Discards the event that has to make place for another.
+    /// Discards the event that must make room for another.
     void discard();
 
     MemoryAccount* account_;

@@ -11,11 +11,11 @@ namespace busbar::server {
 
 namespace {
 
-/// Proportions that are tried.
+/// Number of proportions that are tried.
 constexpr unsigned steps = 1'024;
 
-/// Between the two, in a geometric proportion, so that what is not above another limit in both is
-/// not above it in between. A limit of nothing grows evenly instead.
+/// Returns a number in a geometric proportion between the two, so that a limit that is not above
+/// another one in both is not above it in between. A limit of 0 grows linearly instead.
 template <typename Number>
 Number between(Number small, Number large, unsigned step)
 {
@@ -26,7 +26,7 @@ Number between(Number small, Number large, unsigned step)
     return std::clamp(static_cast<Number>(value), std::min(small, large), std::max(small, large));
 }
 
-/// Sets members of `limits`, which are the large ones, to what is between.
+/// Sets members of `limits`, which are the large ones, to numbers in between.
 template <typename Limits, typename Number, std::size_t Count>
 void mix(Limits& limits, const Limits& small, unsigned step,
          const std::array<Number Limits::*, Count>& members)

@@ -8,13 +8,13 @@
 
 #include "server/rights/live_values.hpp"
 
-/// What a Core knows of the parts that its server may be without (see modules.hpp): as they are
-/// here they do nothing.
+/// The interfaces of the parts that a Core's server may lack (see modules.hpp): the defaults do
+/// nothing.
 namespace busbar::server::detail {
 
 class Session;
 
-/// Whatever a module keeps for its services.
+/// The state that a module keeps for its services.
 class ModulePart {
 public:
     ModulePart() = default;
@@ -27,13 +27,13 @@ class EventPart : public ModulePart {
 public:
     /// Null if there are no events.
     [[nodiscard]] virtual std::shared_ptr<EventQueue> queue() const { return nullptr; }
-    /// Hands on what application threads have raised.
+    /// Delivers the events that application threads have raised.
     virtual void handle_raised() {}
 
-    /// True if nodes or references came or went of which clients have to be told.
+    /// True if nodes or references were added or removed of which clients must be notified.
     [[nodiscard]] virtual bool has_model_changes() const { return false; }
     virtual void announce_model_changes() {}
-    /// The properties of the node mean something else (Part 3, 9.33).
+    /// The properties of the node have another meaning (Part 3, 9.33).
     virtual void announce_semantics(const NodeId&) {}
 };
 
@@ -42,7 +42,7 @@ public:
     /// A session was activated, perhaps not for the first time.
     virtual void add(const Session&) {}
     virtual void remove(const Session&) {}
-    /// Somebody may have changed EnabledFlag.
+    /// EnabledFlag may have been changed.
     virtual void take_flag() {}
 };
 

@@ -119,7 +119,7 @@ PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
                                                  now},
       created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
-    // So that nothing that ends a request or the connection needs memory.
+    // So that ending a request or the connection needs no memory.
     events_.reserve(2);
     core_.to_sweep.reserve(core_.links.size() + 1);
     core_.links.push_back(this);
@@ -137,13 +137,13 @@ PeerLink::~PeerLink()
     }
     std::erase(core_.links, this);
     if (core_.is_shutting_down() && core_.links.empty()) {
-        core_.shutdown_deadline = core_.latest; // nobody to wait for
+        core_.shutdown_deadline = core_.latest; // there is no client to wait for
     }
 }
 
 Result<void> PeerLink::reverse_hello(std::string_view endpoint_url)
 {
-    session_check_ = no_deadline; // until the client has a use for the connection
+    session_check_ = no_deadline; // until the client uses the connection
     Result<void> said = fail(status::Bad_OutOfMemory);
     survive([&] { said = channel_.reverse_hello(core_.config.application_uri, endpoint_url); });
     return said;
@@ -186,7 +186,7 @@ void PeerLink::consume(std::size_t size)
     if (output().empty()) {
         send_check_ = no_deadline;
     }
-    if (!has_more_) { // else others come first
+    if (!has_more_) { // otherwise other connections come first
         survive([&] { work(now_); });
     }
 }
@@ -223,7 +223,7 @@ void PeerLink::pass_time(TimePoint now)
         return;
     }
     channel_.handle_deadline(now);
-    // By index: what an operation does may not add others, but it may end all of them.
+    // By index: an operation may not add others, but it may end all of them.
     for (std::size_t i = 0; i < operations_.size(); ++i) {
         ServiceOperation& operation = *operations_[i];
         if (!operation.is_finished() && operation.client_deadline() <= now) {
@@ -272,13 +272,13 @@ void PeerLink::work(TimePoint now)
     }
 }
 
-/// A peer that does not take its answers is not worked for.
+/// No work is done for a peer that does not take its answers.
 bool PeerLink::has_room() const
 {
     return channel_.unsent_size() <= core_.limits().max_send_queue / 2;
 }
 
-/// Also called while another connection is fed, which takes the place of this one's work.
+/// Also called while another connection is fed, whose work then precedes this one's.
 void PeerLink::channel_work_done(StatusCode status, TimePoint now)
 {
     now_ = now;
@@ -313,8 +313,7 @@ void PeerLink::handle(channel::ChannelEvent event, TimePoint now)
     }
 }
 
-/// What takes more memory than there is and is no one request's ends the connection, and nothing
-/// else.
+/// A failed allocation outside any single request ends the connection, and nothing else.
 void PeerLink::survive(FunctionRef<void()> work)
 {
     const StatusCode thrown = busbar::detail::guarded(log_, "a connection", [&] { work(); });

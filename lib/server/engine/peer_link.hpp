@@ -19,7 +19,7 @@
 
 namespace busbar::server::detail {
 
-/// The server's log with the peer's address before each line and in each record; as bounded as
+/// The server's log with the peer's address before each line and in each record; rationed like
 /// Core::log.
 class PeerLog final : public LogSink {
 public:
@@ -34,7 +34,7 @@ private:
     std::string_view address_;
 };
 
-/// The inside of a Connection: its channel and the operations that wait on it.
+/// The implementation of a Connection: its channel and the operations that wait on it.
 class PeerLink final : public Peer {
 public:
     /// Adds itself to `core`.
@@ -58,7 +58,7 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const { return channel_.is_closed(); }
-    /// Answers with Bad_Shutdown all that does not outlast it.
+    /// Answers everything that does not outlast the shutdown with Bad_Shutdown.
     void begin_shutdown();
 
     // Peer.
@@ -89,37 +89,37 @@ public:
     void mark() override;
     void wants_sweep() override;
 
-    // For dispatch.
+    // Used by dispatch.
 
     [[nodiscard]] bool has_place_for_operation() const;
-    /// Has the request answered with what was thrown while `service` began with it, unless it was
-    /// answered before that.
+    /// Answers the request with the exception's status if `service` throws, unless it was answered
+    /// before.
     void serve(const Reply& reply, FunctionRef<void()> service);
-    /// Gives back the memory of a message that is done with.
+    /// Frees the memory of a message that is not needed any more.
     void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
     /// Takes the operation with its message, decodes the parameters that begin at `offset` and
     /// starts it.
     void start(std::unique_ptr<ServiceOperation> operation, std::vector<std::byte> message,
                std::size_t offset, const Question& question, ServiceContext& context);
 
-    // For the server.
+    // Used by the server.
 
-    /// The channel's worker is done, or will not do it (see ServerChannel::work_done).
+    /// The channel's worker has finished, or will not do the work (see ServerChannel::work_done).
     void channel_work_done(StatusCode status, TimePoint now);
     [[nodiscard]] bool has_activated_session() const;
-    /// Ends the session's operations with this handle; how many there were (Part 4, 5.7.5).
+    /// Ends the session's operations with this handle; returns their number (Part 4, 5.7.5).
     std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
     void close(StatusCode status, std::string_view reason);
-    /// The same because of something the peer did or left undone, which the log explains.
+    /// Closes because of something that the peer did or failed to do, which the log explains.
     void close(const Refusal& refusal);
     /// Destroys the operations that have answered.
     void sweep();
     [[nodiscard]] TimePoint created() const { return created_; }
-    /// Takes it out of Core::changed, where it is the first.
+    /// Removes it from Core::changed, where it is the first.
     void take_mark() { mark_.splice(mark_.end(), core_.changed, core_.changed.begin()); }
 
 private:
-    /// While one of the engine's own members runs, whose caller looks at the output anyhow.
+    /// Active while one of the engine's own members runs, whose caller checks the output anyway.
     class Running;
 
     void trust_peer();
@@ -147,24 +147,24 @@ private:
     std::vector<Session*> sessions_;
     std::vector<ConnectionEvent> events_;
     Turn turn_;
-    /// The request that is being begun, while it has no answer.
+    /// The request that is being started, until it has an answer.
     std::optional<std::uint32_t> unanswered_;
-    /// The turn was over before all that has come was worked on.
+    /// The turn ended before all input was processed.
     bool has_more_{false};
     TimePoint created_;
-    /// The last time that was given.
+    /// The last time that was passed.
     TimePoint now_;
-    /// When it is checked that there is an activated session.
+    /// The time by which there must be an activated session.
     TimePoint session_check_;
-    /// When the peer must have taken something.
+    /// The time by which the peer must have taken some output.
     TimePoint send_check_{no_deadline};
     bool has_progressed_{false};
     bool is_running_{false};
-    /// Its place in Core::changed while it is not there, so that there always is one.
+    /// Its entry for Core::changed while it is not there, so that one is always available.
     std::list<PeerLink*> mark_{this};
     bool waits_for_sweep_{false};
     bool has_ended_{false};
-    /// The peer took nothing for too long; what is left is not offered any more.
+    /// The peer took nothing for too long; the rest is not offered any more.
     bool has_given_up_{false};
 };
 

@@ -15,7 +15,7 @@ Refusal takes_too_little(const ServerLimits& limits)
 
 } // namespace
 
-/// Operations that were not done in their first turn go on before anything else begins.
+/// Unfinished operations continue before anything else begins.
 void PeerLink::give_turns(TimePoint now)
 {
     for (std::size_t i = 0; i < operations_.size() && !turn_.is_over() && has_room(); ++i) {
@@ -74,7 +74,7 @@ void PeerLink::fault(const Reply& reply, StatusCode status)
 {
     const StatusCode answer = core_.guards.request().answer(this, reply.request_id, status);
     survive([&] {
-        // It fails only if the channel is gone, or so small that there is nothing to say.
+        // It fails only if the channel is closed, or too small for any answer.
         static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
             encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
             ReturnDiagnostics diagnostics{reply.return_diagnostics};

@@ -12,10 +12,10 @@
 #include "peer_link.hpp"
 #include "service_table.hpp"
 
-/// Rows of a ServiceTable, made of the functions and operations of the service sets.
+/// Rows of a ServiceTable, made from the functions and operations of the service sets.
 namespace busbar::server::detail {
 
-/// What a service set gets, by a member of Core or a function of it.
+/// The needs of a service set, by a member of Core or a function of it.
 template <auto Needs>
 using NeedsOf = std::remove_reference_t<std::invoke_result_t<decltype(Needs), Core&>>;
 template <typename Request, typename Response, typename Needs>

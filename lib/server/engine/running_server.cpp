@@ -10,14 +10,14 @@
 #include "server/session/user_expiry.hpp"
 #include "server_impl.hpp"
 
-/// What changes a server while it runs.
+/// Changes a server while it runs.
 namespace busbar::server {
 
 namespace {
 
-/// Long enough for answers that are under way.
+/// Long enough for pending answers.
 constexpr Duration old_channel_time = std::chrono::seconds{1};
-/// References that are looked at to find a Method, as for a Call.
+/// Maximum number of references that are visited to find a Method, as for a Call.
 constexpr std::size_t most_visits = 10'000'000;
 
 bool is_same_certificate(const ServerConfig& a, const ServerConfig& b)
@@ -28,13 +28,13 @@ bool is_same_certificate(const ServerConfig& a, const ServerConfig& b)
     return a.identity->certificates == b.identity->certificates;
 }
 
-/// Than those that the certificate was looked at for.
+/// Returns whether the names differ from those that the certificate was checked for.
 bool has_other_names(const ServerConfig& a, const ServerConfig& b)
 {
     return a.host_names != b.host_names || a.endpoint_url != b.endpoint_url;
 }
 
-/// Null if it is over.
+/// Returns null if it is over.
 const detail::Session* find_session(const detail::Core& core, const NodeId& session_id)
 {
     const auto& all = core.sessions.all();
@@ -43,7 +43,7 @@ const detail::Session* find_session(const detail::Core& core, const NodeId& sess
     return found == all.end() ? nullptr : found->second.get();
 }
 
-/// The thumbprint of the client's certificate; empty if it has none.
+/// Returns the thumbprint of the client's certificate; empty if it has none.
 std::string thumbprint_of(const detail::Session& session)
 {
     if (session.peer == nullptr) {
@@ -100,7 +100,7 @@ Configured<void> RunningServer::reconfigure(ServerConfig config) const
     return {};
 }
 
-/// Also one that opens its channel only now may have been told the old certificate.
+/// Includes channels that are being opened now, which may have been told the old certificate.
 void Server::Impl::close_old_channels()
 {
     old_channels_deadline = no_deadline;

@@ -20,7 +20,7 @@ namespace busbar::server {
 
 namespace {
 
-/// Without memory nothing is gained by trying at once what is due still.
+/// Without memory an immediate retry would not help.
 constexpr std::chrono::milliseconds retry_pause{50};
 
 } // namespace
@@ -198,7 +198,7 @@ TimePoint Server::next_deadline() const
 TimePoint Server::Impl::first_due()
 {
     if (events->has_model_changes() || subscriptions.sampler().is_behind()) {
-        return TimePoint{}; // long past
+        return TimePoint{}; // in the distant past
     }
     const detail::Session* first = sessions.next_due();
     return std::min({first != nullptr ? first->next_deadline() : no_deadline, shutdown_deadline,
@@ -250,8 +250,8 @@ void Server::handle_deadline(TimePoint now)
     impl_->retry = is_done ? TimePoint::min() : now + retry_pause;
 }
 
-/// What fails ends what it was done for; the rest of the call is done, and what is due still is
-/// done with the next.
+/// A failure ends only the work it happened in; the rest of the call continues, and pending work is
+/// done with the next call.
 bool Server::Impl::survive(std::string_view what, FunctionRef<void()> work)
 {
     return busbar::detail::guarded(rationed_log, what, [&] { work(); }).is_good();

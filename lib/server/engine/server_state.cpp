@@ -8,7 +8,7 @@
 
 #include "server_impl.hpp"
 
-/// The state of a server (Part 5, 12.6) on its way through its life.
+/// The state of a server (Part 5, 12.6) during its life.
 namespace busbar::server {
 
 namespace {
@@ -26,7 +26,7 @@ Event state_event(ServerState state, std::string_view reason)
     return event;
 }
 
-/// Good for a state in which the sources are asked.
+/// Returns Good for a state in which the sources are used.
 StatusCode obstacle_of_sources(ServerState state)
 {
     switch (state) {
@@ -45,7 +45,7 @@ void Server::Impl::enter(ServerState state, std::string_view reason, DateTime re
 {
     life.state = state;
     life.return_time = return_time;
-    if (state != ServerState::Shutdown) { // which leaves them as they are
+    if (state != ServerState::Shutdown) { // which leaves them unchanged
         sources.suspend(obstacle_of_sources(state));
     }
     const auto queue = events->queue();

@@ -54,7 +54,7 @@ constexpr auto responses =
                PublishResponse, RepublishResponse, TransferSubscriptionsResponse,
                DeleteSubscriptionsResponse>();
 
-/// Where the service is, or has to come.
+/// Returns the place of the service, or the place where it must be inserted.
 template <typename Services>
 auto place_of(Services& services, std::uint32_t encoding_id)
 {

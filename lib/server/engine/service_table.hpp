@@ -20,23 +20,23 @@ struct Incoming {
     std::vector<std::byte> message;
     RequestHeader header;
     Reply reply;
-    /// Where the parameters begin in the message, behind the header.
+    /// The offset of the parameters in the message, after the header.
     std::size_t offset;
     PeerLink& link;
 };
 
-/// What a service needs of the session that the request names.
+/// A service's requirements on the session that the request names.
 enum class Need : std::uint8_t {
-    Nothing,   // the token is not looked at
+    Nothing,   // the token is ignored
     Known,     // a session; the service itself checks the rest
     Activated, // an activated session of this channel
 };
 
-/// The worst state of the server that a service works in (Part 5, 12.6).
+/// The worst state of the server in which a service works (Part 5, 12.6).
 enum class Lasts : std::uint8_t {
-    WhileRunning, // and while it is suspended: its sources are
-    WhenFailed,   // for whoever looks what is wrong and asks for another state
-    InCountdown,  // while it shuts down too, as long as that can be taken back
+    WhileRunning, // and while it is suspended, in which case its sources are suspended too
+    WhenFailed,   // for clients that look for the cause and request another state
+    InCountdown,  // while it shuts down too, as long as that can be cancelled
     ToTheEnd,     // while it shuts down too
 };
 
@@ -44,19 +44,19 @@ struct Service {
     std::uint32_t encoding_id;
     Need need;
     Lasts lasts;
-    /// Null: known, but not supported.
+    /// If null, the service is known, but not supported.
     void (*run)(Core& core, ServiceContext& context, Incoming& incoming);
 };
 
 /// The services of one server by the encoding ids of their requests. Knows every request of Part 4
-/// and carries out what was added.
+/// and carries out those that were added.
 class ServiceTable {
 public:
     ServiceTable();
 
-    /// Also those of requests that are not of Part 4.
+    /// Adds services, also for requests that are not in Part 4.
     void add(std::span<const Service> services);
-    /// Null for what is no request of Part 4 and was not added.
+    /// Returns null for a request that is neither in Part 4 nor added.
     [[nodiscard]] const Service* find(const NodeId& encoding_id) const;
 
 private:
@@ -64,7 +64,7 @@ private:
     std::vector<Service> services_;
 };
 
-/// The encoding id of a response of Part 4, which no server gets.
+/// True for the encoding id of a response of Part 4, which a server never gets.
 [[nodiscard]] bool is_response(const NodeId& encoding_id);
 
 } // namespace busbar::server::detail

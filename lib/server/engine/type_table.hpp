@@ -9,7 +9,7 @@
 
 namespace busbar::server::detail {
 
-/// Structures of namespace 0 as a TypeRegistry wants them.
+/// Returns structures of namespace 0 in the form for a TypeRegistry.
 template <typename... T>
 [[nodiscard]] binary::TypeRegistry::Table type_table()
 {

@@ -27,7 +27,7 @@ Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
     return {status, check, std::move(found), "Part 4, 5.7.3.1", std::move(remedy)};
 }
 
-/// All of the token but what proves who the user is (Part 5, 6.4.10).
+/// Returns the token without its proof of identity (Part 5, 6.4.10).
 ExtensionObject without_secret(const ExtensionObject& token)
 {
     if (const auto* const user = token.get_if<UserNameIdentityToken>()) {
@@ -47,9 +47,9 @@ ExtensionObject without_secret(const ExtensionObject& token)
 
 /// ActivateSession (Part 4, 5.7.3).
 ///
-/// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
-/// before it is answered. What has waited is checked from the beginning, as if it had come just
-/// then. Passwords may be checked by a worker meanwhile.
+/// Guessing must be slow: an attempt may have to wait before it is checked, and a refusal before it
+/// is answered. An attempt that has waited is checked from the beginning, as if it had just
+/// arrived. A worker may check passwords meanwhile.
 class ActivateSession final : public OperationOf<ActivateSessionRequest>,
                               private WorkOwner,
                               private CheckWaiter {
@@ -61,11 +61,11 @@ public:
         if (check_) {
             check_->owner = nullptr;
         }
-        // Who does not wait for the answer has guessed.
+        // A client that does not wait for the answer has guessed.
         busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
         wipe_message();
     }
-    /// Without the password, which only an own policy of the token encrypts.
+    /// The message without the password, which only the token's own policy encrypts.
     [[nodiscard]] std::vector<std::byte> spare_message() override
     {
         wipe_message();
@@ -99,7 +99,7 @@ private:
     void take_result(PasswordCheck& check, TimePoint now);
     void work_displaced(TimePoint now) override;
     void check_ended(TimePoint now) override;
-    /// Tells the guard, if it has been told of a beginning.
+    /// Reports the end to the guard, if the beginning was reported.
     void end_check(LoginGuard::End end);
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
@@ -115,7 +115,7 @@ private:
     RequestMark mark_;
     TimePoint wait_until_{no_deadline};
     bool has_waited_{false};
-    /// What a worker is at, and the nonce that it was begun with.
+    /// The check that a worker does, and the nonce that it began with.
     std::shared_ptr<PasswordCheck> check_;
     ByteString checked_nonce_;
     /// The attempt whose check is under way; its texts are here and in thumbprint_.
@@ -124,11 +124,11 @@ private:
         std::string address;
         bool has_code{false};
         TimePoint since;
-        /// The answer's, if the password is wrong.
+        /// The delay of the answer if the password is wrong.
         Duration delay{};
     };
     std::optional<Begun> begun_;
-    /// What is to be answered at the end of the wait; good if that is not decided.
+    /// The answer at the end of the wait; good if that is not decided.
     StatusCode answer_;
 };
 
@@ -141,8 +141,8 @@ const EndpointConfig* find_endpoint(const ServerConfig& config, const Session& s
     return found == endpoints.end() ? nullptr : &*found;
 }
 
-/// Whether the session may be used over this channel, the client being who it says. The first time
-/// it has to be the channel it was created over, later one with the same security and certificate.
+/// Checks that the session may be used over this channel, by its own client. The first time it must
+/// be the channel it was created over, later one with the same security and certificate.
 std::optional<Refusal> ActivateSession::check_channel() const
 {
     constexpr std::string_view check = "channel of the session";
@@ -188,8 +188,8 @@ std::optional<Refusal> ActivateSession::check_signature() const
                       "certificate and last nonce");
 }
 
-/// Over another channel a session keeps its user; one without a user has nothing but its token to
-/// prove it, which mode Sign lets others read.
+/// Over another channel a session keeps its user; a session without a user is proved by its token
+/// alone, which mode Sign lets others read.
 std::optional<Refusal> ActivateSession::check_user(const UserIdentity& user) const
 {
     constexpr std::string_view check = "user of the session";
@@ -224,7 +224,7 @@ LoginAttempt ActivateSession::login_attempt() const
     return {name, thumbprint_, peer_->address(), has_code};
 }
 
-/// False if the attempt has to wait, or was refused, before it is looked at.
+/// Returns false if the attempt must wait, or was refused, before it is checked.
 bool ActivateSession::may_log_in(TimePoint now)
 {
     if (is_anonymous()) {
@@ -349,7 +349,7 @@ void ActivateSession::work_done(TimePoint now)
             fault(thrown);
         }
     }
-    // A check that decided nothing has failed. Others may wait for its end.
+    // An undecided check counts as failed. Others may wait for its end.
     busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
 }
 
@@ -479,18 +479,18 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
                        without_secret(request().user_identity_token));
     });
     needs_.keeper.session_activated(session);
-    // Also the same user, with other rights than before.
+    // Even for the same user, whose rights may have changed.
     if (session.is_user_untold) {
         needs_.keeper.user_changed(session, now);
         session.is_user_untold = false;
     }
-    session.server_nonce = *std::move(nonce); // a client that is refused signs the one before
+    session.server_nonce = *std::move(nonce); // a refused client signs the previous one
     const bool must_change = session.user.must_change_password;
     respond_with<ActivateSessionResponse>(
         must_change ? status::Good_PasswordChangeRequired : status::Good,
         [&](binary::Writer& writer) {
             encode(writer, session.server_nonce);
-            encode(writer, Array<StatusCode>{}); // of software certificates
+            encode(writer, Array<StatusCode>{}); // for software certificates
             encode(writer, Array<DiagnosticInfo>{});
         });
 }

@@ -25,7 +25,7 @@ struct ServiceCounter {
     ServiceCounterDataType OfSession::*counter;
 };
 
-/// The counters of Part 5, 12.11 for services that there are.
+/// The counters of Part 5, 12.11 for the supported services.
 constexpr auto service_counters = [] {
     std::array table{
         ServiceCounter{ReadRequest::binary_encoding_id, &OfSession::read_count},
@@ -71,7 +71,7 @@ constexpr auto service_counters = [] {
     return table;
 }();
 
-/// Null for a service that is not counted by itself.
+/// Returns null for a service that has no counter of its own.
 ServiceCounterDataType* find_counter(OfSession& counters, std::uint32_t encoding_id)
 {
     const auto* const found = std::lower_bound(

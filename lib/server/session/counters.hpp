@@ -12,36 +12,35 @@ namespace busbar::server::detail {
 
 class Session;
 
-/// What a Subscription counts (Part 5, 12.15); what it has at present is not in there.
+/// The counters of a Subscription (Part 5, 12.15), without its present state.
 struct SubscriptionCounters {
     SubscriptionDiagnosticsDataType values;
     std::uint32_t round{0};
 };
 
-/// What a server counts of itself (Part 5, 6.3.3): plain numbers, which services change where
-/// things happen and the diagnostics read. What is there at present, such as sessions, is counted
-/// when it is read.
+/// The counters of a server (Part 5, 6.3.3): plain numbers, which services increment and the
+/// diagnostics read. Present numbers, such as that of sessions, are counted when they are read.
 class Counters {
 public:
-    /// Of the counters only.
+    /// Only its counters are used.
     ServerDiagnosticsSummaryDataType summary;
 
     [[nodiscard]] bool is_enabled() const { return is_enabled_; }
-    /// What there is at present.
+    /// Present numbers.
     struct Present {
         std::size_t sessions;
         std::size_t subscriptions;
     };
-    /// Looks whether somebody has changed EnabledFlag: once it is set again, counting begins anew,
-    /// with what there is.
+    /// Reads EnabledFlag, which a client may have changed: once it is set again, counting starts
+    /// again with the present numbers.
     void take_flag(const model::AddressSpace& space, const Present& present);
 
-    /// A request of the session came, by the encoding id of its type.
+    /// A request of the session arrived, with the encoding id of its type.
     void count_request(Session& session, std::uint32_t encoding_id, DateTime now);
-    /// It was answered by a ServiceFault. `session` is null if the request had none.
+    /// A request was answered by a ServiceFault. `session` is null if the request had none.
     void count_fault(Session* session, std::uint32_t encoding_id, StatusCode status);
 
-    /// The session's counters; what it counted before they began anew does not count.
+    /// Returns the session's counters; counts from before the last restart of counting are ignored.
     [[nodiscard]] SessionDiagnosticsDataType values(const Session& session) const;
 
     void count(SubscriptionCounters& counters,
@@ -62,7 +61,7 @@ public:
 
 private:
     bool is_enabled_{false};
-    /// Sessions whose counters began earlier begin again.
+    /// Sessions whose counters are older start again.
     std::uint32_t round_{0};
 
     [[nodiscard]] SessionDiagnosticsDataType& counters(Session& session) const;

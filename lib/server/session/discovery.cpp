@@ -31,7 +31,7 @@ bool is_own_host(const SessionNeeds& needs, const channel::EndpointUrl& own, std
     return std::any_of(names.begin(), names.end(), is_it);
 }
 
-/// The ApplicationName is there in one language only, whatever locales are asked for.
+/// The ApplicationName exists in one language only, whatever locales are requested.
 ApplicationDescription describe_application(const SessionNeeds& needs, const std::string& url)
 {
     ApplicationDescription description;
@@ -45,7 +45,7 @@ ApplicationDescription describe_application(const SessionNeeds& needs, const std
     return description;
 }
 
-/// The larger the safer (Part 4, 7.14).
+/// The larger, the safer (Part 4, 7.14).
 std::uint8_t security_level(const EndpointConfig& endpoint)
 {
     if (endpoint.security.policy->is_none()) {
@@ -61,7 +61,7 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
     return static_cast<std::uint8_t>(mode + rank);
 }
 
-/// Part 4, 5.5.3.2: whatever their case.
+/// Part 4, 5.5.3.2: compares without case.
 bool has_all(const std::vector<std::string>& capabilities, const Array<String>& wanted)
 {
     return std::all_of(wanted.begin(), wanted.end(), [&](const String& identifier) {
@@ -167,7 +167,7 @@ StatusCode find_servers_on_network(const SessionNeeds& needs, ServiceContext&,
     if (all.empty()) {
         return status::Bad_ServiceUnsupported;
     }
-    // No server has as many: a long list of what all of them have is only work.
+    // No server has so many; a longer list only causes work.
     constexpr std::size_t max_capabilities = 100;
     if (request.server_capability_filter.size() > max_capabilities) {
         return status::Bad_InvalidArgument;

@@ -8,13 +8,13 @@ namespace busbar::server::detail {
 
 struct SessionNeeds;
 
-/// The URL to show a client that says it used `requested`: with that host if it is one of the
-/// server's, else the default (Part 4, 5.5.4.2).
+/// Returns the URL for a client that used `requested`: with that host if it is one of the server's,
+/// else the default (Part 4, 5.5.4.2).
 [[nodiscard]] std::string endpoint_url_for(const SessionNeeds& needs, std::string_view requested);
-/// Every endpoint, as it is to be described to a client that says it used `requested_url`.
+/// Describes every endpoint to a client that used `requested_url`.
 [[nodiscard]] Array<EndpointDescription> describe_endpoints(const SessionNeeds& needs,
                                                             std::string_view requested_url);
-/// The certificates of the server, leaf first; null if it has none.
+/// Returns the certificates of the server, leaf first; null if it has none.
 [[nodiscard]] ByteString server_certificates(const SessionNeeds& needs);
 
 } // namespace busbar::server::detail

@@ -5,9 +5,9 @@
 
 namespace busbar::server::detail {
 
-/// Calls `visit` for each NodeId in the request, whatever the service, that may be one of a
-/// Variable which RegisterNodes gave an alias, until it returns false; gives that. Of services that
-/// take aliases as they are, those with NodeIds in records are here too.
+/// Calls `visit` for each NodeId in the request, of any service, that may belong to a Variable with
+/// an alias of RegisterNodes, until it returns false; returns the last result. Of the services that
+/// accept aliases directly, those with NodeIds in records are included.
 template <typename Request>
 bool visit_node_ids([[maybe_unused]] Request& request,
                     [[maybe_unused]] FunctionRef<bool(NodeId&)> visit)

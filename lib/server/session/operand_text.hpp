@@ -7,10 +7,10 @@
 
 #include "return_diagnostics.hpp"
 
-/// What the operations of a request are about, and their diagnostics, whatever the service.
+/// Describes the subjects of a request's operations, and adds their diagnostics, for every service.
 namespace busbar::server::detail {
 
-/// Of the operation at `i`; empty where its results say all there is to say.
+/// Describes the operation at `i`; empty if its result says everything.
 template <typename Request>
 std::string operand_text(const Request& request, std::size_t i)
 {
@@ -63,7 +63,7 @@ requires requires(const Result& result)
     return result.status_code;
 }
 
-/// Gives the response the diagnostics of its operations, if it has any.
+/// Adds the diagnostics of its operations to the response, if it has any.
 template <typename Request, typename Response>
 void diagnose([[maybe_unused]] ReturnDiagnostics& diagnostics,
               [[maybe_unused]] const Request& request, [[maybe_unused]] Response& response)

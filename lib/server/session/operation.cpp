@@ -79,7 +79,7 @@ bool ServiceOperation::replace_aliases()
             return false;
         }
         if (canonical) {
-            id = *canonical; // a copy owns
+            id = *canonical; // a copy owns its memory
         }
         return true;
     });

@@ -15,7 +15,7 @@ namespace busbar::server::detail {
 
 class Session;
 
-/// What records say of the request that they come from: what its header has (Part 4, 7.33).
+/// The part of a request's header that records refer to (Part 4, 7.33).
 struct RequestMark {
     std::string audit_entry_id{};
     DateTime timestamp{};
@@ -25,25 +25,25 @@ struct RequestMark {
 class Peer : public Outbox {
 public:
     [[nodiscard]] virtual const channel::ServerChannel& channel() const = 0;
-    /// Without port.
+    /// The address without port.
     [[nodiscard]] virtual std::string_view address() const = 0;
     /// See Connection::came_by.
     [[nodiscard]] virtual std::uint32_t listener() const = 0;
     /// The sessions that use this channel.
     [[nodiscard]] virtual const std::vector<Session*>& sessions() const = 0;
-    /// The session uses this channel from now on and no other. To be called again when it is
-    /// activated: what the peer may send depends on it.
+    /// The session uses this channel from now on and no other. Call it again when it is activated,
+    /// since it affects what the peer may send.
     virtual void bind(Session& session) = 0;
-    /// It uses this channel no more.
+    /// The session does not use this channel any more.
     virtual void unbind(Session& session) = 0;
-    /// Answers what the session has pending here with `status`.
+    /// Answers the session's pending requests here with `status`.
     virtual void end_operations(const Session& session, StatusCode status) = 0;
-    /// What may still be done for this peer before others have their turn.
+    /// The work that may still be done for this peer before others have their turn.
     [[nodiscard]] virtual Turn& turn() = 0;
-    /// A callback of the user's has thrown while the present request was served: it will be
-    /// answered with Bad_InternalError, whatever is made of the callback's silence.
+    /// True if a callback of the user has thrown during the present request, which is then answered
+    /// with Bad_InternalError, whatever result follows from the callback's missing answer.
     [[nodiscard]] virtual bool has_thrown() const { return false; }
-    /// For what is to be said of this peer.
+    /// The log for messages about this peer.
     [[nodiscard]] virtual LogSink& log() = 0;
 
 protected:

@@ -13,7 +13,7 @@ namespace busbar::server::detail {
 /// 5.7.2.2).
 class RecentNonces {
 public:
-    /// False for one that is among them; else it is from now on, in the place of the oldest.
+    /// Returns false if the nonce is among them; otherwise adds it in place of the oldest.
     [[nodiscard]] bool take(std::span<const std::byte> nonce)
     {
         const std::size_t hash = std::hash<std::string_view>{}(

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view opc_ua = "http://opcfoundation.org/UA/";
 
-/// "Bad_NodeIdUnknown" as words: "Node Id Unknown".
+/// Returns "Bad_NodeIdUnknown" as words: "Node Id Unknown".
 std::string words_of(std::string_view name)
 {
     const std::size_t bar = name.find('_');
@@ -48,7 +48,7 @@ std::int32_t ReturnDiagnostics::index_of(std::string_view text)
     return index;
 }
 
-/// `bits` as of a service.
+/// `bits` are those of a service.
 DiagnosticInfo ReturnDiagnostics::describe(StatusCode status, std::uint32_t bits)
 {
     DiagnosticInfo info;

@@ -23,41 +23,41 @@ inline constexpr std::uint32_t additional_info = 0x04;
 inline constexpr std::uint32_t of_service = 0x1F;
 inline constexpr unsigned to_operations = 5;
 inline constexpr std::uint32_t of_operations = of_service << to_operations;
-/// What only administrators are told: which of the server's things an operation was about.
+/// Only administrators get the subject of an operation.
 inline constexpr std::uint32_t for_administrators = additional_info | additional_info
                                                                           << to_operations;
 } // namespace diagnostic_bit
 
-/// What a response tells of what went wrong, as far as the client has asked for it (Part 4, 7.12).
-/// Texts lie in the response's string table, each once; the innerStatusCode is never there, as no
-/// other system stands behind this one.
+/// The diagnostics of a response, as far as the client has requested them (Part 4, 7.12). Texts are
+/// in the response's string table, each once; there is never an innerStatusCode, since this server
+/// does not depend on another system.
 class ReturnDiagnostics {
 public:
-    /// Bytes of additionalInfo in one response; there are none beyond.
+    /// Bytes of additionalInfo in one response; further ones are left out.
     static constexpr std::size_t max_additional_info = std::size_t{64} * 1'024;
-    /// About the bytes of what one operation was about, and of why it was refused.
+    /// Approximate limit of the bytes that describe one operation, and of its reason.
     static constexpr std::size_t max_operand = 256;
     static constexpr std::size_t max_reason = 1'024;
 
-    /// `wanted`: bits of returnDiagnostics.
+    /// `wanted` has bits of returnDiagnostics.
     explicit ReturnDiagnostics(std::uint32_t wanted) : wanted_{wanted} {}
 
     [[nodiscard]] bool wants_operations() const
     {
         return (wanted_ & diagnostic_bit::of_operations) != 0;
     }
-    /// Of the whole request.
+    /// Returns the diagnostics of the whole request.
     [[nodiscard]] DiagnosticInfo of_service(StatusCode status);
-    /// Of one operation; nothing if that is Good. `operand` says what it was about, `reason` why it
-    /// was refused, empty where that is not known or not for this client.
+    /// Returns the diagnostics of one operation; nothing if that is Good. `operand` describes its
+    /// subject, `reason` the reason of a refusal; empty if unknown or not for this client.
     [[nodiscard]] DiagnosticInfo of_operation(StatusCode status, FunctionRef<std::string()> operand,
                                               FunctionRef<std::string_view()> reason);
-    /// One for each of `count` operations; none at all if nothing was wrong with any.
+    /// Returns one for each of `count` operations; none at all if all were Good.
     [[nodiscard]] Array<DiagnosticInfo>
     of_operations(std::size_t count, FunctionRef<StatusCode(std::size_t)> status,
                   FunctionRef<std::string(std::size_t)> operand,
                   FunctionRef<std::string_view(std::size_t)> reason);
-    /// The same where no reason is known.
+    /// Returns the same without reasons.
     [[nodiscard]] Array<DiagnosticInfo> of_operations(std::size_t count,
                                                       FunctionRef<StatusCode(std::size_t)> status,
                                                       FunctionRef<std::string(std::size_t)> operand)
@@ -65,7 +65,7 @@ public:
         return of_operations(count, status, operand,
                              [](std::size_t) { return std::string_view{}; });
     }
-    /// The string table of what was asked for until now.
+    /// Returns the string table of everything returned so far.
     [[nodiscard]] Array<String> string_table() const;
 
 private:

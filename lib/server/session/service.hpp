@@ -16,36 +16,36 @@
 #include "peer.hpp"
 #include "return_diagnostics.hpp"
 
-/// What services are written against; `dispatch.cpp` has the table of them.
+/// The interface of services; `dispatch.cpp` has the table of them.
 ///
 /// A service that always answers at once is a function
 ///     StatusCode add_nodes(const NodeManagementNeeds&, ServiceContext&, const AddNodesRequest&,
 ///                          AddNodesResponse&);
 /// whose bad status becomes a ServiceFault; dispatch fills the response header. The first argument
-/// is what the service set needs of the server, the second who asks. One that may have to wait is
-/// an Operation, made with what it needs. Requests are decoded with Strings::Borrow: their strings
-/// point into the message, and copies of them own.
+/// is what the service set needs of the server, the second is the caller. A service that may have
+/// to wait is an Operation, constructed with its needs. Requests are decoded with Strings::Borrow:
+/// their strings point into the message, and copies of them own their memory.
 namespace busbar::server::detail {
 
 class Session;
 
-/// Who asks.
+/// The caller.
 struct ServiceContext {
     /// The connection that the request came by.
     Peer& peer;
     /// Null for the services that need no session.
     Session* session;
     TimePoint now;
-    /// Of the request; empty in later turns.
+    /// The mark of the request; empty in later turns.
     RequestMark mark{};
 };
 
 /// One request whose answer may come later. Owns the message it was decoded from.
 ///
-/// Lives on the server's thread. Others may answer for it (timeout, Cancel, end of the session) or
-/// destroy it unanswered (end of the connection); answers that come after that are dropped, and
-/// whatever it waits for must stop referring to it when it is destroyed. That is never from within
-/// one of its own members.
+/// Lives on the server's thread. Other code may answer for it (timeout, Cancel, end of the session)
+/// or destroy it unanswered (end of the connection); later answers are dropped, and everything that
+/// it waits for must stop referring to it when it is destroyed. That never happens within one of
+/// its own members.
 class ServiceOperation {
 public:
     ServiceOperation() = default;
@@ -53,23 +53,23 @@ public:
     ServiceOperation& operator=(const ServiceOperation&) = delete;
     virtual ~ServiceOperation() = default;
 
-    /// Begins, once. Answers by respond() or fault(), exactly once, from here or from later calls.
-    /// `context` is gone when it returns. The session may be gone as soon as
-    /// session() is null.
+    /// Begins, once. It answers by respond() or fault(), exactly once, from here or from later
+    /// calls. `context` is invalid after the return. The session may be destroyed once session() is
+    /// null.
     virtual void start(ServiceContext& context) = 0;
-    /// When the operation itself wants to be called; the client's own timeout is dispatch's
-    /// business.
+    /// The time at which the operation wants to be called; dispatch handles the client's own
+    /// timeout.
     [[nodiscard]] virtual TimePoint next_deadline() const { return no_deadline; }
     virtual void handle_deadline(TimePoint) {}
-    /// It has more to do than one turn of its connection allows, and nothing to wait for.
+    /// True if it has more to do than one turn of its connection allows, and nothing to wait for.
     [[nodiscard]] virtual bool wants_turn() const { return false; }
-    /// Goes on as far as the connection's Turn allows.
+    /// Continues as far as the connection's Turn allows.
     virtual void take_turn(ServiceContext&) {}
-    /// Goes on while the server shuts down.
+    /// True if it continues while the server shuts down.
     [[nodiscard]] virtual bool outlasts_shutdown() const { return false; }
 
     [[nodiscard]] bool is_finished() const { return peer_ == nullptr; }
-    /// The client does not wait for it any more.
+    /// True if the client no longer waits for it.
     [[nodiscard]] bool is_overdue(TimePoint now) const { return client_deadline_ <= now; }
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] bool is_of(const Peer& peer) const { return peer_ == &peer; }
@@ -78,43 +78,43 @@ public:
     [[nodiscard]] TimePoint client_deadline() const { return client_deadline_; }
     void fault(StatusCode status);
 
-    // For whoever carries it out.
+    // Called by the code that executes it.
 
-    /// Takes the message, whose parameters begin at `offset`; Bad_DecodingError, or why else it is
-    /// none of these.
+    /// Takes the message, whose parameters begin at `offset`; Bad_DecodingError, or another reason
+    /// why it is not such a request.
     [[nodiscard]] StatusCode decode(std::vector<std::byte> message, std::size_t offset,
                                     const binary::TypeRegistry& types,
                                     const binary::DecodeLimits& limits);
-    /// It is to be answered there; before start().
+    /// Sets the destination of the answer; before start().
     void open(const Question& question, ServiceContext& context);
-    /// Puts the NodeIds of nodes in place of aliases of the session, unless the service takes
-    /// those: records and whatever is kept have NodeIds (Part 4, 5.9.5.1). False if the session
-    /// cannot pay for them. Once, before start().
+    /// Replaces the session's aliases by the NodeIds of their nodes, unless the service accepts
+    /// them: records and stored data need NodeIds (Part 4, 5.9.5.1). False if the session cannot
+    /// pay for them. Call it once, before start().
     [[nodiscard]] bool replace_aliases();
-    /// Charges the session with the message and what it was decoded to; what has not answered
-    /// behind start() needs both still.
+    /// Charges the session for the message and its decoded form; an operation that has not answered
+    /// after start() still needs both.
     [[nodiscard]] bool charge_message() { return charge(message_.capacity() + decoded_); }
-    /// Nobody waits for the answer any more.
+    /// Drops the operation, whose answer is not needed any more.
     void drop() { static_cast<void>(finish()); }
-    /// For who is about to destroy the operation: the message for use by another, empty if
-    /// something that outlives the operation is to have it.
+    /// Called before the operation is destroyed: returns the message for another use, empty if an
+    /// object that outlives the operation needs it.
     [[nodiscard]] virtual std::vector<std::byte> spare_message() { return take_message(); }
 
 protected:
     /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit
-    /// the client's limits a ServiceFault goes out instead.
+    /// the client's limits a ServiceFault is sent instead.
     template <typename Response>
     void respond(FunctionRef<void(binary::Writer&)> encode)
     {
         respond(Response::binary_encoding_id, encode, nullptr);
     }
-    /// The same with another serviceResult than Good, of its severity.
+    /// Sends likewise with another serviceResult than Good, of its severity.
     template <typename Response>
     void respond_with(StatusCode result, FunctionRef<void(binary::Writer&)> encode)
     {
         respond(Response::binary_encoding_id, encode, nullptr, result);
     }
-    /// The same with what `diagnostics` has told of its operations.
+    /// Sends likewise with the diagnostics of its operations.
     template <typename Response>
     void respond(const ReturnDiagnostics& diagnostics, FunctionRef<void(binary::Writer&)> encode)
     {
@@ -124,28 +124,29 @@ protected:
     {
         return ReturnDiagnostics{return_diagnostics_};
     }
-    /// To be called when next_deadline() has become earlier, other than in start() and
-    /// handle_deadline(), so that whoever drives the connection learns it.
+    /// Call it when next_deadline() has become earlier, other than in start() and
+    /// handle_deadline(), so that the driver of the connection learns it.
     void deadline_changed();
-    /// Charges the session with what the operation holds while it waits, until it has answered;
-    /// false if the session has not that much left. The message itself is charged by dispatch.
+    /// Charges the session for the memory of the operation while it waits, until it has answered;
+    /// false if the session has not that much left. dispatch charges for the message itself.
     [[nodiscard]] bool charge(std::size_t bytes);
-    /// Bytes that a response may have to fit the client's limits.
+    /// Maximum size of a response that fits the client's limits.
     [[nodiscard]] std::size_t response_limit() const;
     /// Overwrites the message, and what the request borrows from it.
     void wipe_message() { crypto::cleanse(message_); }
-    /// The message, which the request borrows from, for what outlives the operation.
+    /// Returns the message, which the request borrows from, for objects that outlive the operation.
     [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
-    /// It looks aliases up by itself, and keeps none.
+    /// True if it looks aliases up by itself, and keeps none.
     [[nodiscard]] virtual bool takes_aliases() const { return false; }
-    /// Calls `visit` for each NodeId that may be an alias until it returns false, and gives that.
+    /// Calls `visit` for each NodeId that may be an alias until it returns false, and returns the
+    /// last result.
     [[nodiscard]] virtual bool visit_node_ids(FunctionRef<bool(NodeId&)> visit) = 0;
     void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
                  const ReturnDiagnostics* diagnostics, StatusCode result = {});
-    /// Lets go of peer and session; the peer it had.
+    /// Drops peer and session; returns the peer.
     Peer& finish();
 
     std::vector<std::byte> message_;
@@ -153,7 +154,7 @@ private:
     std::size_t decoded_{0};
     Peer* peer_{nullptr};
     Session* session_{nullptr};
-    /// Of the request's type.
+    /// Encoding id of the request's type.
     std::uint32_t encoding_id_{0};
     std::uint32_t request_id_{0};
     std::uint32_t request_handle_{0};
@@ -162,7 +163,7 @@ private:
     std::size_t charged_{0};
 };
 
-/// An Operation with its request, of which the header is left empty.
+/// An Operation with its request, whose header is left empty.
 template <typename Request>
 class OperationOf : public ServiceOperation {
 protected:

@@ -27,7 +27,7 @@ struct Share;
 /// The cause of a session's end (Part 4, 6.5.6).
 enum class SessionEnd : std::uint8_t { CloseSession, Timeout, Terminated };
 
-/// What one service set keeps in a session; destroyed with it.
+/// The state of one service set in a session; destroyed with it.
 class SessionPart {
 public:
     SessionPart() = default;
@@ -39,7 +39,7 @@ public:
 /// A Session (Part 4, 5.7). Fields are plain: the session services change them, others read.
 class Session {
 public:
-    /// Of `max_memory` it has `sessionless_memory` until it is activated.
+    /// Until it is activated, it has only `sessionless_memory` of `max_memory`.
     Session(std::size_t max_memory, std::uint64_t sessionless_memory)
         : memory_left_{sessionless_memory < max_memory
                            ? static_cast<std::size_t>(sessionless_memory)
@@ -48,8 +48,8 @@ public:
     {
     }
 
-    /// Charges what the session makes the server hold; false, and nothing is charged, if it has
-    /// not that much left.
+    /// Charges for memory that the session makes the server hold; false, with nothing charged, if
+    /// it has not that much left.
     [[nodiscard]] bool charge(std::size_t bytes)
     {
         if (bytes > memory_left_) {
@@ -59,9 +59,9 @@ public:
         return true;
     }
     void release(std::size_t bytes) { memory_left_ += bytes; }
-    /// It is activated: it has all of its memory from now on.
+    /// Called on activation: all of its memory is available from now on.
     void have_all_memory() { memory_left_ += std::exchange(memory_kept_back_, 0); }
-    /// From now on it is this user's. Of a long history the creator and the latest are kept.
+    /// Sets the user. Of a long history the creator and the latest are kept.
     void change_user(UserIdentity next)
     {
         constexpr std::size_t most = 8;
@@ -74,9 +74,9 @@ public:
         user = std::move(next);
         ++user_changes;
     }
-    /// A request has come.
+    /// Called for each request.
     void touch(TimePoint now) { deadline = std::min(now + timeout, ends_at); }
-    /// When it ends or loses its user, if no request comes.
+    /// The time when it ends or loses its user, if no request arrives.
     [[nodiscard]] TimePoint next_deadline() const { return std::min(deadline, user_deadline); }
 
     NodeId id;
@@ -84,65 +84,65 @@ public:
     std::string name;
     std::vector<std::string> locale_ids;
     bool is_activated{false};
-    /// Once it is over.
+    /// Valid once it is over.
     SessionEnd end{SessionEnd::Terminated};
-    /// Its Subscriptions have not all heard whose it is now.
+    /// Not all of its Subscriptions know its present user.
     bool is_user_untold{false};
-    /// How often it was given to a user.
+    /// Number of times it was given to a user.
     std::uint32_t user_changes{0};
-    /// Of the CloseSession that ended it.
+    /// The mark of the CloseSession that ended it.
     RequestMark end_mark{};
     UserIdentity user;
-    /// The same as the UserStore gave it, without the roles of rules.
+    /// The user as the UserStore returned it, without the roles of rules.
     UserIdentity granted;
-    /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
+    /// The ClientUserId of the first user, followed by those of later ones, the latest last.
     std::vector<std::string> users;
-    /// When the user becomes an anonymous one (see user_expiry.hpp).
+    /// The time when the user becomes anonymous (see user_expiry.hpp).
     TimePoint user_deadline{no_deadline};
 
-    /// Requests that wait for their answers, over whichever channel.
+    /// Pending requests, over any channel.
     std::size_t pending_operations{0};
     /// The connection whose channel it is bound to; null while there is none.
     Peer* peer{nullptr};
-    /// Of the connection that it was activated over.
+    /// The listener of the connection that it was activated over.
     std::uint32_t listener{0};
-    /// Without port; also of the connection that it was created over.
+    /// The address without port; also that of the connection that it was created over.
     std::string address{};
     channel::SecuritySetting security;
     /// The leaf; none with SecurityPolicy None.
     crypto::CertificateChain client_certificate;
-    /// The last one that was given out; single use.
+    /// The last nonce that was sent; used once.
     ByteString server_nonce;
     /// Bytes, 0 for no limit but the channel's.
     std::uint32_t max_response_message_size{0};
     std::string client_application_uri;
-    /// As CreateSession told them, without discovery URLs and with texts cut short.
+    /// As in CreateSession, without discovery URLs and with shortened texts.
     ApplicationDescription client_description;
     String server_uri;
     String endpoint_url;
 
     std::chrono::milliseconds timeout{0};
     TimePoint created;
-    /// When it ends if no request comes.
+    /// The time when it ends if no request arrives.
     TimePoint deadline{no_deadline};
-    /// When it ends whatever comes.
+    /// The time when it ends in any case.
     TimePoint ends_at{no_deadline};
 
     /// Continuation points of the View services.
     std::unique_ptr<SessionPart> view;
-    /// Null until it registers a node.
+    /// Null until a node is registered.
     std::unique_ptr<RegisteredNodes> registered;
-    /// Subscriptions, and Publish requests that wait.
+    /// Subscriptions, and waiting Publish requests.
     std::unique_ptr<SessionPart> publishing;
 
-    // Where it stands in its SessionTable.
+    // Its place in its SessionTable.
 
     TimePoint filed_for{no_deadline};
     Share* share{nullptr};
-    /// It counts there as activated.
+    /// Its share counts it as activated.
     bool is_shared_activated{false};
 
-    /// Only what is counted; see Diagnostics.
+    /// Only counters; see Diagnostics.
     SessionDiagnosticsDataType diagnostics;
     std::uint32_t diagnostics_round{0};
     DateTime connection_time;

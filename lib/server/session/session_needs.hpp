@@ -14,21 +14,22 @@
 
 namespace busbar::server::detail {
 
-/// What others have to do when something becomes of a session.
+/// Notified of changes of a session that others must act on.
 class SessionKeeper {
 public:
     SessionKeeper() = default;
     SessionKeeper(const SessionKeeper&) = delete;
     SessionKeeper& operator=(const SessionKeeper&) = delete;
 
-    /// Ends what the session has pending with `status`, then the session itself. Its Subscriptions
-    /// live on, for another session to take over, unless they are to be deleted with it.
+    /// Ends the session's pending requests with `status`, then the session itself. Its
+    /// Subscriptions survive, for another session to take over, unless they shall be deleted with
+    /// it.
     virtual void close_session(Session& session, StatusCode status, bool deletes_subscriptions) = 0;
-    /// It was activated, perhaps over another channel than before.
+    /// The session was activated, perhaps over another channel than before.
     virtual void session_activated(Session& session) = 0;
-    /// It has another user, or the same one with other rights.
+    /// The session has another user, or the same one with other rights.
     virtual void user_changed(Session& session, TimePoint now) = 0;
-    /// Ends the session's requests with this handle; how many there were (Part 4, 5.7.5).
+    /// Ends the session's requests with this handle; returns their number (Part 4, 5.7.5).
     [[nodiscard]] virtual std::uint32_t cancel(const Session& session,
                                                std::uint32_t request_handle) = 0;
 
@@ -36,13 +37,13 @@ protected:
     ~SessionKeeper() = default;
 };
 
-/// What the Discovery and Session services need of the server; as long as that lives.
+/// The needs of the Discovery and Session services; valid as long as the server.
 struct SessionNeeds {
     const ServerConfig& config;
-    /// The guarded one.
+    /// The guarded environment.
     const ServerEnvironment& environment;
     Guards& guards;
-    /// As bounded as what peers cause has to be.
+    /// A rationed log, since peers can cause messages.
     LogSink& log;
     SessionTable& sessions;
     LoginGuard& logins;
@@ -53,7 +54,7 @@ struct SessionNeeds {
     std::uint16_t own_namespace;
     /// Null in a server without issued tokens.
     IssuedLogin* log_in_issued{nullptr};
-    /// When the server was made.
+    /// The time when the server was created.
     DateTime start_time{};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }

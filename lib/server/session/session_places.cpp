@@ -6,12 +6,12 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Its client is told Bad_SessionIdInvalid with its next request; what it has
-/// subscribed to waits for another session of its.
+/// The client gets Bad_SessionIdInvalid for its next request; its Subscriptions wait for another
+/// session of it.
 void displace(const SessionNeeds& needs, Session& session, const std::string& taker)
 {
     Share& loser = *session.share;
-    if (!std::exchange(loser.is_told, true)) { // once: a flood has many
+    if (!std::exchange(loser.is_told, true)) { // logged once, since a flood displaces many
         needs.log.write(LogLevel::Warning, "session",
                         "\"" + printable(session.name) + "\" of " + loser.text +
                             (session.is_activated ? ", without a channel" : ", never activated") +
@@ -30,7 +30,7 @@ bool make_session_place(const SessionNeeds& needs, std::string_view address)
     if (needs.sessions.size() < needs.limits().max_sessions) {
         return true;
     }
-    // Who will log in is not known yet.
+    // The future user is not known yet.
     const Share* const taker = needs.sessions.shares().find(UserIdentity{}, address);
     Session* const found = needs.sessions.find_giving_way(taker);
     if (found == nullptr) {

@@ -7,10 +7,10 @@
 #include "peer.hpp"
 #include "session.hpp"
 
-/// What the services tell of sessions, typed.
+/// Records of sessions.
 namespace busbar::server::detail {
 
-/// Borrows from both.
+/// The result borrows from both.
 [[nodiscard]] inline RecordActor actor_of(const Session& session, const RequestMark& mark)
 {
     RecordActor actor{&session.id,

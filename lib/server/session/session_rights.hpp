@@ -5,7 +5,7 @@
 
 namespace busbar::server::detail {
 
-/// What the session's user may do over its channel; `access` may be null.
+/// Returns the rights of the session's user over its channel; `access` may be null.
 [[nodiscard]] inline NodeRights rights_of(const Session& session, const model::AddressSpace& space,
                                           const AccessControl* access)
 {

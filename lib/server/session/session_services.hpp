@@ -25,7 +25,7 @@ namespace busbar::server::detail {
 [[nodiscard]] StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
                                         const CreateSessionRequest& request,
                                         CreateSessionResponse& response);
-/// An Operation because the answer to a failed login is held back.
+/// An Operation because the answer to a failed login is delayed.
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_activate_session(const SessionNeeds& needs);
 [[nodiscard]] StatusCode close_session(const SessionNeeds& needs, ServiceContext& context,
                                        const CloseSessionRequest& request,

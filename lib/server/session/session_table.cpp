@@ -46,7 +46,7 @@ void SessionTable::remove(Session& session)
 
 Session* SessionTable::find_giving_way(const Share* taker) const
 {
-    // The greediest first, and of what is his the oldest.
+    // The user with most sessions first, and of his sessions the oldest.
     const auto order = [](const Session& s) {
         return std::tuple{s.is_activated, ~s.share->places, s.created};
     };
@@ -111,7 +111,7 @@ void SessionTable::unbind(Peer& peer)
         Session& session = *peer.sessions().back();
         if (session.is_activated) {
             peer.unbind(session);
-        } else { // it can only be activated over the channel that has gone
+        } else { // it can only be activated over the channel that was closed
             remove(session);
         }
     }

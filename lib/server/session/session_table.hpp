@@ -12,29 +12,29 @@
 
 namespace busbar::server::detail {
 
-/// All sessions of a server by their authentication tokens. A Session stays where it is until it is
+/// All sessions of a server by their authentication tokens. A Session keeps its address until it is
 /// removed.
 class SessionTable {
 public:
     [[nodiscard]] Session* find(const NodeId& authentication_token);
-    /// Takes a session whose token is not there yet.
+    /// Adds a session with a new token.
     Session& add(std::unique_ptr<Session> session);
     void remove(Session& session);
 
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
-    /// The session that is to end for one more of `taker`, who may have none: the oldest that was
-    /// never activated, of the user who has most (Part 4, 5.7.2.1); else the oldest without a
-    /// channel, of the user who has most and more than the taker. Null if there is none.
+    /// Returns the session that shall end for one more of `taker`, which may be null: the oldest
+    /// that was never activated, of the user who has most (Part 4, 5.7.2.1); else the oldest
+    /// without a channel, of the user who has most and more than the taker. Null if there is none.
     [[nodiscard]] Session* find_giving_way(const Share* taker) const;
-    /// The user's oldest that is activated and without a channel.
+    /// Returns the user's oldest activated session without a channel.
     [[nodiscard]] Session* find_left(const Share& share) const;
     [[nodiscard]] const Shares& shares() const { return shares_; }
-    /// To be called when it has another user or address, or was activated.
+    /// Call it when the session has another user or address, or was activated.
     void update_share(Session& session);
-    /// The session with the first deadline, or null if there is none at all.
+    /// Returns the session with the first deadline, or null if there is none.
     [[nodiscard]] Session* next_due();
-    /// To be called when a session's deadline has come nearer; that it goes away, as it does with
-    /// each request, is seen when the old one comes.
+    /// Call it when a session's deadline has become earlier; a later one, as after each request, is
+    /// noticed when the old one comes.
     void hurry(Session& session);
     [[nodiscard]] Session* any() const
     {
@@ -45,9 +45,9 @@ public:
     {
         return sessions_;
     }
-    /// A connection has gone; its activated sessions wait for another.
+    /// A connection was closed; its activated sessions wait for another one.
     void unbind(Peer& peer);
-    /// Of sessions over channels with security.
+    /// Nonces of sessions over channels with security.
     RecentNonces nonces;
 
 private:
@@ -55,7 +55,7 @@ private:
 
     Shares shares_;
     std::unordered_map<NodeId, std::unique_ptr<Session>> sessions_;
-    /// By a time that is not after their deadlines.
+    /// Sorted by a time that is not after their deadlines.
     std::set<std::pair<TimePoint, Session*>> due_;
 };
 

@@ -11,15 +11,16 @@
 
 namespace busbar::server::detail {
 
-/// A service whose request is a list of things to do, with a result for each: as many are done at a
-/// time as the connection's Turn allows. The response has `results` and `diagnostic_infos`.
+/// A service whose request is a list of operations with a result for each, as many of which are
+/// done at a time as the connection's Turn allows. The response has `results` and
+/// `diagnostic_infos`.
 template <typename Request, typename Response>
 class SlicedOperation : public OperationOf<Request> {
 public:
     void start(ServiceContext& context) final
     {
         StatusCode status = begin(context);
-        // Before anything is done, as it cannot be taken back.
+        // Before anything is done, as it cannot be undone.
         if (!status.is_bad() && !this->charge(size() * sizeof(Result))) {
             status = status::Bad_TooManyOperations;
         }
@@ -60,19 +61,20 @@ public:
 protected:
     using Result = typename decltype(Response::results)::value_type;
 
-    /// How many things there are to do.
+    /// The number of operations.
     [[nodiscard]] virtual std::size_t size() const = 0;
-    /// Once: Good, or why nothing is done. There is one thing to do at least if it is good.
+    /// Called once: Good, or the reason why nothing is done. If it is good there is at least one
+    /// operation.
     [[nodiscard]] virtual StatusCode begin(ServiceContext& context) = 0;
-    /// Before the first and after each pause, in which anything may have happened: Good, or why the
-    /// rest is not done.
+    /// Called before the first operation and after each pause, in which anything may have happened:
+    /// Good, or the reason why the rest is not done.
     [[nodiscard]] virtual StatusCode resume(ServiceContext& context) = 0;
-    /// Does one thing, and spends what it takes. Nothing if the turn was over on the way: the next
-    /// one goes on with the same.
+    /// Does one operation, and spends its cost. Returns nothing if the turn ended meanwhile: the
+    /// next one continues with the same operation.
     [[nodiscard]] virtual std::optional<Result> work(std::size_t index, Turn& turn) = 0;
-    /// Takes back what was done, in this turn and before: the request ends in a fault.
+    /// Undoes the operations of this and earlier turns: the request ends in a fault.
     virtual void undo(const Response&) {}
-    /// Behind the last of this turn.
+    /// Called after the last operation of a turn.
     virtual void pause(ServiceContext&) {}
 
 private:

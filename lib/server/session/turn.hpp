@@ -9,20 +9,20 @@ namespace busbar::server::detail {
 /// The work that is done for one connection before others have their turn.
 ///
 /// Counted in units and not by a clock, so that a simulation sees the same. A unit is some
-/// nanoseconds: a byte that is decoded or encoded, a reference that is looked at.
+/// nanoseconds: decoding or encoding a byte, visiting a reference.
 class Turn {
 public:
-    /// Less than a millisecond: twenty greedy connections keep another waiting for less than 20.
+    /// Less than a millisecond: twenty busy connections delay another one by less than 20.
     static constexpr std::size_t units = 30'000;
     static constexpr std::size_t units_of_request = 200;
-    /// A node whose value is looked up.
+    /// Cost of looking up a node with its value.
     static constexpr std::size_t units_of_value = 10;
-    /// A ReferenceDescription that is made.
+    /// Cost of a ReferenceDescription.
     static constexpr std::size_t units_of_reference = 50;
-    /// A MonitoredItem that is made or changed.
+    /// Cost of creating or changing a MonitoredItem.
     static constexpr std::size_t units_of_item = 1'000;
 
-    /// Without an end.
+    /// A turn without an end.
     constexpr Turn() = default;
     constexpr explicit Turn(std::size_t units_left) : left_{units_left} {}
 

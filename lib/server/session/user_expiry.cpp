@@ -21,7 +21,7 @@ TimePoint deadline_of(const UserIdentity& user, DateTime today, TimePoint now)
     if (user.valid_until.is_null()) {
         return no_deadline;
     }
-    // Farther away than a session can last, and near enough to be counted in nanoseconds.
+    // More than a session can last, and little enough to be counted in nanoseconds.
     constexpr std::int64_t most = std::int64_t{10} * 365 * 86'400 * DateTime::ticks_per_second;
     using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
     return now + Ticks{std::clamp(user.valid_until.ticks - today.ticks, std::int64_t{0}, most)};
@@ -120,7 +120,7 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
     needs.sessions.update_share(session);
     needs.keeper.user_changed(session, now);
     session.is_user_untold = false;
-    session.user_deadline = no_deadline; // last: what fails before is done again
+    session.user_deadline = no_deadline; // last, so that a failure above is repeated
 }
 
 } // namespace busbar::server::detail

@@ -46,7 +46,7 @@ private:
     DiagnosticValues values_;
 };
 
-/// On until a client switches them off, where the address space has them.
+/// They are on until a client switches them off, if the address space has them.
 void switch_on(Core& core)
 {
     const model::NodeIndex flag = core.address_space.find(id::Server_ServerDiagnostics_EnabledFlag);

@@ -4,7 +4,7 @@
 
 namespace busbar::server {
 
-// Each has a function of its own: a program has what the tables that it calls name.
+// Each table has a function of its own, so that a program links only the tables that it calls.
 
 ModuleTable micro_modules()
 {
@@ -28,7 +28,7 @@ ModuleTable standard_modules()
 
 ModuleTable full_modules()
 {
-    // All types first, which are found at once then.
+    // All types first, which are then found at once.
     static constexpr std::array table{
         &modules::all_types,       &modules::methods,       &modules::triggering,
         &modules::transfer,        &modules::events,        &modules::diagnostics,
