@@ -21,19 +21,19 @@ namespace busbar::server::detail {
 class Session;
 struct RequestMark;
 
-/// Who wants to know what clients write.
+/// Is notified of what clients write.
 class WriteObserver {
 public:
     WriteObserver() = default;
     WriteObserver(const WriteObserver&) = delete;
     WriteObserver& operator=(const WriteObserver&) = delete;
 
-    /// Values that the address space keeps may have been replaced.
+    /// Values in the address space may have been replaced.
     virtual void kept_values_written() = 0;
-    /// The NodeIds of a request must be those of the nodes, as they get into records.
+    /// True if the NodeIds of a request must be those of the nodes, since they are recorded.
     [[nodiscard]] virtual bool wants_node_ids() const = 0;
-    /// The request was carried out; `nodes` has a place for each item, no_node where there was
-    /// none, and `result` is what became of it. The session may be null, if it has gone meanwhile.
+    /// The request was carried out; `nodes` has a place for each item, no_node if there was none,
+    /// and `result` returns its result. The session may be null, if it has ended meanwhile.
     virtual void written(const Session* session, const RequestMark& mark,
                          const WriteRequest& request, std::span<const model::NodeHandle> nodes,
                          FunctionRef<StatusCode(std::size_t)> result) = 0;
@@ -42,7 +42,7 @@ protected:
     ~WriteObserver() = default;
 };
 
-/// What the Attribute services need of the server; as long as that lives.
+/// The needs of the Attribute services; valid as long as the server.
 struct AttributeNeeds {
     model::AddressSpace& space;
     DataSources& sources;
@@ -53,7 +53,7 @@ struct AttributeNeeds {
     const WallClock& wall_clock;
     const LiveValues& live_values;
     WriteObserver& observer;
-    /// Of texts that may be written, besides those that the address space has.
+    /// Locales of texts that may be written, in addition to those in the address space.
     const std::vector<std::string>& locale_ids;
 };
 

@@ -52,7 +52,8 @@ StatusCode DataTypeChecks::check_structures(const Variant& value)
                : status::Good;
 }
 
-/// The enumeration's own values or those of the supertype that has them; null if none are known.
+/// Returns the enumeration's own values or those of the supertype that has them; null if none are
+/// known.
 const binary::DynamicType* DataTypeChecks::enumeration_of(model::NodeIndex data_type)
 {
     if (!space_.is_subtype_of(data_type, id::Enumeration)) {

@@ -6,8 +6,8 @@
 
 namespace busbar::server::detail {
 
-/// What DataTypeDefinitions and the Properties of states say of the values that clients write. As
-/// it is here all are right.
+/// Checks the values that clients write against DataTypeDefinitions and the Properties of states.
+/// The default accepts all.
 class DefinitionChecks {
 public:
     DefinitionChecks() = default;
@@ -15,9 +15,9 @@ public:
     DefinitionChecks& operator=(const DefinitionChecks&) = delete;
     virtual ~DefinitionChecks() = default;
 
-    /// The value of a Variable and its DataType. A structure that is known from its
-    /// DataTypeDefinition only has not been decoded yet; what a client may write by its type is
-    /// still refused if it is no value of that type, or if a text or array in it is longer than its
+    /// Checks the value of a Variable against its DataType. A structure that is known from its
+    /// DataTypeDefinition only has not been decoded yet; even if its type is right, it is refused
+    /// if it is not a valid value of that type, or if a text or array in it is longer than its
     /// field allows. Bad_OutOfRange for a value that the enumeration does not have (Part 4,
     /// 5.11.4.4), nor the states of a multi-state item (Part 8, 5.3.3).
     [[nodiscard]] virtual StatusCode check(model::NodeIndex /*variable*/,
@@ -25,11 +25,11 @@ public:
     {
         return {};
     }
-    /// The address space has been given a new value of the Variable by a client.
+    /// A client has set a new value of the Variable in the address space.
     virtual void replaced(model::AddressSpace& /*space*/, model::NodeIndex /*variable*/) {}
 };
 
-/// Looks at the DataTypes of an address space, which are compiled when a type was added.
+/// Uses the DataTypes of an address space, which are compiled again when a type was added.
 class DataTypeChecks final : public DefinitionChecks {
 public:
     /// `space` must outlive this.

@@ -32,7 +32,7 @@ bool ReadOperation::plan(ServiceContext& context)
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }
-    // Once more, and without a pause: a source must not be asked for what is not there any more.
+    // Start again, without a pause: a source must not be asked for a removed variable.
     job_.emplace(needs_.sources, request(), response_limit());
     Turn endless;
     return job_->plan(what, endless);

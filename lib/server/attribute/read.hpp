@@ -26,7 +26,7 @@ private:
     [[nodiscard]] bool takes_aliases() const override { return true; }
     /// Looks nodes up; true if none is left.
     [[nodiscard]] bool plan(ServiceContext& context);
-    /// Has the session pay for what is held while something is waited for; false if it cannot.
+    /// Charges the session for memory that is held while waiting; false if it cannot pay.
     [[nodiscard]] bool pay();
 
     const AttributeNeeds& needs_;

@@ -13,7 +13,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// A maxAge of the largest Int32 or more asks for any value that is there (Part 4, 5.11.2.2).
+/// A maxAge of the largest Int32 or more requests any available value (Part 4, 5.11.2.2).
 std::chrono::milliseconds to_max_age(double milliseconds)
 {
     return std::chrono::milliseconds{
@@ -34,7 +34,7 @@ StatusCode check_read(const ReadRequest& request, std::size_t max_nodes)
         request.timestamps_to_return > TimestampsToReturn::Neither) {
         return status::Bad_TimestampsToReturnInvalid;
     }
-    // Also true of a maxAge that is not a number.
+    // Also rejects a maxAge that is NaN.
     return request.max_age >= 0 ? status::Good : status::Bad_MaxAgeInvalid;
 }
 
@@ -111,7 +111,7 @@ Result<NumericRange*> ReadJob::keep_range(std::size_t index, const String& text)
     }
     if (ranges_ == nullptr) {
         ranges_ = std::make_shared<std::vector<Range>>();
-        // It must not move: sources are given the addresses.
+        // It must not move, since sources get its addresses.
         ranges_->reserve(call_.size() - index);
     }
     return &ranges_->emplace_back(Range{*range, index, true}).range;

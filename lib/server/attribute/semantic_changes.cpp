@@ -34,7 +34,7 @@ bool is_semantic(const model::AddressSpace& space, model::NodeIndex property)
                semantic_properties.end();
 }
 
-/// The Variables that have the property.
+/// Adds the Variables that have the property.
 void add_owners(const model::AddressSpace& space, model::NodeIndex property,
                 std::unordered_set<NodeId>& owners)
 {

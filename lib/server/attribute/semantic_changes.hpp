@@ -12,9 +12,9 @@
 
 namespace busbar::server::detail {
 
-/// The Variables whose values mean something else now: those with Properties, EURange say, into
-/// which a client wrote with success (Part 8, 5.2; Part 3, 8.57). `nodes` and `result`
-/// are as for WriteObserver.
+/// Returns the Variables whose values have another meaning now: those with Properties, for example
+/// EURange, that a client wrote successfully (Part 8, 5.2; Part 3, 8.57). `nodes` and `result` are
+/// as for WriteObserver.
 [[nodiscard]] std::unordered_set<NodeId>
 find_semantic_changes(const model::AddressSpace& space, const WriteRequest& request,
                       std::span<const model::NodeHandle> nodes,

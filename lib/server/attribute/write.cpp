@@ -18,7 +18,7 @@ void WriteOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
-    // Before anything is written, as batches cannot be taken back.
+    // Before anything is written, as batches cannot be undone.
     const std::size_t cost = request().nodes_to_write.size() * WriteJob::bytes_per_item;
     if (!charge(cost)) {
         return fault(status::Bad_TooManyOperations);
@@ -39,7 +39,7 @@ bool WriteOperation::plan(ServiceContext& context)
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }
-    // Once more, and without a pause: a source must not be given what is for another.
+    // Start again, without a pause: a source must not get the values of another one.
     job_.emplace(needs_.sources, request());
     Turn endless;
     return job_->plan(what, endless);
@@ -49,7 +49,7 @@ void WriteOperation::take_turn(ServiceContext& context)
 {
     is_planning_ = !plan(context);
     needs_.observer.kept_values_written();
-    if (context.peer.has_thrown()) { // before a source is given anything
+    if (context.peer.has_thrown()) { // before a source gets anything
         return fault(status::Bad_InternalError);
     }
     const bool is_complete = !is_planning_ && job_->start(*this, context.now);

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Why the attribute is not in the WriteMask.
+/// Returns the reason why the attribute is not in the WriteMask.
 StatusCode why_not_in_mask(const model::AddressSpace& space, model::NodeIndex node,
                            AttributeId attribute)
 {
@@ -25,7 +25,7 @@ StatusCode why_not_in_mask(const model::AddressSpace& space, model::NodeIndex no
     return is_wanted ? status::Bad_WriteNotSupported : status::Bad_NotWritable;
 }
 
-/// Attributes have no status and no time of their own, and are no arrays whose parts are written.
+/// Attributes have neither status nor timestamp, and parts of them cannot be written.
 StatusCode check_form(const WriteValue& value)
 {
     if (!value.index_range.empty()) {
@@ -53,7 +53,7 @@ StatusCode write_text(const WriteContext& context, model::NodeIndex node, Attrib
     return set ? StatusCode{status::Good} : set.error();
 }
 
-/// Part 3, 5.6.2: -1 for one that is not known.
+/// Part 3, 5.6.2: -1 means unknown.
 StatusCode write_minimum_sampling_interval(const WriteContext& context, model::NodeIndex node,
                                            const Variant& value)
 {

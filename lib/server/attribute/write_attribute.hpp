@@ -7,20 +7,20 @@
 
 namespace busbar::server::detail {
 
-/// More would be looked through at every use of the node.
+/// Each use of the node searches all of them.
 inline constexpr std::size_t max_written_role_permissions = 100;
 
-/// Write of any attribute but the Value of a Variable (Part 4, 5.11.4), for nodes that the user may
-/// see: what UserWriteMask allows is replaced at once.
+/// Writes any attribute except the Value of a Variable (Part 4, 5.11.4), of nodes that the user may
+/// see: an attribute that UserWriteMask allows is replaced at once.
 ///
-/// Bad_SecurityModeInsufficient, Bad_AttributeIdInvalid if it is not there, Bad_NotWritable if the
-/// WriteMask has it not, Bad_WriteNotSupported if the server cannot though NodeAccess has it, or
-/// for an IndexRange, a status or a timestamp, Bad_UserAccessDenied; then Bad_TypeMismatch,
-/// Bad_OutOfRange or Bad_LocaleNotSupported for the value.
+/// Bad_SecurityModeInsufficient, Bad_AttributeIdInvalid if it does not exist, Bad_NotWritable if it
+/// is not in the WriteMask, Bad_WriteNotSupported if it is in NodeAccess but the server cannot
+/// write it, or for an IndexRange, a status or a timestamp, Bad_UserAccessDenied; then
+/// Bad_TypeMismatch, Bad_OutOfRange or Bad_LocaleNotSupported for the value.
 [[nodiscard]] StatusCode write_attribute(const WriteContext& context, model::NodeIndex node,
                                          const WriteValue& value);
 
-/// Part 4, 5.11.4.1: a text has no locale or one of the server's, or that of the text there is.
+/// Part 4, 5.11.4.1: a text has no locale, one of the server's, or that of an existing text.
 [[nodiscard]] StatusCode check_locale(const WriteContext& context, model::NodeIndex node,
                                       AttributeId attribute, const LocalizedText& text);
 

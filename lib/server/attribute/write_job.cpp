@@ -29,7 +29,7 @@ StatusCode check_access(const WriteContext& context, model::NodeIndex node,
 }
 
 /// Part 3, 8.57: without StatusWrite only Good can be written, without TimestampWrite no source
-/// timestamp. The server timestamp is the server's alone.
+/// timestamp. A client never writes the server timestamp.
 StatusCode check_quality(std::uint8_t access_level, const DataValue& data)
 {
     const bool is_refused =
@@ -40,14 +40,14 @@ StatusCode check_quality(std::uint8_t access_level, const DataValue& data)
     return is_refused ? status::Bad_WriteNotSupported : status::Good;
 }
 
-/// A structure of no type at all.
+/// True for an ExtensionObject without a type.
 bool is_nothing(const Variant& value)
 {
     const auto* const object = value.get_if<ExtensionObject>();
     return object != nullptr && object->is_null();
 }
 
-/// A part has the shape of its range, which is for whoever replaces it to check.
+/// A part has the shape of its range, which is checked where it is replaced.
 StatusCode check_type(const model::AddressSpace& space, const model::VariableAttributes& variable,
                       const Variant& value, bool is_part)
 {
@@ -69,7 +69,7 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
     return fits ? status::Good : status::Bad_TypeMismatch;
 }
 
-/// Whether only the array's length is wrong, and its source tells that apart.
+/// Returns whether only the array's length is wrong, and its source distinguishes that.
 bool is_other_length(const WriteContext& context, const model::VariableAttributes& variable,
                      const Variant& value)
 {
@@ -78,7 +78,7 @@ bool is_other_length(const WriteContext& context, const model::VariableAttribute
            context.space.check_value(value, variable.data_type, variable.value_rank, {}).is_good();
 }
 
-/// Part 4, 5.11.4.2: a ByteString is taken where an array of Byte is expected.
+/// Part 4, 5.11.4.2: a ByteString is accepted for an array of Byte.
 bool stands_for_byte_array(const model::AddressSpace& space,
                            const model::VariableAttributes& variable, const Variant& value)
 {
@@ -103,8 +103,9 @@ StatusCode check_locales(const WriteContext& context, model::NodeIndex node, con
     return status::Good;
 }
 
-/// Replaces a value that the address space keeps, and its status and source timestamp (Part 4,
-/// 5.11.4.2): now where the client sends none. `copied` becomes the bytes of what a range is of.
+/// Replaces a value in the address space, with its status and source timestamp (Part 4, 5.11.4.2),
+/// the present time if the client sends none. `copied` is set to the bytes of the value that a
+/// range is part of.
 StatusCode replace_kept(const WriteContext& context, model::NodeIndex node,
                         const NumericRange* range, const DataValue& data, std::size_t& copied)
 {
@@ -167,7 +168,7 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
     return planned_ == values.size();
 }
 
-/// Nothing if a source will answer.
+/// Returns nothing if a source will answer.
 std::optional<StatusCode> WriteJob::plan_one(const WriteContext& context, std::size_t index,
                                              model::NodeIndex node)
 {
@@ -248,7 +249,7 @@ Result<const NumericRange*> WriteJob::keep_range(std::size_t index, const String
         return fail(range.error());
     }
     if (memory_->ranges.empty()) {
-        // It must not move: sources are given the addresses.
+        // It must not move, since sources get its addresses.
         memory_->ranges.reserve(call_.size() - index);
     }
     return &memory_->ranges.emplace_back(*range);
@@ -277,7 +278,7 @@ bool WriteJob::start(SourceCallOwner& owner, TimePoint now)
 
 void WriteJob::keep(WriteRequest request, std::vector<std::byte> message)
 {
-    // Moving the array and the buffer leaves what they hold where it is.
+    // Moving the array and the buffer leaves their contents in place.
     memory_->request = std::move(request);
     memory_->message = std::move(message);
 }

@@ -10,8 +10,8 @@
 
 namespace busbar::server::detail {
 
-/// A record for each node of a Write, if the log wants them (Part 5, 6.4.27). What was there before
-/// is not among them: a data source is not asked for it.
+/// Records each node of a Write, if the log wants it (Part 5, 6.4.27), without the previous value,
+/// which a data source is not asked for.
 inline void record_write(LogSink& log, const Session* session, const RequestMark& mark,
                          const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
 {

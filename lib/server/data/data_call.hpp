@@ -14,7 +14,7 @@
 
 namespace busbar::server::detail {
 
-/// Who waits for a SourceCall that did not end at once; lives on the server's thread.
+/// Waits for a SourceCall that did not end at once; lives on the server's thread.
 class SourceCallOwner {
 public:
     SourceCallOwner() = default;
@@ -28,7 +28,7 @@ protected:
     ~SourceCallOwner() = default;
 };
 
-/// Of the size of a request.
+/// For vectors that grow with the size of a request.
 template <typename T>
 using LargeVector = std::vector<T, busbar::detail::LargeAllocator<T>>;
 
@@ -42,7 +42,7 @@ struct ReadTraits {
                                                 status::Bad_TooManyOperations};
     static LargeVector<ReadSlot> answers(std::size_t count) { return LargeVector<ReadSlot>(count); }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
-    /// Makes an answer last longer than what it points at.
+    /// Makes an answer own what it points at.
     static void own(ReadSlot& slot)
     {
         const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
@@ -70,10 +70,10 @@ struct WriteTraits {
 };
 
 /// One service call's operations on their way to the sources and back, in a constant number of
-/// allocations: a batch for each source, and answers that the server gives by itself.
+/// allocations: a batch for each source, and answers of the server itself.
 ///
-/// First operations are given to ask() or answer(), or to neither and have no result then. Then
-/// start() is called, then result() has the answers as soon as waiting() is false. Lives on the
+/// First each operation is passed to ask() or answer(), or to neither and then has no result. Then
+/// start() is called, and result() has the answers as soon as waiting() is false. Lives on the
 /// server's thread; destroying it leaves the batches to their sources.
 template <typename Traits>
 class SourceCall final : private PartOwner {
@@ -92,7 +92,7 @@ public:
 
     [[nodiscard]] std::size_t size() const { return place_.size(); }
 
-    /// Operation `index` is the business of a source, whose index find() knows.
+    /// Passes operation `index` to a source, whose index find() knows.
     void ask(std::size_t index, std::uint32_t source, const Item& item)
     {
         Group& group = group_of(source);
@@ -104,18 +104,18 @@ public:
         last_source_ = source;
         ++group.size;
     }
-    /// Operation `index` is answered here.
+    /// Returns the place for the server's own answer to operation `index`.
     [[nodiscard]] Answer& answer(std::size_t index)
     {
         const std::size_t place = size() - ++answered_;
         place_[index] = static_cast<std::uint32_t>(place);
         return block_->answers[place];
     }
-    /// Whatever was and will be asked of `source` is not sent and answers `status`.
+    /// Drops the present and future operations of `source`, which answer `status`.
     void refuse(std::uint32_t source, StatusCode status) { group_of(source).refusal = status; }
 
     /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
-    /// else `owner` is told later, once.
+    /// else `owner` is notified later, once.
     template <typename Prepare>
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now, Prepare prepare)
     {
@@ -133,7 +133,7 @@ public:
         return !waiting();
     }
     [[nodiscard]] bool waiting() const { return waiting_ != 0; }
-    /// When the first of the sources that are waited for is late.
+    /// The time when the first of the pending sources is late.
     [[nodiscard]] TimePoint next_deadline() const
     {
         TimePoint first = no_deadline;
@@ -142,7 +142,7 @@ public:
         }
         return first;
     }
-    /// Answers Bad_Timeout for the sources that are late; true if nothing is waited for any more.
+    /// Answers Bad_Timeout for the sources that are late; true if nothing is pending any more.
     [[nodiscard]] bool handle_deadline(TimePoint now)
     {
         for (Group& group : groups_) {
@@ -154,14 +154,14 @@ public:
         }
         return !waiting();
     }
-    /// What operation `index` came to; not before waiting() is false.
+    /// The result of operation `index`; only when waiting() is false.
     [[nodiscard]] const Answer& result(std::size_t index) const
     {
         const std::uint32_t place = place_[index];
         return place < size() ? block_->answers[place] : failures_[place - size()];
     }
-    /// The batch that operation `index` was part of, once its source has completed it; null for
-    /// one that was answered here, or whose source is late.
+    /// The batch of operation `index`, once its source has completed it; null for one that was
+    /// answered here, or whose source is late.
     [[nodiscard]] const Part* part_of(std::size_t index) const
     {
         const std::uint32_t place = place_[index];
@@ -174,15 +174,15 @@ public:
         const Part* const part = is_there ? &block_->parts[found->part] : nullptr;
         return part != nullptr && part->is_complete() ? part : nullptr;
     }
-    /// As above, to be changed; null if the whole batch failed.
+    /// The answer of an operation as above, to be changed; null if the whole batch failed.
     [[nodiscard]] Answer* find_answer(std::size_t index)
     {
         const std::uint32_t place = place_[index];
         return place < size() ? &block_->answers[place] : nullptr;
     }
     /// Bad if a source that decides services failed its batch with a status that is the service's
-    /// (DataSourceOptions::decides_services). Of what changes something only if all of it was for
-    /// that source: what others have done must be told.
+    /// (DataSourceOptions::decides_services). For calls that change something only if everything
+    /// was for that source: changes by other sources must be reported.
     [[nodiscard]] StatusCode service_result() const
     {
         for (std::uint32_t i = 0; i < groups_.size(); ++i) {
@@ -197,7 +197,7 @@ public:
         }
         return status::Good;
     }
-    /// What the sources keep for as long as they may use the call's memory.
+    /// Memory that the sources keep as long as they may use the call's memory.
     [[nodiscard]] std::shared_ptr<const void>& kept_for_sources() { return block_->kept; }
 
 private:
@@ -216,12 +216,13 @@ private:
         bool waiting{false};
         StatusCode refusal;
         StatusCode failure;
-        /// Where its operations are led if it failed.
+        /// The place of its operations' answer if it failed.
         std::uint32_t failure_place{UINT32_MAX};
         TimePoint deadline{no_deadline};
     };
 
-    /// Of a source that may have been added since the request began. Valid until the next call.
+    /// Returns the group of a source, also of one that was added since the request began. Valid
+    /// until the next call.
     [[nodiscard]] Group& group_of(std::uint32_t source)
     {
         if (source >= groups_.size()) {
@@ -229,7 +230,7 @@ private:
         }
         return groups_[source];
     }
-    /// Records the source of the next item, and at first those of the others.
+    /// Records the source of the next item, and at first those of the previous ones.
     void note_source(std::uint32_t source)
     {
         if (source_of_.empty()) {
@@ -238,7 +239,7 @@ private:
         source_of_.resize(block_->items.size(), last_source_);
         source_of_.push_back(source);
     }
-    /// Puts the items of one source behind each other; they mostly are.
+    /// Sorts the items by source; usually they are in order already.
     void group()
     {
         std::uint32_t first = 0;
@@ -294,7 +295,7 @@ private:
         part.start(block_);
         const StatusCode thrown = source->guard(
             Traits::callback, [&](DataSource& called) { Traits::send(called, part); });
-        if (thrown.is_bad()) { // whatever became of the batch
+        if (thrown.is_bad()) { // even if the batch is complete
             part.abandon();
             return fail(group, thrown);
         }
@@ -321,7 +322,7 @@ private:
             owner_->call_completed();
         }
     }
-    /// A call that waits holds on to nothing that belongs to a source or to the address space.
+    /// A pending call must not refer to objects of a source or of the address space.
     void own_answers()
     {
         for (std::size_t i = size() - answered_; i < size(); ++i) {
@@ -353,8 +354,8 @@ private:
             fail(group, part.verdict());
         }
     }
-    /// Leaves the group's answers alone, they may be the source's still: its operations are led to
-    /// one answer for them all.
+    /// Leaves the group's answers alone, since the source may still use them: all its operations
+    /// get one common answer.
     void fail(Group& group, StatusCode status)
     {
         group.failure = status;
@@ -379,9 +380,9 @@ private:
     DataSources* sources_;
     SourceCallOwner* owner_{nullptr};
     std::shared_ptr<Block> block_;
-    /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
+    /// The place of each operation's answer: in the block's answers, or after them in failures_.
     LargeVector<std::uint32_t> place_;
-    /// Of each item; empty as long as all have the last one.
+    /// The source of each item; empty as long as all items have the last one.
     LargeVector<std::uint32_t> source_of_;
     std::uint32_t last_source_{0};
     std::vector<Group> groups_;

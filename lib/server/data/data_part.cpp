@@ -28,14 +28,14 @@ void Part::abandon()
 {
     owner_ = nullptr;
     State expected = State::Waiting;
-    // If it fails the part is complete and on its way through the queue, which finds no owner.
+    // If it fails the part is complete and in the queue, which will find no owner.
     static_cast<void>(state_.compare_exchange_strong(expected, State::Abandoned));
 }
 
 void Part::complete(StatusCode verdict)
 {
     verdict_ = verdict;
-    // `memory_` keeps this part until it is moved away, here or by the queue.
+    // `memory_` keeps this part alive until it is moved away, here or by the queue.
     const std::shared_ptr<SourceEntry> source = source_;
     source->release(item_count_);
     if (state_.exchange(State::Complete) == State::Waiting) {

@@ -16,65 +16,65 @@ namespace busbar::server::detail {
 
 class Part;
 
-/// What waits for batches; lives on the server's thread.
+/// Waits for batches; lives on the server's thread.
 class PartOwner {
 public:
     PartOwner() = default;
     PartOwner(const PartOwner&) = delete;
     PartOwner& operator=(const PartOwner&) = delete;
 
-    /// `part`, for which the owner waited, is complete and its results may be read.
+    /// `part`, which the owner waited for, is complete and its results may be read.
     virtual void part_completed(Part& part) = 0;
 
 protected:
     ~PartOwner() = default;
 };
 
-/// What server and source share of one batch: where its answer goes.
+/// The common state of server and source for one batch: the destination of its answer.
 ///
-/// It lies in memory that both hold, so that neither minds which of them goes first. Until it is
-/// complete its results belong to the source, afterwards to the server; `state_` hands them over.
+/// It is in memory that both hold, so that either may be destroyed first. Until it is complete its
+/// results belong to the source, afterwards to the server; `state_` hands them over.
 class Part {
 public:
     Part() = default;
     Part(const Part&) = delete;
     Part& operator=(const Part&) = delete;
 
-    // For the server's thread.
+    // Called on the server's thread.
 
-    /// Charges the source; false, and nothing is done, if it has as much as it may have.
+    /// Charges the source; false, with nothing done, if it already has its maximum.
     [[nodiscard]] bool admit(const std::shared_ptr<SourceEntry>& source, std::size_t item_count);
     /// `memory` owns this part. Called after admit() and before the source gets the batch.
     void start(std::shared_ptr<void> memory) { memory_ = std::move(memory); }
-    /// Called behind the call of the source: true if the batch is complete, else `owner` is told
+    /// Call after the call of the source: true if the batch is complete, else `owner` is notified
     /// when it is.
     [[nodiscard]] bool settle(PartOwner& owner);
-    /// The owner waits no longer; its results are never read again.
+    /// The owner no longer waits; the results are never read.
     void abandon();
     [[nodiscard]] const SourceEntry& source() const { return *source_; }
-    /// What the source said of the whole batch, Good if it filled the results.
+    /// The source's status for the whole batch, Good if it filled the results.
     [[nodiscard]] StatusCode verdict() const { return verdict_; }
-    /// False while the source may change what the part holds.
+    /// False while the source may change the part.
     [[nodiscard]] bool is_complete() const { return state_.load() == State::Complete; }
 
-    // For the source, from any thread.
+    // Called by the source, on any thread.
 
-    /// True once nobody waits for it.
+    /// True once its owner no longer waits.
     [[nodiscard]] bool is_abandoned() const { return state_.load() == State::Abandoned; }
-    /// The one call that ends what start() began. A bad `verdict` stands for every item.
+    /// Ends what start() began; called once. A bad `verdict` applies to every item.
     void complete(StatusCode verdict = status::Good);
 
-    /// The CompletionQueue's.
+    /// Used by the CompletionQueue.
     Part* next{nullptr};
 
 private:
     friend class CompletionQueue;
 
     enum class State : std::uint8_t {
-        Running,   // the source is being called, or was never
+        Running,   // the source is being called, or was never called
         Waiting,   // the owner waits for a completion through the queue
-        Complete,  // the results are the server's
-        Abandoned, // nobody waits
+        Complete,  // the results belong to the server
+        Abandoned, // its owner no longer waits
     };
 
     std::atomic<State> state_{State::Running};

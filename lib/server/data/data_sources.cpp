@@ -93,7 +93,7 @@ ProcessImage* SourceEntry::process_image() const
 
 bool SourceEntry::charge(std::size_t item_count)
 {
-    // Only the server's thread adds, so that a check before adding is enough.
+    // Only the server's thread adds, so that checking before adding is enough.
     if (batches_ >= options_.max_batches || item_count > options_.max_items - items_) {
         return false;
     }
@@ -105,7 +105,7 @@ bool SourceEntry::charge(std::size_t item_count)
 Result<std::size_t> SourceEntry::charge_monitored(std::uint64_t handle)
 {
     Result<std::size_t> size{0};
-    // A source that is gone, or throws, says so when the item is sampled.
+    // A missing or throwing source is reported when the item is sampled.
     guard("DataSource::monitored_size",
           [&](const DataSource& source) { size = source.monitored_size(handle); });
     if (!size) {

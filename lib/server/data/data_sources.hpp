@@ -23,48 +23,48 @@ public:
     CompletionQueue(const CompletionQueue&) = delete;
     CompletionQueue& operator=(const CompletionQueue&) = delete;
 
-    /// From any thread. Wakes the server if nothing was queued.
+    /// Called from any thread. Wakes the server if the queue was empty.
     void push(Part& part);
-    /// On the server's thread: tells the owner of each part, in the order of completion. What an
-    /// owner throws comes through; the others are told by the next call, for which the server is
-    /// woken.
+    /// Called on the server's thread: notifies the owner of each part, in the order of completion.
+    /// An owner's exception is passed on; the next call, for which the server is woken, notifies
+    /// the others.
     void drain();
-    /// On the server's thread: drops what is queued and what still comes. The Waker is not in use
-    /// any more afterwards.
+    /// Called on the server's thread: drops present and future parts. The Waker is not in use any
+    /// more afterwards.
     void close();
 
 private:
     static void drop(Part* first);
 
     busbar::detail::HandOver<Part> completed_;
-    /// Those that drain() has taken, the oldest first.
+    /// Parts that drain() has taken, the oldest first.
     Part* told_next_{nullptr};
     std::atomic<bool> closed_{false};
     busbar::detail::WakerSlot waker_;
 };
 
-/// A source, while it is there, with what it was given and has not completed; shared with its
-/// batches.
+/// A source with the batches that it has not completed; shared with these batches.
 class SourceEntry {
 public:
     /// `log` is used on the server's thread, while the server lives.
     SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log);
 
-    /// False once the source was destroyed. On the server's thread, as the destruction is.
+    /// False once the source was destroyed. Called on the server's thread, on which the destruction
+    /// happens too.
     [[nodiscard]] bool is_attached() const { return *source_ != nullptr; }
-    /// Good, or why nothing is asked of the source: Bad_NoCommunication once it is gone, or what
-    /// DataSources::suspend said.
+    /// Good, or the reason why the source is not called: Bad_NoCommunication once it is destroyed,
+    /// or the status of DataSources::suspend.
     [[nodiscard]] StatusCode obstacle() const
     {
         return is_attached() ? suspension_ : status::Bad_NoCommunication;
     }
-    /// No obstacle for a source that is always in service. On the server's thread.
+    /// Has no effect on a source that is always in service. Called on the server's thread.
     void suspend(StatusCode status)
     {
         suspension_ = options_.is_always_in_service ? status::Good : status;
     }
-    /// Calls `function(source)`; what it throws ends there, see busbar::detail::guarded.
-    /// Bad_NoCommunication, and nothing is called, if the source is gone.
+    /// Calls `function(source)` and catches its exceptions, see busbar::detail::guarded.
+    /// Bad_NoCommunication, without a call, if the source is destroyed.
     template <typename Function>
     StatusCode guard(std::string_view callback, Function&& function) const
     {
@@ -73,23 +73,23 @@ public:
                    ? status::Bad_NoCommunication
                    : busbar::detail::guarded(*log_, callback, [&] { function(*source); });
     }
-    /// Null if the source has none, or threw.
+    /// Returns null if the source has none, or threw.
     [[nodiscard]] ProcessImage* process_image() const;
     [[nodiscard]] LogSink& log() const { return *log_; }
     [[nodiscard]] const DataSourceOptions& options() const { return options_; }
     [[nodiscard]] CompletionQueue& queue() { return *queue_; }
 
-    /// On the server's thread; false if that were more than the options allow.
+    /// Called on the server's thread; false if the options do not allow more.
     [[nodiscard]] bool charge(std::size_t item_count);
-    /// From any thread.
+    /// Called from any thread.
     void release(std::size_t item_count);
-    /// What a new MonitoredItem of the variable counts as, which release_monitored() gives back.
-    /// Bad if there can be none. Both on the server's thread.
+    /// Returns the size that a new MonitoredItem of the variable counts, which release_monitored()
+    /// returns. Fails if there can be none. Both are called on the server's thread.
     [[nodiscard]] Result<std::size_t> charge_monitored(std::uint64_t handle);
     void release_monitored(std::size_t size) { monitored_size_ -= size; }
 
 private:
-    /// The source's own, see DataSource.
+    /// Owned by the source, see DataSource.
     std::shared_ptr<DataSource* const> source_;
     DataSourceOptions options_;
     std::shared_ptr<CompletionQueue> queue_;
@@ -103,7 +103,7 @@ private:
 /// The sources of a server; a node names its own by index. Lives on the server's thread.
 class DataSources {
 public:
-    /// `log` gets what sources throw; null for none.
+    /// `log` gets exceptions of sources; may be null.
     explicit DataSources(Waker* waker, LogSink* log = nullptr)
         : waker_{waker}, log_{log != nullptr ? log : &no_log_},
           queue_{std::make_shared<CompletionQueue>(waker)}
@@ -113,20 +113,20 @@ public:
     DataSources& operator=(const DataSources&) = delete;
     ~DataSources();
 
-    /// The index that nodes are to carry; `source` may end first.
+    /// Returns the index that nodes refer to; `source` may end first.
     std::uint32_t add(DataSource& source);
-    /// The same with a source that this object keeps.
+    /// Adds a source that this object keeps.
     std::uint32_t add(std::shared_ptr<DataSource> source);
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
-    /// Null for an index that add() never gave.
+    /// Returns null for an index that add() never returned.
     [[nodiscard]] const std::shared_ptr<SourceEntry>* find(std::uint32_t index) const
     {
         return index < entries_.size() ? &entries_[index] : nullptr;
     }
-    /// From now on nothing is asked of the sources, those that are to come too: it answers
-    /// `status`. Good ends that. What they were asked before is not touched.
+    /// From now on no source, including future ones, is called: requests answer `status`. Good ends
+    /// that. Pending batches are not affected.
     void suspend(StatusCode status);
-    /// Tells those who wait for batches that were completed meanwhile.
+    /// Notifies the owners of batches that were completed meanwhile.
     void handle_completions();
 
 private:

@@ -26,7 +26,7 @@ void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status)
 DataSourceOptions MemorySource::options() const
 {
     DataSourceOptions options;
-    // Ranges to read are left to the server: it cuts them out of the shared value.
+    // The server cuts ranges out of the shared value.
     options.writes_ranges = true;
     return options;
 }
@@ -47,8 +47,8 @@ void MemorySource::read(ReadBatch batch)
         const DataValue& from = get(items[i].handle);
         slots[i].status = from.status;
         slots[i].source_timestamp = from.source_timestamp;
-        // Nothing can change `values_` before the server has used what it finds in the slots of a
-        // batch that completes inline, so not even an array needs a copy.
+        // `values_` cannot change before the server has used the slots of a batch that completes
+        // inline, so not even an array needs a copy.
         slots[i].shared = &from.value;
     }
     batch.complete();

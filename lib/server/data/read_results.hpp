@@ -6,29 +6,29 @@
 
 namespace busbar::server::detail {
 
-/// Which timestamps the client wants (Part 4, 7.40) and the server's own.
+/// The timestamps that the client requests (Part 4, 7.40) and the server's own.
 struct Timestamps {
     Timestamps(TimestampsToReturn to_return, DateTime server_time);
 
-    /// For a value that a source was asked for at `server` and gave by `answered`: the source's
-    /// time if that was meanwhile, so that both timestamps are the same (Part 4, 7.11.1: when the
-    /// server received the value). A source's clock may be another one.
+    /// Returns the timestamps of a value that was requested from a source at `server` and returned
+    /// by `answered`: the source's time if it is in between, so that both timestamps are equal
+    /// (Part 4, 7.11.1: the time when the server received the value). A source's clock may differ.
     [[nodiscard]] Timestamps of_answer(DateTime source_timestamp, DateTime answered) const;
 
     bool source;
-    /// Zero if it is not wanted.
+    /// Zero if it is not requested.
     DateTime server;
 };
 
 /// Writes a slot as the DataValue of a response: without value if the status is bad (Part 4,
-/// 7.11.1), with the timestamps that are wanted.
+/// 7.11.1), with the requested timestamps.
 void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps);
 
-/// The same for `value` with the rest from `data`.
+/// Writes `value` likewise, with the other fields of `data`.
 void encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
                        const Timestamps& timestamps);
 
-/// Replaces the slot's value by the part of it that `range` names.
+/// Replaces the slot's value by the part of it that `range` selects.
 void cut_range(ReadSlot& slot, const NumericRange& range);
 
 } // namespace busbar::server::detail

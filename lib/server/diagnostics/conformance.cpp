@@ -11,7 +11,7 @@ namespace {
 
 enum class WordKind : std::uint8_t { Absent, Declared, Flag, Number, Namespace0, Instance };
 
-/// One word of the column `needs`. What it says is a member of the facts, or a number.
+/// One word of the column `needs`. Its value is a member of the facts, or a number.
 struct Word {
     bool ConformanceFacts::*flag{nullptr};
     std::size_t ConformanceFacts::*number{nullptr};
@@ -49,14 +49,14 @@ constexpr Word instance_of(std::uint32_t type)
     return {.value = type, .kind = WordKind::Instance};
 }
 
-/// Words of which one has to be true.
+/// Words of which one must be true.
 struct ClauseRow {
     std::string_view text;
     std::uint16_t first;
     std::uint16_t count;
 };
 
-/// All of its clauses have to be true.
+/// All of its clauses must be true.
 struct UnitRow {
     std::string_view name;
     std::uint16_t first;
@@ -110,7 +110,7 @@ bool is_met(const ClauseRow& clause, const UnitRow& unit, const ConformanceFacts
                        [&](const Word& word) { return is_true(word, unit, facts); });
 }
 
-/// What the unit lacks; empty if it lacks nothing.
+/// Returns what the unit lacks; empty if it lacks nothing.
 std::string_view find_lack(const UnitRow& unit, const ConformanceFacts& facts)
 {
     for (const std::uint16_t clause : clauses_of(unit)) {
@@ -128,7 +128,7 @@ bool is_of_clients(const UnitRow& unit)
                        [](std::uint16_t clause) { return clause_rows[clause].text == "client"; });
 }
 
-/// The profile and all that it includes, directly or not, each once.
+/// Returns the profile and all that it includes, directly or not, each once.
 std::vector<std::size_t> with_included(std::size_t profile)
 {
     std::vector<std::size_t> all{profile};
@@ -144,7 +144,7 @@ std::vector<std::size_t> with_included(std::size_t profile)
     return all;
 }
 
-/// `lacks` has what each unit lacks.
+/// `lacks` has the unmet need of each unit.
 ProfileAssessment assess_profile(std::size_t profile, std::span<const std::string_view> lacks)
 {
     ProfileAssessment result;
@@ -180,7 +180,7 @@ const ProfileAssessment* Conformance::find(std::string_view name) const
 
 namespace {
 
-/// `find_lack` says what a unit lacks; empty for nothing.
+/// `find_lack` returns what a unit lacks; empty for nothing.
 template <typename FindLack>
 Conformance assess_all(FindLack find_lack)
 {

@@ -7,7 +7,7 @@
 #include <busbar/core/variant.hpp>
 #include <busbar/types/data_types.hpp>
 
-/// Sessions and Subscriptions as the diagnostics' structures.
+/// Describes sessions and Subscriptions as the diagnostics' structures.
 namespace busbar::server::detail {
 
 class Counters;
@@ -24,7 +24,7 @@ class Subscription;
 [[nodiscard]] SessionSecurityDiagnosticsDataType describe_security(const Session& session);
 [[nodiscard]] SubscriptionDiagnosticsDataType
 describe_subscription(const Counters& counters, const Subscription& subscription);
-/// An array of those that the session has.
+/// Returns an array for the session's Subscriptions.
 [[nodiscard]] Variant describe_subscriptions(const Counters& counters, const Session& session);
 
 } // namespace busbar::server::detail

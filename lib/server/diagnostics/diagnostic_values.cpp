@@ -19,7 +19,7 @@ namespace {
 
 using Summary = ServerDiagnosticsSummaryDataType;
 
-/// What the specification calls a list of structures.
+/// Returns a list of structures.
 template <typename Range, typename Describe>
 Variant structures(const Range& range, Describe describe)
 {
@@ -30,7 +30,7 @@ Variant structures(const Range& range, Describe describe)
     return all;
 }
 
-/// Views below the folder of Views, as far as that is reasonable.
+/// Counts Views below the folder of Views, up to a reasonable depth.
 std::uint32_t count_views(const model::AddressSpace& space)
 {
     constexpr std::size_t most = 1'000;
@@ -76,7 +76,7 @@ Summary with_views(const DiagnosticsNeeds& needs)
     return summary;
 }
 
-/// Part 5, 12.8: only of a server with a fixed set of intervals (Part 5, 6.3.3).
+/// Part 5, 12.8: only for a server with a fixed set of intervals (Part 5, 6.3.3).
 Variant sampling_intervals(const DiagnosticsNeeds& needs)
 {
     Array<ExtensionObject> all(0);
@@ -130,7 +130,7 @@ constexpr std::array summary_counters{
                    &Summary::rejected_requests_count},
 };
 
-/// The structures; fails for a node that is none of them.
+/// Returns the structures; fails for other nodes.
 Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
                                 const ReadingUser& reader)
 {
@@ -157,7 +157,7 @@ Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
     }
 }
 
-/// Fails for a node that is none of these.
+/// Fails for nodes that are not among these.
 Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
                                  const ReadingUser& reader)
 {

@@ -8,7 +8,7 @@ namespace busbar::server::detail {
 
 /// The present values of Variables below Server.ServerDiagnostics, i=2274, and of the Objects of
 /// sessions (Part 5, 6.3.3 to 6.3.5). Bad_NotReadable while diagnostics are off; some are not for
-/// every reader. Takes constant time, but for arrays.
+/// every reader. Takes constant time, except for arrays.
 class DiagnosticValues final : public LiveValues {
 public:
     DiagnosticValues(const DiagnosticsNeeds& needs, const SessionNodes& session_nodes)
@@ -20,7 +20,7 @@ public:
                                          const ReadingUser& reader) const override;
 
 private:
-    /// Of a Variable of SessionNodes; the refusal is the value's status.
+    /// Returns the value of a Variable of SessionNodes; a refusal is the value's status.
     [[nodiscard]] DataValue session_value(const NodeId& node, const ReadingUser& reader) const;
 
     const DiagnosticsNeeds& needs_;

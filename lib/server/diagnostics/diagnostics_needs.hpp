@@ -14,7 +14,7 @@
 
 namespace busbar::server::detail {
 
-/// Where a server is between its start and its end (Part 5, 12.10).
+/// The life of a server from its start to its end (Part 5, 12.10).
 struct ServerLife {
     explicit ServerLife(DateTime start) : start_time{start}, return_time{start} {}
 
@@ -22,15 +22,16 @@ struct ServerLife {
     ServerState state{ServerState::Running};
     std::string shutdown_reason;
     DateTime shutdown_time;
-    /// When it is there again, as whoever stops it says; of one that runs, when it came.
+    /// The expected return, set by the code that stops it; for a running server, the time of its
+    /// start.
     DateTime return_time;
 
     [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
 };
 
-/// What the diagnostics look at; as long as the server lives.
+/// The objects that the diagnostics read; valid as long as the server.
 struct DiagnosticsNeeds {
-    /// Changed for the Objects of sessions only.
+    /// Changed only for the Objects of sessions.
     model::AddressSpace& space;
     const ServerConfig& config;
     const WallClock& wall_clock;

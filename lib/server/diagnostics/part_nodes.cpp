@@ -31,8 +31,8 @@ NodeId part_id(std::uint16_t name_space, std::uint64_t handle)
     return NodeId{name_space, "SessionDiagnostics." + std::to_string(handle)};
 }
 
-/// A Variable as `declaration` has it, for those to see who have `access`; no_node if there is
-/// none.
+/// Adds a Variable like `declaration`, visible to those with `access`; no_node if there is no such
+/// declaration.
 model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declaration,
                           const model::NewNode& node, std::uint32_t type, std::uint64_t handle,
                           const model::NodeAccess* access)

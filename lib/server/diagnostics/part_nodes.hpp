@@ -11,8 +11,8 @@
 
 namespace busbar::server::detail {
 
-/// What a handle of a Variable of the diagnostics leads to. It is the number of the session or the
-/// Subscription, the section and the field of that; field 0 is all of it.
+/// The meaning of a handle of a Variable of the diagnostics: the number of the session or the
+/// Subscription, the section and the field; field 0 is the whole structure.
 enum class Section : std::uint8_t {
     Session,
     Security,
@@ -42,25 +42,25 @@ enum class Section : std::uint8_t {
     return handle & 0xFFU;
 }
 
-/// A Variable of the diagnostics with one Variable for each field that its type has.
+/// A Variable of the diagnostics with one Variable for each field of its type.
 struct PartNodes {
     Section section;
     std::string_view name;
-    /// Whose DataType and ValueRank it has. There is no such part where this is no_node.
+    /// The source of its DataType and ValueRank. If it is no_node, there is no such part.
     model::NodeIndex declaration;
     std::uint32_t type;
     std::span<const FieldName> fields;
-    /// Who may see it; null for everybody.
+    /// Its access rules; null for everybody.
     const model::NodeAccess* access{nullptr};
-    /// Of its name; its fields' are of OPC UA.
+    /// Namespace of its name; its fields' names belong to OPC UA.
     std::uint16_t name_space{0};
 };
 
-/// Adds it below `parent`, with a NodeId of `name_space`, and without its fields, which most often
-/// nobody looks for; no_node if it could not be added.
+/// Adds it below `parent`, with a NodeId in `name_space`, and without its fields, which are rarely
+/// read; no_node if it could not be added.
 model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
                           std::uint16_t name_space, std::uint32_t number, const PartNodes& part);
-/// Adds those of its fields that are not there; how many there were.
+/// Adds the missing fields; returns their number.
 std::size_t add_fields(model::AddressSpace& space, model::NodeIndex made, std::uint16_t name_space,
                        std::uint32_t number, const PartNodes& part);
 

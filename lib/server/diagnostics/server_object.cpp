@@ -34,7 +34,7 @@ Array<String> namespaces(const DiagnosticsNeeds& needs)
     return uris;
 }
 
-/// Of all texts: those that are configured, then those that models have.
+/// Returns the locales of all texts: the configured ones, followed by those of models.
 Array<String> locale_ids(const DiagnosticsNeeds& needs)
 {
     const std::vector<std::string>& configured = needs.config.locale_ids;
@@ -68,8 +68,8 @@ std::uint32_t seconds_till_shutdown(const DiagnosticsNeeds& needs)
                : 0;
 }
 
-/// What clients may expect (Part 4, 6.6.2.4.2). A suspended server is to be left alone until its
-/// EstimatedReturnTime; one that has failed tells nothing but how it is.
+/// Returns what clients may expect (Part 4, 6.6.2.4.2). Clients should not use a suspended server
+/// until its EstimatedReturnTime; a failed one returns nothing but its state.
 std::uint8_t service_level(ServerState state)
 {
     constexpr std::uint8_t maintenance = 0;
@@ -85,7 +85,7 @@ std::uint8_t service_level(ServerState state)
     }
 }
 
-/// Null until there is a reason (Part 5, 12.10).
+/// Null unless there is a reason (Part 5, 12.10).
 LocalizedText shutdown_reason(const DiagnosticsNeeds& needs)
 {
     return needs.life.is_shutting_down() ? LocalizedText{String{needs.life.shutdown_reason}}
@@ -104,7 +104,7 @@ ServerStatusDataType server_status(const DiagnosticsNeeds& needs)
     return status;
 }
 
-/// What the server holds itself to: profiles of Part 7 that are implemented in full.
+/// Returns the profiles of Part 7 that are implemented in full.
 Array<String> profiles(const DiagnosticsNeeds& needs)
 {
     Array<String> uris;
@@ -125,8 +125,8 @@ Array<QualifiedName> conformance_units(const DiagnosticsNeeds& needs)
     return names;
 }
 
-/// A VersionTime (Part 4, 7.43): seconds since 2000. Namespaces are only ever added, and a server
-/// that starts again does so later.
+/// Returns a VersionTime (Part 4, 7.43): seconds since 2000. Namespaces are only ever added, and a
+/// restarted server has a later time.
 std::uint32_t uris_version(const DiagnosticsNeeds& needs)
 {
     constexpr std::int64_t unix_year_2000 = 946'684'800;

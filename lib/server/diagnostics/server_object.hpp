@@ -6,12 +6,12 @@
 namespace busbar::server::detail {
 
 /// The present values of Variables below the Server object (Part 5, 6.3 and 8.3.2), i=2253: status
-/// and capabilities, and what was added. Takes constant time.
+/// and capabilities, and added ones. Takes constant time.
 class ServerObject final : public LiveValues {
 public:
     explicit ServerObject(const DiagnosticsNeeds& needs) : needs_{needs} {}
 
-    /// `values` has those that are not here, once and for as long as this lives.
+    /// `values` provides further ones; called once, and it must outlive this.
     void add(const LiveValues& values) { others_ = &values; }
     [[nodiscard]] bool has_others() const { return others_ != nullptr; }
 
@@ -23,8 +23,7 @@ private:
     const LiveValues* others_{nullptr};
 };
 
-/// Organizes the ModellingRules that the address space has below the folder for them (Part 5,
-/// 6.3.2).
+/// Adds references from the folder of ModellingRules to those in the address space (Part 5, 6.3.2).
 void list_modelling_rules(model::AddressSpace& space);
 
 } // namespace busbar::server::detail

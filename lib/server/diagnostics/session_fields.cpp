@@ -7,7 +7,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// A structure goes into a Variant as an ExtensionObject.
+/// Returns a structure as an ExtensionObject in a Variant.
 template <typename T>
 Variant to_variant(const T& value)
 {

@@ -15,7 +15,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// What only some may see of all sessions only they may see of one; null if everybody may.
+/// Returns the access rules of the security diagnostics, which apply to single sessions as well;
+/// null if there are none.
 const model::NodeAccess* access_to_security(const model::AddressSpace& space)
 {
     const model::NodeIndex all = space.find(
@@ -23,7 +24,7 @@ const model::NodeAccess* access_to_security(const model::AddressSpace& space)
     return all == model::no_node ? nullptr : space.node_access(all);
 }
 
-/// Has the array refer to what is one of its elements (Part 5, 7.13 and 7.16).
+/// Adds a reference from the array to one of its elements (Part 5, 7.13 and 7.16).
 void add_to_array(model::AddressSpace& space, std::uint32_t array, model::NodeIndex element)
 {
     const model::NodeIndex from = space.find(array);
@@ -51,7 +52,7 @@ PartNodes security_part(const model::AddressSpace& space)
             .access = access_to_security(space)};
 }
 
-/// Sessions may have the same name, Objects beside each other may not.
+/// Sessions may have the same name, Objects below one parent may not.
 Result<model::NodeIndex> add_object(const DiagnosticsNeeds& needs, const Session& session)
 {
     model::NewNode node;
@@ -167,7 +168,7 @@ void SessionNodes::remove_left()
                 static_cast<void>(needs_.space.remove(object));
             }
         });
-        if (thrown.is_bad()) { // with the next one
+        if (thrown.is_bad()) { // added with the next one
             return;
         }
         entry = entries_.erase(entry);

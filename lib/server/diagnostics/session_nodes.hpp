@@ -13,8 +13,8 @@
 namespace busbar::server::detail {
 
 /// An Object for each activated session below SessionsDiagnosticsSummary (Part 5, 6.3.4 and 6.3.5),
-/// whose parts are the elements of the arrays there: its NodeId is the session's. What the parts
-/// have below them is added when it is asked for. There are none while diagnostics are off (Part 5,
+/// whose parts are the elements of the arrays there: its NodeId is the session's. The fields of the
+/// parts are added when a client looks for them. There are none while diagnostics are off (Part 5,
 /// 6.3.3), nor in a namespace 0 without the types.
 class SessionNodes {
 public:
@@ -26,12 +26,12 @@ public:
     /// Adds or removes the Objects of all sessions if diagnostics were switched on or off.
     void take_flag();
 
-    /// Adds the fields of a Variable of a session, by its handle; how many that were.
+    /// Adds the fields of a Variable of a session, by its handle; returns their number.
     std::size_t add_fields(model::NodeIndex variable, std::uint64_t handle);
 
-    /// The Object's array of Subscriptions; no_node if there is none.
+    /// Returns the Object's array of Subscriptions; no_node if there is none.
     [[nodiscard]] model::NodeIndex subscriptions_of(const Session& session) const;
-    /// The value of a Variable of a session or a Subscription, by the handle it was given;
+    /// Returns the value of a Variable of a session or a Subscription, by its handle;
     /// Bad_NodeIdUnknown for any other. Not every reader may see the security diagnostics.
     [[nodiscard]] Result<Variant> value(std::uint64_t handle, const ReadingUser& reader) const;
 
@@ -39,7 +39,7 @@ private:
     void remove_left();
 
     struct Entry {
-        /// Null when only the nodes are left, for want of memory to remove them.
+        /// Null if only the nodes are left, because there was no memory to remove them.
         const Session* session;
         model::NodeHandle object;
         model::NodeHandle subscriptions;

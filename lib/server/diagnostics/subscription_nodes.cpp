@@ -113,7 +113,7 @@ void SubscriptionNodes::remove_left()
                 static_cast<void>(needs_.space.remove(element));
             }
         });
-        if (thrown.is_bad()) { // with the next one
+        if (thrown.is_bad()) { // added with the next one
             return;
         }
         entry = entries_.erase(entry);

@@ -14,7 +14,7 @@ namespace {
 
 using model::NodeIndex;
 
-/// The value of the View's property ViewVersion, 0 if it has none.
+/// Returns the View's property ViewVersion, 0 if it has none.
 std::uint32_t version_of(const model::AddressSpace& space, NodeIndex view)
 {
     std::uint32_t version = 0;
@@ -26,7 +26,7 @@ std::uint32_t version_of(const model::AddressSpace& space, NodeIndex view)
     return version;
 }
 
-/// There are only Views as they are now, and no times of theirs are kept (Part 4, 7.45).
+/// Views exist in their present state only, without earlier times (Part 4, 7.45).
 StatusCode check_view(const ViewContext& context, const ViewDescription& view)
 {
     if (view.view_id.is_null()) {
@@ -48,16 +48,16 @@ StatusCode check_view(const ViewContext& context, const ViewDescription& view)
     return is_present ? status::Good : status::Bad_ViewVersionInvalid;
 }
 
-/// False if the View is gone that a Browse was made in.
+/// Returns false if the View of a Browse was removed.
 bool has_its_view(const model::AddressSpace& space, const BrowseFilter& filter)
 {
     return filter.view.index == model::no_node || space.resolve(filter.view) != model::no_node;
 }
 
-/// Goes on with a node that was begun; true once its result is complete.
+/// Continues with a node that was begun; true once its result is complete.
 bool go_on_with(ViewContext& context, BrowsePlace& place, BrowseResult& result)
 {
-    constexpr std::size_t least = 1'000; // so that it comes forward
+    constexpr std::size_t least = 1'000; // to make progress
     const std::size_t before = context.visits_left;
     context.pause_at = before - std::min(before, std::max(context.turn.left(), least));
     const bool is_complete = continue_browse(context, *place.state, result);
@@ -73,7 +73,7 @@ bool go_on_with(ViewContext& context, BrowsePlace& place, BrowseResult& result)
     return is_complete;
 }
 
-/// Why the references of a node cannot be browsed any further; good if they can.
+/// Returns why the references of a node cannot be browsed any further; good if they can.
 StatusCode check_place(const ViewContext& context, const BrowsePlace& place)
 {
     if (context.space.resolve(place.state->node) == model::no_node) {
@@ -103,8 +103,8 @@ bool is_borrowed(const ReferenceDescription& described)
            is_borrowed(described.type_definition.node_id);
 }
 
-/// Gives results behind `kept`, up to and with the one that goes on, texts of their own: the nodes
-/// whose texts they are may go away before the next turn.
+/// Gives results after `kept`, up to and including the unfinished one, texts of their own: the
+/// nodes whose texts they borrow may be removed before the next turn.
 void keep_results(Array<BrowseResult>& results, BrowseKept& kept, std::size_t next)
 {
     for (; kept.result <= next && kept.result < results.size(); ++kept.result) {
@@ -112,18 +112,18 @@ void keep_results(Array<BrowseResult>& results, BrowseKept& kept, std::size_t ne
         for (; kept.references < references.size(); ++kept.references) {
             ReferenceDescription& described = references[kept.references];
             if (is_borrowed(described)) {
-                ReferenceDescription own{std::as_const(described)}; // a copy owns
+                ReferenceDescription own{std::as_const(described)}; // a copy owns its memory
                 described = std::move(own);
             }
         }
-        if (kept.result == next) { // it goes on
+        if (kept.result == next) { // it is unfinished
             return;
         }
         kept.references = 0;
     }
 }
 
-/// Forgets what was found of a node that cannot be browsed any further.
+/// Drops the result of a node that cannot be browsed any further.
 void give_up(ViewContext& context, BrowsePlace& place, BrowseResult& result, StatusCode status)
 {
     take_back(context, result, status);
@@ -171,7 +171,7 @@ void BrowseWork::undo(Session& session) const
 bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
                            BrowseResponse& response)
 {
-    // Looked for in each turn: it may be another index, or gone.
+    // Looked up in each turn: its index may change, or it may be removed.
     view_ =
         request.view.view_id.is_null() ? model::no_node : context.space.find(request.view.view_id);
     while (next_ < response.results.size()) {
@@ -180,7 +180,7 @@ bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
         }
         BrowseResult& result = response.results[next_];
         if (place_.state && check_place(context, place_).is_bad()) {
-            give_up(context, place_, result, status::Good); // and begin it again
+            give_up(context, place_, result, status::Good); // and start it again
             kept_.references = kept_.result == next_ ? 0 : kept_.references;
         }
         if (!place_.state) {

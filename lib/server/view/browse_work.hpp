@@ -8,9 +8,9 @@
 
 namespace busbar::server::detail {
 
-/// Where a turn ended within a node.
+/// The place within a node where a turn ended.
 struct BrowsePlace {
-    /// Told when the references of the node lie elsewhere, so that the position leads nowhere.
+    /// Notified when the node's references have moved, which makes the position invalid.
     struct Watch final : model::NodeWatch {
         void node_changed(model::NodeIndex, bool) override { is_lost = true; }
 
@@ -21,23 +21,23 @@ struct BrowsePlace {
     Watch watch;
 };
 
-/// Up to where results have texts of their own: before that result, and in it before that
-/// reference.
+/// The place up to which results have texts of their own: all results before this one, and its
+/// references before this one.
 struct BrowseKept {
     std::size_t result{0};
     std::size_t references{0};
 };
 
-/// A Browse (Part 4, 5.9.2) that goes on where its turn ended, within a node as well.
+/// A Browse (Part 4, 5.9.2) that continues where its turn ended, within a node as well.
 class BrowseWork {
 public:
-    /// What is wrong with all of the request, if something is. To be called first, once.
+    /// Returns an error of the whole request, if there is one. Call it first, once.
     [[nodiscard]] StatusCode begin(ViewContext& context, const BrowseRequest& request,
                                    BrowseResponse& response);
-    /// True once the response is complete; false if the turn is over before.
+    /// Returns true once the response is complete; false if the turn ends before.
     [[nodiscard]] bool go_on(ViewContext& context, const BrowseRequest& request,
                              BrowseResponse& response);
-    /// Takes back what it has done to the session's continuation points.
+    /// Undoes its changes of the session's continuation points.
     void undo(Session& session) const;
 
 private:

@@ -23,8 +23,8 @@ constexpr bool has(std::uint32_t mask, BrowseResultMask bit)
     return (mask & static_cast<std::uint32_t>(bit)) != 0;
 }
 
-/// True if the View contains the target of a reference of a node that it contains. What it contains
-/// is reached from the View node along forward hierarchical references (Part 3, 5.4).
+/// True if the View contains the target of a reference of a node that it contains. Its nodes are
+/// reached from the View node along forward hierarchical references (Part 3, 5.4).
 bool is_in_view(ViewContext& context, NodeIndex view, const Reference& reference)
 {
     const model::AddressSpace& space = context.space;
@@ -34,7 +34,7 @@ bool is_in_view(ViewContext& context, NodeIndex view, const Reference& reference
                     context.visits_left);
 }
 
-/// True for the references that the client asked for and may know of.
+/// True for the references that the client requested and may see.
 bool matches(ViewContext& context, const BrowseFilter& filter, const Reference& reference)
 {
     if (filter.direction != BrowseDirection::Both &&
@@ -55,7 +55,7 @@ bool matches(ViewContext& context, const BrowseFilter& filter, const Reference& 
                                                  is_in_view(context, filter.view.index, reference));
 }
 
-/// Only what the ResultMask asks for; the rest stays null (Part 4, 5.9.2.2).
+/// Describes only what the ResultMask requests; the rest stays null (Part 4, 5.9.2.2).
 void describe(const ViewContext& context, const Reference& reference, std::uint32_t mask,
               ReferenceDescription& to)
 {
@@ -91,7 +91,7 @@ std::size_t text_size(const NodeId& id)
     return id.is_numeric() ? 0 : binary::encoded_size(id);
 }
 
-/// Bytes that the description holds besides the object itself.
+/// Returns the bytes of the description in addition to the object itself.
 std::size_t text_size(const ReferenceDescription& described)
 {
     return described.browse_name.name.size() + described.display_name.locale.size() +
@@ -99,16 +99,16 @@ std::size_t text_size(const ReferenceDescription& described)
            text_size(described.reference_type_id) + text_size(described.type_definition.node_id);
 }
 
-/// The references of a node, followed by the instances of one that is a type.
+/// The references of a node, followed by the instances of a type.
 struct Walk {
     ReferenceCursor cursor;
     NodeIndex type;
-    /// As BrowseState::instances.
+    /// As in BrowseState::instances.
     NodeIndex instances;
 };
 
-/// The next reference that matches; `walk` stands behind it. None at the end, or when the context
-/// may not go on.
+/// Returns the next reference that matches and moves `walk` past it. None at the end, or when the
+/// context must pause.
 std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& filter, Walk& walk)
 {
     while (const auto reference = walk.cursor.next()) {
@@ -132,14 +132,14 @@ std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& fi
     return std::nullopt;
 }
 
-/// How many references match, up to `most`, so that the answer is allocated once. If there are
-/// none, `walk` stands behind what was looked at.
+/// Returns how many references match, up to `most`, so that the answer is allocated once. If none
+/// match, `walk` is past the ones it visited.
 std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk,
                           std::size_t most)
 {
     Walk ahead = walk;
     std::size_t count = 0;
-    // The other half is for looking at the same again.
+    // The other half is for visiting them again.
     const std::size_t pause_at = std::exchange(
         context.pause_at, context.visits_left - (context.visits_left - context.pause_at) / 2);
     while (count < most && context.visit(1) && next_match(context, filter, ahead)) {
@@ -152,7 +152,7 @@ std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, Walk
     return count;
 }
 
-/// Where to begin to look for instances: nowhere if the client did not ask for them.
+/// Returns where to begin the search for instances: no_node if the client did not request them.
 NodeIndex first_instance(const model::AddressSpace& space, NodeIndex node,
                          const BrowseFilter& filter)
 {
@@ -167,7 +167,7 @@ NodeIndex first_instance(const model::AddressSpace& space, NodeIndex node,
     return is_asked_for ? NodeIndex{0} : model::no_node;
 }
 
-/// Gives the client a continuation point for what is to come.
+/// Gives the client a continuation point for the rest.
 void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& result)
 {
     ViewPart& part = ViewPart::of(context.session);
@@ -179,8 +179,8 @@ void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& r
     result.continuation_point = std::move(*point);
 }
 
-/// Makes room for `size` of at most `most` references: exactly in the first turn, later for twice
-/// as many, as each turn adds only a few to what may be very many.
+/// Reserves room for `size` of at most `most` references: exactly in the first turn, later for
+/// twice as many, as each turn adds only a few to what may be very many.
 void make_room(Array<ReferenceDescription>& references, std::size_t size, std::size_t most)
 {
     if (size > references.capacity()) {
@@ -188,14 +188,14 @@ void make_room(Array<ReferenceDescription>& references, std::size_t size, std::s
     }
 }
 
-/// Adds what matches to `result` until it has `most`, or until the turn is over.
+/// Adds matches to `result` until it has `most`, or until the turn ends.
 void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, std::size_t most,
                   BrowseResult& result)
 {
     const std::size_t has = result.references.size();
     const auto room = static_cast<std::ptrdiff_t>(result.references.capacity());
     std::size_t count = std::min(most - has, context.turn.left() / Turn::units_of_reference + 1);
-    // Instances are too much work to look for them twice.
+    // Searching instances twice would take too long.
     if (walk.instances == model::no_node) {
         count = count_matches(context, filter, walk, count);
         make_room(result.references, has + count, most);
@@ -236,7 +236,7 @@ Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescrip
     return filter;
 }
 
-/// The node if there is one in the View, or in the address space if that is no_node.
+/// Returns the node if the View has it, or the address space if that is no_node.
 Result<NodeIndex> find_in_view(ViewContext& context, const NodeId& id, NodeIndex view)
 {
     auto node = context.find(id);
@@ -301,7 +301,7 @@ bool continue_browse(ViewContext& context, BrowseState& state, BrowseResult& res
     if (!is_more && context.may_go_on()) {
         return true;
     }
-    if (!is_more) { // nothing fits of what was looked at
+    if (!is_more) { // none of the visited ones matched
         state.position = walk.cursor.position();
         state.instances = walk.instances;
     }

@@ -17,20 +17,20 @@
 
 namespace busbar::server::detail {
 
-/// What the View services need of the server; as long as that lives.
+/// The needs of the View services; valid as long as the server.
 struct ViewNeeds {
     const model::AddressSpace& space;
     const ServerLimits& limits;
     crypto::Random& random;
     /// May be null.
     const AccessControl* access;
-    /// Null if all nodes are there; known once all modules are.
+    /// Null if all nodes exist already; known once all modules are.
     LateNodes* const& late_nodes;
 };
 
-/// What they need of the server and the session for one request.
+/// The needs of the View services for one request.
 struct ViewContext {
-    /// References that one request is told of.
+    /// Maximum number of references in the response of one request.
     static constexpr std::size_t max_references = 200'000;
 
     const model::AddressSpace& space;
@@ -39,23 +39,23 @@ struct ViewContext {
     crypto::Random& random;
     Session& session;
     LateNodes* late_nodes{nullptr};
-    /// Work and memory of one request.
+    /// Limits of work and memory of one request.
     std::size_t visits_left{10'000'000};
     std::size_t references_left{max_references};
-    /// For so many references results have room, more or fewer than before the turn.
+    /// Number of references that results have room for, relative to the begin of the turn.
     std::ptrdiff_t room{0};
-    /// Bytes of names and NodeIds in what was described.
+    /// Bytes of names and NodeIds in descriptions.
     std::size_t text_bytes{0};
-    /// What may be done of it before others have their turn.
+    /// The work that may be done before others have their turn.
     Turn turn{};
-    /// With so many visits left, or none, what looks at references has to stop for now.
+    /// When this many visits are left, or none, visiting references must pause.
     std::size_t pause_at{0};
 
     [[nodiscard]] bool may_see(model::NodeIndex node) const
     {
         return rights.may_see(node) && rights.check_browse_channel(node).is_good();
     }
-    /// The node, if there is one that the user may see; else why there is none for him.
+    /// Returns the node, if it exists and the user may see it; else the reason for this user.
     [[nodiscard]] Result<model::NodeIndex> find(const NodeId& id) const
     {
         model::NodeIndex node =
@@ -71,10 +71,10 @@ struct ViewContext {
         }
         return node;
     }
-    /// To be called before the references of a node are looked at.
+    /// Call it before the references of a node are visited.
     void add_late_nodes(model::NodeIndex node);
-    /// False if it has to stop after this one, for now or because the request has looked at too
-    /// much.
+    /// Returns false if it must pause after this one, for now or because the request has visited
+    /// too many.
     [[nodiscard]] bool visit(std::size_t count)
     {
         visits_left -= count < visits_left ? count : visits_left;
@@ -83,15 +83,15 @@ struct ViewContext {
     [[nodiscard]] bool may_go_on() const { return visits_left > pause_at; }
 };
 
-/// Good, or why the whole request is refused (Part 4, 5.9.4.3).
+/// Returns Good, or why the whole request is refused (Part 4, 5.9.4.3).
 [[nodiscard]] StatusCode check_translate(const ViewContext& context,
                                          const TranslateBrowsePathsToNodeIdsRequest& request);
 
-/// One path of a TranslateBrowsePathsToNodeIds (Part 4, 5.9.4) on its way.
+/// One path of a TranslateBrowsePathsToNodeIds (Part 4, 5.9.4) in progress.
 class PathWalk {
 public:
-    /// What it has found or why it ended; nothing if the context's turn is over before that, and it
-    /// is to be called again with the same path.
+    /// Returns the result or the reason why it ended; nothing if the context's turn ends before
+    /// that, and it must be called again with the same path.
     [[nodiscard]] std::optional<BrowsePathResult> go_on(ViewContext& context,
                                                         const BrowsePath& path);
     /// Bytes that it takes at the moment.
@@ -101,28 +101,28 @@ public:
     }
 
 private:
-    /// Good at the end of the path, Good_CallAgain if the turn is over.
+    /// Returns Good at the end of the path, Good_CallAgain if the turn ended.
     [[nodiscard]] StatusCode follow(ViewContext& context, const BrowsePath& path);
     [[nodiscard]] StatusCode begin(const ViewContext& context, const BrowsePath& path);
 
     bool has_begun_{false};
     std::size_t element_{0};
-    /// Nodes that the element is still to be followed from, the next one last.
+    /// Nodes that the element must still be followed from, the next one last.
     std::vector<model::NodeHandle> from_;
-    /// Where it has led to.
+    /// Nodes that it has led to.
     std::vector<model::NodeHandle> to_;
 };
 
-/// A RegisterNodes (Part 4, 5.9.5) that goes on where its turn ended.
+/// A RegisterNodes (Part 4, 5.9.5) that continues where its turn ended.
 class RegisterWork {
 public:
-    /// What is wrong with all of the request, if something is. To be called first, once.
+    /// Returns an error of the whole request, if there is one. Call it first, once.
     [[nodiscard]] static StatusCode begin(ViewContext& context, const RegisterNodesRequest& request,
                                           RegisterNodesResponse& response);
-    /// True once the response is complete; false if the turn is over before.
+    /// Returns true once the response is complete; false if the turn ends before.
     [[nodiscard]] static bool go_on(ViewContext& context, const RegisterNodesRequest& request,
                                     RegisterNodesResponse& response);
-    /// Gives back the aliases that the response has so far.
+    /// Unregisters the aliases that the response has so far.
     static void undo(Session& session, const RegisterNodesResponse& response);
 };
 

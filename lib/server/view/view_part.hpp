@@ -13,7 +13,7 @@
 
 namespace busbar::server::detail {
 
-/// Which references of a node are browsed and what of them is told (Part 4, 5.9.2).
+/// Selects the references of a node that are browsed and the described fields (Part 4, 5.9.2).
 struct BrowseFilter {
     /// no_node: references of every type.
     model::NodeIndex reference_type{model::no_node};
@@ -22,23 +22,23 @@ struct BrowseFilter {
     /// 0: every NodeClass.
     std::uint32_t node_class_mask{0};
     std::uint32_t result_mask{0};
-    /// The View whose nodes alone are told of; no_node: all of the address space.
+    /// The View that limits the results; no_node: the whole address space.
     model::NodeHandle view{};
 };
 
-/// Where a Browse goes on.
+/// The place where a Browse continues.
 struct BrowseState {
     model::NodeHandle node;
     BrowseFilter filter;
     std::uint32_t max_references{0};
     std::size_t position{0};
-    /// Where to look on for instances of the node, a type; no_node: nowhere.
+    /// Where to continue the search for instances of the node, a type; no_node: nowhere.
     model::NodeIndex instances{model::no_node};
 };
 
-/// The continuation points of one session. Their ids are random: nobody can guess one, and one of
-/// another session leads nowhere. A point lives until it is used, released or needed for another,
-/// or the session ends (Part 4, 7.9), whatever happens to other nodes than its own.
+/// The continuation points of one session. Their ids are random, so that they cannot be guessed,
+/// and one of another session is invalid. A point lives until it is used, released or needed for
+/// another, or the session ends (Part 4, 7.9), whatever happens to other nodes than its own.
 class ViewPart final : public SessionPart {
     static constexpr std::size_t id_size = 16;
 
@@ -54,21 +54,22 @@ public:
     };
     using Points = std::list<Point>;
 
-    /// That of the session, made when it is not there yet.
+    /// Returns the session's, created on first use.
     [[nodiscard]] static ViewPart& of(Session& session);
 
-    /// What the services call first: points of earlier requests may from now on be freed for new
+    /// Called first by the services: points of earlier requests may from now on be freed for new
     /// ones (Part 4, 7.9).
     void begin_request() { ++request_; }
-    /// The id of a new point. Bad_NoContinuationPoints if the session has no more: all `most`
-    /// are of this request, or it is out of memory.
+    /// Returns the id of a new point. Bad_NoContinuationPoints if the session has no more: all
+    /// `most` belong to this request, or it is out of memory.
     [[nodiscard]] Result<ByteString> add(Session& session, crypto::Random& random,
                                          const model::AddressSpace& space, const BrowseState& state,
                                          std::size_t most);
-    /// Gives up the point of that id; Bad_ContinuationPointInvalid if there is none, or its
-    /// position leads elsewhere by now. Its node may be gone. What is left of it goes to `used`.
+    /// Removes the point with this id; Bad_ContinuationPointInvalid if there is none, or its
+    /// position has become invalid. Its node may be removed. The rest of it goes to `used`.
     [[nodiscard]] Result<BrowseState> take(Session& session, const ByteString& id, Points& used);
-    /// The request has failed: what it has used is as before, and what it has made is not there.
+    /// Called when the request has failed: restores the points that it used, and removes those that
+    /// it created.
     void take_back(Session& session, Points& used);
     [[nodiscard]] std::size_t size() const { return points_.size(); }
 
@@ -76,7 +77,7 @@ private:
     static constexpr std::size_t point_memory =
         sizeof(Point) + 2 * sizeof(void*) + model::node_watch_memory;
 
-    /// Oldest first.
+    /// The oldest first.
     Points points_;
     std::uint64_t request_{0};
 };

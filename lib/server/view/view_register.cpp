@@ -27,11 +27,11 @@ StatusCode check(const ViewContext& context, const Array<NodeId>& ids)
     return status::Good;
 }
 
-/// Whether an alias makes it quicker to find: a Variable that is looked up by its hash and has its
-/// value behind its node.
+/// Returns whether an alias makes it faster to find: a Variable that is looked up by its hash and
+/// has its value with its node.
 bool deserves_alias(const ViewContext& context, model::NodeIndex node)
 {
-    // What has so many namespaces needs the indices of aliases by itself.
+    // A space with so many namespaces needs the indices of aliases itself.
     return context.space.namespace_count() <= RegisteredNodes::first_namespace &&
            node != model::no_node && !context.space.is_constant(node) &&
            context.space.node_class(node) == NodeClass::Variable &&
@@ -39,7 +39,7 @@ bool deserves_alias(const ViewContext& context, model::NodeIndex node)
            context.space.variable(node).source != live_values_source && context.may_see(node);
 }
 
-/// Has a free place for one alias more if the session can pay for it, else is null.
+/// Returns an object with a free place for one more alias if the session can pay for it, else null.
 RegisteredNodes* place_for_one(ViewContext& context)
 {
     auto& registered = context.session.registered;
@@ -76,8 +76,8 @@ StatusCode RegisterWork::begin(ViewContext& context, const RegisterNodesRequest&
     return status;
 }
 
-// A node that has no use for an alias keeps its NodeId, and so does one that there is none for or
-// that the user must not see: the answer does not tell them apart (Part 4, 5.9.5.1).
+// A node that does not need an alias keeps its NodeId, and so does one without a free alias or that
+// the user must not see: the answer does not tell them apart (Part 4, 5.9.5.1).
 bool RegisterWork::go_on(ViewContext& context, const RegisterNodesRequest& request,
                          RegisterNodesResponse& response)
 {

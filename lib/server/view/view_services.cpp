@@ -23,7 +23,7 @@ ViewContext view_context(const ViewNeeds& needs, const ServiceContext& context)
             *context.session, needs.late_nodes};
 }
 
-/// A request that browses as long as its turns allow.
+/// A request that browses in turns.
 template <typename Request, typename Response, typename Work>
 class BrowseOperation final : public OperationOf<Request> {
 public:
@@ -76,7 +76,7 @@ private:
     Response response_;
     std::size_t visits_left_{0};
     std::size_t references_left_{0};
-    /// For so many references there is room, and was paid.
+    /// Number of references that there is room for, which was paid.
     std::ptrdiff_t room_{0};
     std::ptrdiff_t paid_room_{0};
 };
@@ -130,14 +130,14 @@ private:
     static constexpr std::size_t units_of_path = 100;
 
     const ViewNeeds& needs_;
-    /// While its turn lasts.
+    /// Valid during its turn.
     std::optional<ViewContext> view_;
     std::size_t visits_left_{0};
     std::size_t references_left_{0};
-    /// The path that the last turn ended in.
+    /// The path in which the last turn ended.
     PathWalk walk_;
     std::size_t paid_for_walk_{0};
-    /// Bytes of what was found in the last turn.
+    /// Bytes of the results of the last turn.
     std::size_t owed_{0};
 };
 

@@ -8,7 +8,7 @@
 /// The View service set (Part 4, 5.9). All need an activated session.
 namespace busbar::server::detail {
 
-/// Operations, as they may take several turns.
+/// These are operations, as they may take several turns.
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_browse_next(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& needs);

@@ -13,7 +13,7 @@ namespace {
 
 using model::NodeIndex;
 
-/// Nodes at one level of a path, which may go away between two turns.
+/// Nodes at one level of a path, which may be removed between two turns.
 using Level = std::vector<model::NodeHandle>;
 
 StatusCode check_path(const ViewContext& context, const RelativePath& path)
@@ -50,9 +50,8 @@ public:
                                context_.space.node_class(type_) == NodeClass::ReferenceType);
         return is_valid ? status::Good : status::Bad_ReferenceTypeIdInvalid;
     }
-    /// Good when there is nothing left in `from`, Good_CallAgain if the turn is over before. Else
-    /// Bad_TooManyMatches past `most` targets, Bad_QueryTooComplex past the work that one request
-    /// may cause.
+    /// Good when `from` is empty, Good_CallAgain if the turn ends before. Else Bad_TooManyMatches
+    /// past `most` targets, Bad_QueryTooComplex past the work that one request may cause.
     [[nodiscard]] StatusCode take(Level& from, Level& to, std::size_t most)
     {
         while (!from.empty()) {
@@ -214,7 +213,7 @@ std::optional<BrowsePathResult> PathWalk::go_on(ViewContext& context, const Brow
     result.targets.reserve(from_.size());
     for (auto target = from_.rbegin(); target != from_.rend(); ++target) {
         BrowsePathTarget& to = result.targets.emplace_back();
-        // A copy: the node may go away before the response has all of its paths.
+        // A copy: the node may be removed before the response has all of its paths.
         const NodeId id = context.space.node_id(target->index);
         to.target_id.node_id = id;
         context.text_bytes += id.is_numeric() ? 0 : binary::encoded_size(id);
