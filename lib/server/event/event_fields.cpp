@@ -19,7 +19,7 @@ bool is_instance(NodeClass node_class)
     return node_class == NodeClass::Object || node_class == NodeClass::Variable;
 }
 
-/// Every event has these, also with a namespace 0 that left them out.
+/// Returns a field that every event has, even if namespace 0 lacks it.
 FieldDeclaration base_declaration(BaseField field)
 {
     FieldDeclaration declaration;
@@ -73,7 +73,7 @@ void EventFields::find_guards(NodeIndex type, FieldPath path, std::vector<FieldG
 std::uint64_t EventFields::version()
 {
     refresh();
-    return rounds_ + space_->journal().access_changes(); // neither ever becomes less
+    return rounds_ + space_->journal().access_changes(); // neither ever decreases
 }
 
 void EventFields::refresh()
@@ -153,7 +153,7 @@ void EventFields::add(NodeIndex node, FieldDeclaration& field) const
     }
     const model::VariableAttributes variable = space_->variable(node);
     const BuiltInType type = space_->built_in_type_of(variable.data_type);
-    // A DataType that is left out of a small namespace 0 may be anything.
+    // A DataType that is missing in a small namespace 0 may be anything.
     const bool is_text = type == BuiltInType::String || type == BuiltInType::ByteString ||
                          type == BuiltInType::Variant || type == BuiltInType::Null;
     constexpr std::int32_t scalar = -1;

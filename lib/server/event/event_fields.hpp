@@ -13,23 +13,23 @@
 
 namespace busbar::server::detail {
 
-/// What the event types say of a field, all declarations together.
+/// The properties of a field by all its declarations in event types together.
 struct FieldDeclaration {
     bool is_object{false};
-    /// An IndexRange may make sense: it may be an array, a String or a ByteString.
+    /// An IndexRange may be valid: the field may be an array, a String or a ByteString.
     bool is_divisible{false};
     /// A StatusCode is a value of the field, not the reason why there is none.
     bool is_status{false};
 };
 
-/// A declaration of a field that has RolePermissions: of events of `owner` and its subtypes, the
-/// field is for users who may read the node.
+/// A declaration of a field with RolePermissions: in events of `owner` and its subtypes, only users
+/// who may read the node get the field.
 struct FieldGuard {
     model::NodeIndex owner;
     model::NodeHandle node;
 };
 
-/// Finds fields by the InstanceDeclarations of the event types (Part 4, 7.22.3), which it notes
+/// Finds fields by the InstanceDeclarations of the event types (Part 4, 7.22.3), which it collects
 /// once and again after references of one of these types have changed, so that a filter of many
 /// unknown fields costs no more than one of few known ones.
 class EventFields {
@@ -39,14 +39,14 @@ public:
     EventFields& operator=(const EventFields&) = delete;
 
     [[nodiscard]] const model::AddressSpace& space() const { return *space_; }
-    /// The field that an event of `type` or of a subtype may have; of any type for BaseEventType.
-    /// Nothing if none ever has it. `path` is not empty.
+    /// Returns the field that an event of `type` or of a subtype may have; of any type for
+    /// BaseEventType. Nothing if none ever has it. `path` is not empty.
     [[nodiscard]] std::optional<FieldDeclaration> find(model::NodeIndex type, FieldPath path);
-    /// The declarations of that field that have RolePermissions; mostly none.
+    /// Finds the declarations of this field with RolePermissions; usually none.
     void find_guards(model::NodeIndex type, FieldPath path, std::vector<FieldGuard>& guards);
     /// Changes whenever find_guards may find others.
     [[nodiscard]] std::uint64_t version();
-    /// How often the declarations of all types were noted.
+    /// Number of times that the declarations of all types were collected.
     [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
 private:
@@ -68,7 +68,7 @@ private:
                          FunctionRef<void(model::NodeIndex owner, model::NodeIndex node)> visit);
     void note(model::NodeIndex type);
     [[nodiscard]] bool is_of(model::NodeIndex type, const Declaration& declaration) const;
-    /// The member of an object, a variable or a type that it has itself or inherits.
+    /// Returns the member that an object, a variable or a type has itself or inherits.
     [[nodiscard]] model::NodeIndex find_member(model::NodeIndex node,
                                                const QualifiedName& name) const;
     [[nodiscard]] model::NodeIndex find_own_member(model::NodeIndex node,

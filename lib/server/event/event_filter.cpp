@@ -14,7 +14,7 @@ bool is_too_long(const EventFilter& filter, const EventFilterLimits& limits)
            filter.where_clause.elements.size() > limits.max_elements;
 }
 
-/// Names and literals as they came, and as much again as clauses and operands take beside them.
+/// Size of names and literals, and the same again for clauses and operands.
 std::size_t memory_of(const EventFilter& filter)
 {
     std::size_t operands = filter.select_clauses.size();

@@ -7,19 +7,19 @@
 
 namespace busbar::server {
 
-/// Bounded queue of many writers and one reader: `turn` says whose turn a slot is. It is n for the
-/// writer of the n-th event and n + 1 for its reader, who then leaves it to event n + size.
+/// A bounded queue of many writers and one reader: `turn` says whose turn a slot is. It is n for
+/// the writer of the n-th event and n + 1 for its reader, which then passes it to event n + size.
 struct EventQueue::Slot {
     std::atomic<std::size_t> turn{0};
     Event event;
-    /// Instead of it: one that was made beforehand, and when it occurred.
+    /// Instead of the event: one that was created beforehand, and the time when it occurred.
     std::shared_ptr<const Event> made;
     DateTime time;
 };
 
 namespace {
 
-/// Counts who is inside of raise(), whatever it ends by.
+/// Counts the callers inside raise(), however they leave it.
 class Raiser {
 public:
     explicit Raiser(std::atomic<std::uint32_t>& count) : count_{count} { ++count_; }
@@ -75,7 +75,7 @@ bool EventQueue::raise_by(Put put)
         }
         // Clients are told of a lost event too.
         if (!is_awake_.exchange(true) && waker_ != nullptr) {
-            // The caller cannot help it.
+            // The caller cannot do anything about a failure.
             busbar::detail::attempt([this] { waker_->wake(); });
         }
     }
@@ -96,7 +96,7 @@ bool EventQueue::push(Put& put)
                 return true;
             }
         } else if (ahead < 0) {
-            return false; // still holds the event of the round before
+            return false; // still holds the event of the previous round
         } else {
             place = in_.load();
         }
@@ -114,7 +114,7 @@ bool EventQueue::next(Event& event)
     event = std::exchange(slot.event, {});
     slot.turn.store(out_ + mask_ + 1);
     ++out_;
-    if (made != nullptr) { // to copy it needs memory: its place is free whatever comes of that
+    if (made != nullptr) { // copying needs memory: the place becomes free even if that fails
         event = *made;
         event.time = time;
     }

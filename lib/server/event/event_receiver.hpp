@@ -9,7 +9,7 @@
 
 namespace busbar::server::detail {
 
-/// Who gets the events that reach a notifier. Stays where it is while it takes part.
+/// Receives the events that reach a notifier. Keeps its address while it is registered.
 class EventReceiver {
 public:
     explicit EventReceiver(model::NodeHandle notifier) : notifier_{notifier} {}
@@ -29,7 +29,7 @@ private:
     static constexpr std::size_t nowhere = SIZE_MAX;
 
     model::NodeHandle notifier_;
-    /// Among the receivers of its notifier.
+    /// Index among the receivers of its notifier.
     std::size_t place_{nowhere};
 };
 

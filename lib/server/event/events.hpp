@@ -15,8 +15,8 @@
 
 namespace busbar::server::detail {
 
-/// The events of a server: takes what was raised and hands it to the receivers of all notifiers
-/// that it reaches. Lives on the server's thread; only the queue is for others.
+/// The events of a server: takes raised events and passes them to the receivers of all notifiers
+/// that they reach. Lives on the server's thread; other threads use only the queue.
 class Events {
 public:
     Events(const ServerEnvironment& environment, const model::AddressSpace& space,
@@ -29,19 +29,19 @@ public:
     [[nodiscard]] EventFields& fields() { return fields_; }
     [[nodiscard]] const EventLimits& limits() const { return limits_; }
 
-    /// Takes part in what its notifier gets, until it is removed.
+    /// Registers a receiver for the events of its notifier, until it is removed.
     void add(EventReceiver& receiver);
     void remove(EventReceiver& receiver);
 
-    /// Hands on what application threads have raised.
+    /// Delivers the events that application threads have raised.
     void handle_raised();
-    /// Hands on an event of the server's own. Bad_TypeDefinitionInvalid, and nothing is done, if
-    /// the address space has no such event type.
+    /// Delivers an event of the server itself. Bad_TypeDefinitionInvalid, with no effect, if the
+    /// address space has no such event type.
     Result<void> raise(Event event);
-    /// The EventQueueOverflowEventType for a receiver that lost events (Part 5, 6.4.34).
+    /// Returns the EventQueueOverflowEventType for a receiver that lost events (Part 5, 6.4.34).
     [[nodiscard]] std::unique_ptr<const RaisedEvent> overflow_event();
 
-    /// Events that were raised and handed on.
+    /// Number of events that were raised and delivered.
     [[nodiscard]] std::uint64_t raised() const { return raised_; }
 
 private:
@@ -57,10 +57,10 @@ private:
     std::shared_ptr<EventQueue> queue_;
     EventFields fields_;
     Notifiers notifiers_;
-    /// By the index of the notifier, which another node may have by now: receivers know whose it
-    /// was.
+    /// By the index of the notifier, which may belong to another node by now: receivers know their
+    /// own.
     std::unordered_map<model::NodeIndex, std::vector<EventReceiver*>> receivers_;
-    /// First half of all EventIds; the other counts them.
+    /// First half of all EventIds; the other half counts them.
     std::uint64_t id_prefix_{0};
     std::uint64_t raised_{0};
     std::uint64_t event_ids_{0};

@@ -35,7 +35,7 @@ Result<FieldOperand> FieldOperand::create(const SimpleAttributeOperand& operand,
         return fail(status::Bad_NodeIdUnknown);
     }
     FieldOperand result;
-    // BaseEventType stands for every type (Part 4, 7.22.3).
+    // BaseEventType means every type (Part 4, 7.22.3).
     result.is_any_type_ = operand.type_definition_id.is(id::BaseEventType);
     result.type_ = *type;
     FieldDeclaration declaration;
@@ -98,12 +98,12 @@ const Variant* FieldOperand::find(const RaisedEvent& event) const
 void FieldOperand::take_guards(EventFields& fields)
 {
     guards_.clear();
-    if (!path_.empty()) { // the NodeId of the event's own node is no declaration's
+    if (!path_.empty()) { // the NodeId of the event's own node has no declaration
         fields.find_guards(type_, path_, guards_);
     }
 }
 
-/// By each declaration that the event's type has or inherits.
+/// Checks each declaration that the event's type has or inherits.
 bool FieldOperand::is_denied(const RaisedEvent& event, const EventReader& reader) const
 {
     return reader.rights != nullptr &&

@@ -7,7 +7,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// A value as one of a type; a copy only if it is none.
+/// A value converted to a type; copied only if it has another one.
 class Converted {
 public:
     Converted(const Variant& value, BuiltInType type)
@@ -68,7 +68,7 @@ concept Nullable = requires(const T& value)
     is_null(value);
 };
 
-/// Of one type and, but for arrays, one shape.
+/// True for values of one type and, except for arrays, one shape.
 bool are_same(const Variant& a, const Variant& b)
 {
     if (a.is_scalar() && b.is_scalar()) {
@@ -77,7 +77,7 @@ bool are_same(const Variant& a, const Variant& b)
             if constexpr (std::is_floating_point_v<T>) {
                 return *a.get_if<T>() == *b.get_if<T>();
             } else if constexpr (std::is_same_v<T, String> || std::is_same_v<T, ByteString>) {
-                // A null one equals an empty one (Part 4, 7.7.3).
+                // Null equals empty (Part 4, 7.7.3).
                 return (a.get_if<T>()->empty() && b.get_if<T>()->empty()) || a == b;
             } else {
                 return a == b;

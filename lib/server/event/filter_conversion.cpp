@@ -82,7 +82,7 @@ Variant element(const Variant& array, std::size_t index)
     });
 }
 
-/// An element that cannot be converted makes the array one that cannot (Part 4, 7.7.3).
+/// An element that cannot be converted makes the whole array inconvertible (Part 4, 7.7.3).
 template <typename T>
 Variant convert_array(const Variant& array)
 {

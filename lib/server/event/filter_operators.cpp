@@ -19,7 +19,7 @@ Variant result(Truth truth)
     return truth ? Variant{*truth} : Variant{};
 }
 
-/// What cannot become a Boolean is NULL.
+/// An operand that cannot become a Boolean is NULL.
 Truth truth_of(const Variant& operand)
 {
     Variant storage;
@@ -99,7 +99,7 @@ Variant between(FilterContext&, FilterOperands operands)
                               : Variant{is_between(*operands[0], *operands[1], *operands[2])};
 }
 
-/// As if joined by Or: NULL if nothing is equal but something might be.
+/// Works like a chain of Or: NULL if nothing is equal but something might be.
 Variant in_list(FilterContext&, FilterOperands operands)
 {
     bool is_unknown = false;
@@ -135,7 +135,7 @@ Variant logical_or(FilterContext&, FilterOperands operands)
     return a && b ? Variant{false} : Variant{};
 }
 
-/// The node of this server that the operand names; no_node if it names none.
+/// Returns the node of this server that the operand names; no_node if there is none.
 model::NodeIndex node_of(const FilterContext& context, const Variant& operand)
 {
     if (const auto* const id = operand.get_if<NodeId>()) {
@@ -145,7 +145,7 @@ model::NodeIndex node_of(const FilterContext& context, const Variant& operand)
     return id != nullptr && id->is_local() ? context.space.find(id->node_id) : model::no_node;
 }
 
-/// Any error in the conversion or in the parameters makes it NULL.
+/// Any error in the conversion or in the parameters yields NULL.
 Variant cast(FilterContext& context, FilterOperands operands)
 {
     const model::NodeIndex type = node_of(context, *operands[1]);
@@ -157,13 +157,13 @@ Variant cast(FilterContext& context, FilterOperands operands)
     return convert_explicitly(as_scalar(*operands[0], storage), built_in);
 }
 
-/// The event is of the type or of a subtype; false if the operand is no type.
+/// True if the event is of the type or of a subtype; false if the operand is not a type.
 Variant of_type(FilterContext& context, FilterOperands operands)
 {
     return context.space.is_subtype_of(context.event_type, node_of(context, *operands[0]));
 }
 
-/// An integer with the size it has; what is none has no size.
+/// An integer with its size; other values have size 0.
 struct Integer {
     std::uint64_t bits{0};
     unsigned size{0};
@@ -200,7 +200,7 @@ Variant sized(std::uint64_t bits, bool is_signed)
     return is_signed ? Variant{static_cast<Signed>(bits)} : Variant{static_cast<Unsigned>(bits)};
 }
 
-/// Of the size of the larger operand; signed only if both of that size are.
+/// The result has the size of the larger operand; signed only if both of this size are.
 template <typename ServiceOperation>
 Variant bitwise(FilterOperands operands, ServiceOperation operation)
 {
@@ -233,7 +233,7 @@ Variant bitwise_or(FilterContext&, FilterOperands operands)
     return bitwise(operands, [](std::uint64_t a, std::uint64_t b) { return a | b; });
 }
 
-/// In the order of their numbers. InView and RelatedTo look at target Nodes and their relations,
+/// In the order of their numbers. InView and RelatedTo concern target Nodes and their relations,
 /// which events, unlike the results of a Query, do not have.
 constexpr std::array operator_rules{
     FilterOperatorRule{FilterOperator::Equals, 2, 2, equals},

@@ -8,19 +8,19 @@
 
 namespace busbar::server::detail {
 
-/// What operators may ask for beside their operands.
+/// The context of operators in addition to their operands.
 struct FilterContext {
     const model::AddressSpace& space;
     model::NodeIndex event_type{model::no_node};
-    /// The work that one evaluation may still be; an operator that needs more yields NULL.
+    /// The steps that one evaluation has left; an operator that needs more yields NULL.
     std::size_t steps_left{0};
 };
 
-/// The values of one element's operands; none is a null pointer.
+/// The values of one element's operands; no pointer is null.
 using FilterOperands = std::span<const Variant* const>;
 
-/// An operator of a ContentFilter (Part 4, 7.7.3). Its result is a Boolean, or what Cast and the
-/// bitwise operators compute; a null Variant is NULL, the third truth value.
+/// An operator of a ContentFilter (Part 4, 7.7.3). Its result is a Boolean, or the result of Cast
+/// and the bitwise operators; a null Variant is NULL, the third truth value.
 struct FilterOperatorRule {
     FilterOperator id;
     std::uint8_t min_operands;
@@ -29,7 +29,7 @@ struct FilterOperatorRule {
     Variant (*evaluate)(FilterContext& context, FilterOperands operands);
 };
 
-/// Null for a number that is no operator.
+/// Returns null for a number that is not an operator.
 [[nodiscard]] const FilterOperatorRule* find_operator(FilterOperator id);
 
 } // namespace busbar::server::detail

@@ -8,7 +8,7 @@ namespace busbar::server::detail {
 namespace {
 
 struct Character {
-    /// The code point; for a byte that is no UTF-8 a number above all of them.
+    /// The code point; for a byte that is not UTF-8 a number above all code points.
     std::uint32_t code{0};
     std::size_t size{1};
 };
@@ -21,7 +21,7 @@ std::size_t sequence_size(unsigned char first)
     return first >= 0xE0 ? 3 : (first >= 0xC0 ? 2 : 1);
 }
 
-/// The first character of a text that is not empty.
+/// Returns the first character of a text that is not empty.
 Character first_character(std::string_view text)
 {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -59,7 +59,7 @@ public:
         text_.remove_prefix(character.size);
         return character.code;
     }
-    /// The next character as it is, behind a backslash if there is one; nothing at the end.
+    /// Returns the next character unchanged, or the one after a backslash; nothing at the end.
     std::optional<std::uint32_t> take_literal()
     {
         skip('\\');
@@ -73,7 +73,7 @@ private:
     std::string_view text_;
 };
 
-/// Reads a list behind its '['. Nothing if it does not end.
+/// Reads a list after its '['. Nothing if it is unterminated.
 std::optional<bool> is_listed(Scanner& pattern, std::uint32_t character, std::size_t& steps_left)
 {
     bool is_found = false;
@@ -95,7 +95,8 @@ std::optional<bool> is_listed(Scanner& pattern, std::uint32_t character, std::si
     return is_found != is_inverse;
 }
 
-/// One character of the pattern other than '%' against one of the text; moves both on if they fit.
+/// Compares one character of the pattern other than '%' with one of the text; advances both if they
+/// fit.
 bool take_one(Scanner& text, Scanner& pattern, std::size_t& steps_left)
 {
     if (pattern.is_over()) {
@@ -123,8 +124,8 @@ std::optional<bool> is_like(std::string_view text, std::string_view pattern,
 {
     Scanner at{text};
     Scanner expected{pattern};
-    // Behind the last '%': what it stands for is made longer whenever the rest does not fit. The
-    // ones before need no second look, since this one can stand for what they left.
+    // The position after the last '%', whose match is made longer whenever the rest does not fit.
+    // Earlier ones need no second try, since this one can match what they left.
     std::optional<Scanner> retry_at;
     Scanner retry_expected{pattern};
     while (!at.is_over()) {

@@ -13,7 +13,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// A version that `present` was not; counts where that is a number.
+/// Returns a version that differs from `present`; increments it if that is a number.
 String next_version(const Variant& present)
 {
     const auto* const text = present.get_if<String>();
@@ -23,7 +23,7 @@ String next_version(const Variant& present)
     return String{std::to_string(version + 1)};
 }
 
-/// One with a data source is the application's own business.
+/// A property with a data source is the application's responsibility.
 void count_up(model::AddressSpace& space, model::NodeIndex property)
 {
     if (property != model::no_node && space.variable(property).source == model::no_source) {
@@ -46,7 +46,7 @@ void count_versions_up(model::AddressSpace& space, const model::ModelChanges& ta
     }
 }
 
-/// In the context of the whole address space (Part 5, 6.4.31 and 6.4.33).
+/// Returns an event about the whole address space (Part 5, 6.4.31 and 6.4.33).
 Event server_event(const char* message)
 {
     Event event;
@@ -55,8 +55,8 @@ Event server_event(const char* message)
     return event;
 }
 
-/// One that says what has changed or, after too many changes, only that something has
-/// (Part 3, 9.32.7).
+/// Returns an event with the changes or, after too many of them, only with the fact that something
+/// has changed (Part 3, 9.32.7).
 Event change_event(const model::ModelChanges& taken)
 {
     Event event = server_event("The address space has changed");
@@ -96,7 +96,7 @@ void ModelChangeEvents::announce()
     }
     const model::ModelChanges taken = space_.journal().take_changes();
     count_versions_up(space_, taken);
-    // A small namespace 0 may not have the event type; then nobody asks for it.
+    // A small namespace 0 may lack the event type; then no client can ask for it.
     static_cast<void>(events_.raise(change_event(taken)));
 }
 

@@ -11,8 +11,8 @@ namespace busbar::server::detail {
 
 class Events;
 
-/// Tells clients of nodes and references that were added and removed, by whomever (Part 3, 9.32),
-/// and keeps Server.Namespaces up to date.
+/// Notifies clients of nodes and references that were added and removed, by any code (Part 3,
+/// 9.32), and keeps Server.Namespaces up to date.
 class ModelChangeEvents {
 public:
     /// `own_namespace` is the index of the ApplicationUri in the NamespaceArray.
@@ -22,14 +22,14 @@ public:
     {
     }
 
-    /// Forgets what has happened while the server was made.
+    /// Forgets the changes of the server's creation.
     void begin();
     /// True if there is something to announce.
     [[nodiscard]] bool is_pending() const;
-    /// Gives the nodes that have changed a new NodeVersion and raises one event for all of them.
+    /// Gives the changed nodes a new NodeVersion and raises one event for all of them.
     void announce();
 
-    /// Raises the event for a node whose properties now mean something else (Part 3, 9.33).
+    /// Raises the event for a node whose properties now have another meaning (Part 3, 9.33).
     void announce_semantics(const NodeId& node);
 
 private:
@@ -39,7 +39,7 @@ private:
     Events& events_;
     LogSink& log_;
     std::uint16_t own_namespace_;
-    /// Namespaces that have been looked at.
+    /// Number of namespaces that have been processed.
     std::size_t namespaces_{0};
 };
 

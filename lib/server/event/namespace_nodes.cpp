@@ -36,7 +36,7 @@ struct Property {
     Variant (*value)(const NamespaceMetadata& from);
 };
 
-/// The mandatory ones but for NamespaceUri.
+/// The mandatory ones except NamespaceUri.
 constexpr std::array properties{
     Property{"NamespaceVersion", id::String, -1,
              [](const NamespaceMetadata& from) -> Variant { return String{from.version}; }},
@@ -52,7 +52,7 @@ constexpr std::array properties{
              }},
 };
 
-/// Its BrowseName is the URI (Part 5, 6.3.13), whatever namespace that is qualified with.
+/// Its BrowseName is the URI (Part 5, 6.3.13), qualified with any namespace.
 NodeIndex find_namespace(const model::AddressSpace& space, NodeIndex parent, std::string_view uri)
 {
     model::ReferenceCursor cursor = space.references(parent);
@@ -157,7 +157,7 @@ void set_version(model::AddressSpace& space, NodeIndex object, const NamespaceMe
 
 namespace {
 
-/// The property's node, added if it is not there yet.
+/// Returns the property's node, which is added if it is missing.
 NodeIndex find_or_add_property(model::AddressSpace& space, NodeIndex object,
                                const Property& property)
 {

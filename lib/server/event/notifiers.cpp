@@ -9,7 +9,7 @@ using model::NodeIndex;
 
 const std::vector<NodeIndex>& Notifiers::above(NodeIndex source)
 {
-    if (seen_.size() > 2 * max_notifiers_) { // most are of earlier rounds, or gone
+    if (seen_.size() > 2 * max_notifiers_) { // most are from earlier rounds, or removed
         seen_.clear();
     }
     ++round_;

@@ -10,8 +10,8 @@
 namespace busbar::server::detail {
 
 /// Finds the notifiers that an event reaches: those above its source along HasEventSource and
-/// HasNotifier (Part 3, 7.17 and 7.18). What lies directly above a node is remembered until that
-/// node's references change, so that a notifier with many sources is looked through once.
+/// HasNotifier (Part 3, 7.17 and 7.18). The nodes directly above a node are cached until that
+/// node's references change, so that a notifier with many sources is searched once.
 class Notifiers {
 public:
     Notifiers(const model::AddressSpace& space, std::size_t max_notifiers)
@@ -21,10 +21,11 @@ public:
     Notifiers(const Notifiers&) = delete;
     Notifiers& operator=(const Notifiers&) = delete;
 
-    /// The Server object, then `source` itself, which may be no_node, and what is above it; each
-    /// once, also where references go round. No more than so many. Valid until the next call.
+    /// Returns the Server object, followed by `source` itself, which may be no_node, and the nodes
+    /// above it; each once, also if references form a circle, up to the limit. Valid until the next
+    /// call.
     [[nodiscard]] const std::vector<model::NodeIndex>& above(model::NodeIndex source);
-    /// Of how many nodes it is known what lies directly above them.
+    /// Number of nodes for which the nodes directly above are cached.
     [[nodiscard]] std::size_t remembered() const { return directly_above_.size(); }
 
 private:
@@ -46,7 +47,7 @@ private:
     std::size_t max_notifiers_;
     std::unordered_map<model::NodeIndex, Above> directly_above_;
     std::vector<model::NodeIndex> found_;
-    /// The round in which a node was last found.
+    /// The last round in which a node was found.
     std::unordered_map<model::NodeIndex, std::uint64_t> seen_;
     std::uint64_t round_{0};
 };

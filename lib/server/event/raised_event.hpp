@@ -29,14 +29,14 @@ using FieldPath = std::span<const QualifiedName>;
 
 [[nodiscard]] std::optional<BaseField> find_base_field(FieldPath path);
 
-/// When the server got an event, and where it stands.
+/// The time when the server got an event, and its place in the order.
 struct Received {
     DateTime time;
     TimeZone zone{};
 };
 
-/// An Event as filters see it: with its type looked up and each field as a Variant that is there
-/// already. Belongs to the server's thread.
+/// An Event in the form for filters: with its type looked up and each field as a ready Variant.
+/// Belongs to the server's thread.
 class RaisedEvent {
 public:
     /// `type` is the node of `event.event_type`.
@@ -50,9 +50,9 @@ public:
     {
         return base_[static_cast<std::size_t>(field)];
     }
-    /// A field beyond the base; null if the event has no such.
+    /// Returns a field beyond the base; null if the event does not have it.
     [[nodiscard]] const Variant* find(FieldPath path) const;
-    /// The NodeId of the event's node; a null Variant if it has none.
+    /// Returns the NodeId of the event's node; a null Variant if it has none.
     [[nodiscard]] const Variant& instance() const { return instance_; }
 
 private:

@@ -20,7 +20,7 @@ namespace {
 template <typename T>
 inline constexpr bool is_number = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
-/// Numbers that do not fit are not converted; those with a fraction are rounded.
+/// Numbers that do not fit are not converted; fractions are rounded.
 template <typename To, typename From>
 Variant to_number(From value)
 {
@@ -52,7 +52,8 @@ String to_text(From value)
         std::string_view{buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data())}};
 }
 
-/// StatusCodes are numbers of 32 bits, of which UInt16 has the upper half (Part 4, 7.7.3).
+/// StatusCodes are numbers of 32 bits, whose upper half is converted to and from UInt16 (Part 4,
+/// 7.7.3).
 template <typename From>
 Variant to_status(From value)
 {
@@ -103,7 +104,7 @@ Variant convert_status(StatusCode value, BuiltInType to)
     }
 }
 
-/// "true", "false", "1" or "0" in either case.
+/// Reads "true", "false", "1" or "0" in either case.
 Variant parse_boolean(std::string_view text)
 {
     const auto is = [text](std::string_view word) {
@@ -159,7 +160,7 @@ Variant convert_text(const String& value, BuiltInType to)
     });
 }
 
-/// As Part 6, 5.2.2.6 has a Guid on the wire: its numbers little-endian.
+/// Returns a Guid in the encoding of Part 6, 5.2.2.6: its numbers little-endian.
 ByteString to_bytes(const Guid& guid)
 {
     std::array<std::byte, 16> bytes{};

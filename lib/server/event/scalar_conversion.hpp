@@ -4,8 +4,8 @@
 
 namespace busbar::server::detail {
 
-/// The scalar as one of the type, whether the rules allow that or not; null if it is none, be it
-/// that the number is too large or that the text is not that of such a value (Part 4, 7.7.3).
+/// Returns the scalar converted to the type, whether the rules allow that or not; null if that is
+/// impossible, because the number is too large or the text is not such a value (Part 4, 7.7.3).
 [[nodiscard]] Variant convert_scalar(const Variant& value, BuiltInType to);
 
 } // namespace busbar::server::detail

@@ -15,7 +15,7 @@ using model::NodeIndex;
 
 namespace {
 
-/// Machines are nested by the model, which may come from a file.
+/// The model, which may come from a file, determines the nesting of machines.
 constexpr std::size_t max_depth = 8;
 
 } // namespace
@@ -31,7 +31,7 @@ Result<std::unique_ptr<StateMachine>> StateMachine::attach(const StateMachineCon
     }
     auto machine = attach(context, node, 1);
     if (machine) {
-        // Only now, when nothing can fail any more, are the nodes changed.
+        // The nodes are changed only now, when nothing can fail any more.
         (*machine)->take_over();
     }
     return machine;
@@ -157,7 +157,7 @@ StateMachine* StateMachine::sub_machine(std::string_view name)
     return nullptr;
 }
 
-/// A sub-machine is active in certain states of the one above only (Part 16, 4.4.16).
+/// A sub-machine is active only in certain states of the machine above (Part 16, 4.4.16).
 bool StateMachine::may_be_active() const
 {
     if (parent_ == nullptr) {
@@ -267,7 +267,7 @@ void StateMachine::follow(const MachineTransition& transition, DateTime time)
     raise(transition, time);
 }
 
-/// Makes `state` the current one. Its sub-machines begin anew, those of other states end.
+/// Makes `state` the current one. Its sub-machines start again, those of other states end.
 void StateMachine::enter(std::size_t state)
 {
     current_ = state;

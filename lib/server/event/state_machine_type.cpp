@@ -46,8 +46,8 @@ void for_each_target(const AddressSpace& space, NodeIndex node, std::uint32_t ty
     }
 }
 
-/// The components of the type and its supertypes whose type is `kind`; of those with one BrowseName
-/// the most derived.
+/// Returns the components of the type and its supertypes whose type is `kind`; of those with equal
+/// BrowseNames the most derived.
 std::vector<NodeIndex> components(const AddressSpace& space, NodeIndex type, std::uint32_t kind)
 {
     std::vector<NodeIndex> found;

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-/// What clients see of a StateMachine: its Variables and events.
+/// The Variables and events of a StateMachine.
 namespace busbar::server {
 
 void StateMachine::set(const Slot& slot, Variant value, StatusCode status)
@@ -13,7 +13,7 @@ void StateMachine::set(const Slot& slot, Variant value, StatusCode status)
     }
 }
 
-/// The state with that of the sub-machines that are active in it (Part 16, 4.4.3).
+/// Returns the state with that of its active sub-machines (Part 16, 4.4.3).
 LocalizedText StateMachine::effective_name() const
 {
     LocalizedText name = states_[*current_].display_name;
@@ -35,7 +35,7 @@ void StateMachine::show_state()
     show_effective_names();
 }
 
-/// Those of the machines above change with this one's.
+/// Updates this machine and those above, which change with it.
 void StateMachine::show_effective_names()
 {
     for (StateMachine* at = this; at != nullptr && at->current_; at = at->parent_) {
@@ -92,8 +92,8 @@ void StateMachine::show_available()
     set(available_transitions_, std::move(transitions));
 }
 
-/// Raises the events of the effects that are about transitions (Part 16, 4.4.15 and 4.4.17); what
-/// an Alarm or an audit trail says besides is not this machine's to know.
+/// Raises the events of the effects that concern transitions (Part 16, 4.4.15 and 4.4.17);
+/// additional content of Alarms or audit events is unknown to this machine.
 void StateMachine::raise(const MachineTransition& transition, DateTime time)
 {
     if (context_.events == nullptr) {
@@ -131,7 +131,7 @@ void StateMachine::raise(const MachineTransition& transition, const NodeId& even
     add("Transition", transition.display_name, transition.id, transition.number);
     add("FromState", from.display_name, from.id, from.number);
     add("ToState", to.display_name, to.id, to.number);
-    // A full queue counts what it drops.
+    // A full queue counts the events it drops.
     static_cast<void>(context_.events->raise(std::move(event)));
 }
 

@@ -8,12 +8,12 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// What the evaluation for one event may cost: the characters that Like looks at.
+/// Maximum cost of evaluating one event: the characters that Like compares.
 constexpr std::size_t max_steps = 100'000;
 
 } // namespace
 
-/// Checks element by element and puts what is good into the clause.
+/// Checks element by element and adds valid ones to the clause.
 class WhereClause::Compiler {
 public:
     Compiler(WhereClause& clause, EventFields& fields, const EventFilterLimits& limits,

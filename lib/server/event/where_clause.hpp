@@ -11,29 +11,29 @@
 
 namespace busbar::server::detail {
 
-/// The whereClause of an EventFilter, a ContentFilter (Part 4, 7.7): checked and taken apart once,
-/// then evaluated for each event without allocating, but for values that have to be converted.
+/// The whereClause of an EventFilter, a ContentFilter (Part 4, 7.7): checked and parsed once, then
+/// evaluated for each event without allocating, except for values that must be converted.
 ///
-/// An element refers only to elements behind it (Part 4, 7.7.4.2). So one way through the list from
+/// An element refers only to later elements (Part 4, 7.7.4.2). So one pass through the list from
 /// its end evaluates each element once, however often others refer to it.
 class WhereClause {
 public:
-    /// Takes `filter` over; false if it is not valid, for which `result` then has the reasons:
-    /// of an element Bad_FilterOperatorInvalid, Bad_FilterOperatorUnsupported,
-    /// Bad_FilterOperandCountMismatch or Bad_FilterOperandInvalid; of an operand the latter,
-    /// Bad_FilterElementInvalid, Bad_FilterLiteralInvalid or what FieldOperand::create says.
+    /// Takes `filter` over; false if it is invalid, with the reasons in `result`: of an element
+    /// Bad_FilterOperatorInvalid, Bad_FilterOperatorUnsupported, Bad_FilterOperandCountMismatch or
+    /// Bad_FilterOperandInvalid; of an operand the latter, Bad_FilterElementInvalid,
+    /// Bad_FilterLiteralInvalid or the error of FieldOperand::create.
     [[nodiscard]] bool compile(const ContentFilter& filter, EventFields& fields,
                                const EventFilterLimits& limits, ContentFilterResult& result);
 
-    /// True if the first element is, or if there is none; NULL is not.
+    /// Returns true if the first element is true, or if there is none; NULL counts as false.
     [[nodiscard]] bool matches(const RaisedEvent& event, const EventReader& reader);
-    /// See FieldOperand; true if a field has guards.
+    /// See FieldOperand; returns true if a field has guards.
     bool take_guards(EventFields& fields);
 
 private:
     enum class Source : std::uint8_t { Literal, Element, Field };
 
-    /// Where a value comes from: the list and the place in it.
+    /// The source of a value: the list and the place in it.
     struct Operand {
         Source source;
         std::uint32_t index;
@@ -55,7 +55,7 @@ private:
     std::vector<Operand> operands_;
     std::vector<Variant> literals_;
     std::vector<FieldOperand> fields_;
-    // While it is evaluated: results of elements, parts of fields, operands of one element.
+    // Valid during evaluation: results of elements, parts of fields, operands of one element.
     std::vector<Variant> results_;
     std::vector<Variant> parts_;
     std::vector<const Variant*> values_;

@@ -19,19 +19,20 @@ class ImageChanges {
 public:
     ImageChanges(WriteBatch batch, const ImageSegments& variables);
 
-    /// Checks all items and takes them in. False, and nothing may be applied, if they are more
-    /// than `max_changes` runs or `max_bytes`.
+    /// Checks all items and stores them. False, and none may be applied, if they exceed
+    /// `max_changes` runs or `max_bytes`.
     [[nodiscard]] bool add_all(std::uint32_t max_changes, std::uint32_t max_bytes);
     [[nodiscard]] bool empty() const { return items_.empty(); }
     [[nodiscard]] std::size_t change_count() const { return changes_.size(); }
     [[nodiscard]] std::size_t byte_count() const { return bytes_.size(); }
-    /// What it takes while it waits.
+    /// Bytes that it takes while it waits.
     [[nodiscard]] std::size_t memory() const
     {
         return bytes_.size() + changes_.size() * sizeof(Change) + items_.size() * sizeof(Item);
     }
 
-    /// The task: for each item `guard(handle)`, and if that is Good, the item's bytes.
+    /// Called by the task: for each item calls `guard(handle)`, and if that is Good, applies the
+    /// item's bytes.
     template <typename Guard>
     void apply(Guard&& guard)
     {
@@ -42,7 +43,7 @@ public:
             }
         }
     }
-    /// The task: no item is applied.
+    /// Called by the task: no item is applied.
     void refuse(StatusCode status)
     {
         for (Item& item : items_) {
@@ -50,12 +51,12 @@ public:
         }
     }
 
-    /// What the task has applied is kept by `log`; what that cannot keep has its status.
+    /// Lets `log` persist what the task has applied; items that it cannot persist get its status.
     void keep(ImageWriteLog& log, const ProcessImage& image);
-    /// Tells the client what came of each item.
+    /// Reports the result of each item to the client.
     void complete();
     void fail(StatusCode status) { batch_.finish(status); }
-    /// Nobody waits for the results any more.
+    /// Drops the call, whose results are not needed any more.
     void drop() { const WriteBatch dropped = std::move(batch_); }
 
 private:
@@ -66,14 +67,14 @@ private:
         std::uint32_t count;
         StatusCode result;
     };
-    /// So many bytes, from bytes_ to a variable.
+    /// A run of bytes, from bytes_ to a variable.
     struct Change {
-        std::uint32_t to; // from the variable's first byte
+        std::uint32_t to; // offset from the variable's first byte
         std::uint32_t from;
         std::uint32_t size;
     };
 
-    /// Nothing is left of it if it fails.
+    /// Has no effect if it fails.
     [[nodiscard]] StatusCode add(const WriteItem& item);
     [[nodiscard]] StatusCode add_checked(const WriteItem& item);
     [[nodiscard]] StatusCode add_whole(const ImagePlace& place, const Variant& value);
@@ -87,8 +88,8 @@ private:
                                          const T& value);
     template <typename T>
     [[nodiscard]] StatusCode add_each(const ImagePlace& place, std::span<const T> values);
-    /// So many bytes to be filled in, for what lies `to` bytes behind the variable's first; they
-    /// belong to the change before if they follow it.
+    /// Adds bytes to be filled in, for the place `to` bytes after the variable's first; they belong
+    /// to the previous change if they follow it.
     std::byte* grow(std::size_t to, std::size_t size);
     void copy(const Item& item) const;
     [[nodiscard]] bool is_too_much() const;

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// An array of zeros, as the place has it, and where its elements lie.
+/// Returns an array of zeros for the place, and the address of its elements.
 template <typename T>
 Variant make_array(const ImagePlace& place, std::byte*& elements)
 {

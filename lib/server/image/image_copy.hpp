@@ -24,14 +24,14 @@ public:
     {
         return arrays_[place.array];
     }
-    /// A variable's bytes, as ImageMemory has them.
+    /// Returns a variable's bytes, as in ImageMemory.
     [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const;
 
 private:
     struct ArrayCopy {
         const ImagePlace* from;
         std::byte* to;
-        /// A runtime's truth values may be any bytes.
+        /// Booleans of a runtime may be any bytes.
         bool is_repaired;
     };
 

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Whether there are bytes that are no value of it.
+/// Returns whether some bytes are not a valid value.
 bool can_be_wrong(const ImagePlace& place)
 {
     if (place.is_structure()) {

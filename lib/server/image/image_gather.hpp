@@ -8,15 +8,16 @@
 
 namespace busbar::server::detail {
 
-/// How the variables of a layout that stay in a runtime's memory get into a scan, arrays of numbers
-/// apart: what lies side by side there and in the block is copied at once.
+/// Copies the variables of a layout that stay in a runtime's memory into a scan, except arrays of
+/// numbers: neighbours in both places are copied at once.
 ///
-/// The layout must outlive it. Never allocates after it was made.
+/// The layout must outlive it. Never allocates after construction.
 class ImageGather {
 public:
     explicit ImageGather(const ImageLayout& layout);
 
-    /// To a block of ImageLayout::gathered_bytes(). The task, since it reads the runtime's memory.
+    /// Copies to a block of ImageLayout::gathered_bytes(). Called by the task, since it reads the
+    /// runtime's memory.
     void copy(std::byte* block) const;
 
 private:
@@ -25,7 +26,7 @@ private:
         std::uint32_t to;
         std::uint32_t size;
     };
-    /// Truth values in the block.
+    /// Booleans in the block.
     struct Booleans {
         std::uint32_t first;
         std::uint32_t count;
@@ -38,10 +39,10 @@ private:
     std::vector<const ImagePlace*> repaired_;
 };
 
-/// Makes values of so many bytes of which a runtime may have had another idea: all but 0 is 1.
+/// Turns the bytes of a runtime's Booleans into valid ones: all except 0 become 1.
 void repair_booleans(std::byte* first, std::size_t count);
 
-/// Makes a value of what lies at `at`, wherever it came from: no text is longer than its place.
+/// Makes the value at `at` valid, wherever it came from: no text is longer than its place.
 void repair_value(const ImagePlace& place, std::byte* at);
 
 } // namespace busbar::server::detail

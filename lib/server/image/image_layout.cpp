@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t block_alignment = 8;
 
-/// Whether the variable can stay in that memory.
+/// Returns whether the variable can stay in this memory.
 bool can_lie_at(const ImagePlace& place, std::span<const std::byte> memory)
 {
     return memory.size() == place.bytes() &&
@@ -40,7 +40,7 @@ Result<std::uint32_t> ImageLayout::add(const ImageVariable& variable)
     if (place->in_arrays) {
         place->array = array_count_++;
     }
-    // Scalars lie side by side at their own alignment: what a scan copies stays small.
+    // Scalars follow each other at their own alignment, so that a scan copies little.
     std::size_t& end = block_of(*place);
     const std::size_t stride = place->stride;
     const std::size_t unit =

@@ -143,7 +143,7 @@ Variant load_texts(const ImagePlace& place, const std::byte* from)
     return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
 }
 
-/// Nothing has changed at `to` if it fails.
+/// Leaves `to` unchanged if it fails.
 StatusCode store_structures(const ImagePlace& place, const Variant& value, std::byte* to)
 {
     const ExtensionObject* const first = place.is_array()

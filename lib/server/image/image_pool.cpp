@@ -24,12 +24,12 @@ ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uin
 
 std::uint64_t ImagePool::find_free() const
 {
-    // Longest unused first, which is the most likely to be free.
+    // Try the one that was unused for longest first, since it is most likely free.
     for (std::size_t i = 1; i <= buffers_.size(); ++i) {
         const std::uint64_t index = (current_ + i) % buffers_.size();
         const ImageBuffer& candidate = at(index);
-        // acquire: with the release of the last unpin() all reads of the buffer are behind us, and
-        // it may be overwritten.
+        // acquire: after the release of the last unpin() no reader uses the buffer, and it may be
+        // overwritten.
         if (index != current_ &&
             candidate.released_.load(std::memory_order_acquire) == candidate.taken_) {
             return index;
@@ -46,12 +46,12 @@ bool ImagePool::publish(const ImageMemory& memory, const ImageSegments& segments
     }
     at(next).fill(memory, segments, time, ++scans_);
     const std::uint64_t end = queue_end_.load(std::memory_order_relaxed);
-    // acquire: the follower has given back what it took out before.
+    // acquire: the follower has returned what it took out before.
     const bool is_queued = is_followed_.load(std::memory_order_acquire) &&
                            end - queue_begin_.load(std::memory_order_acquire) < queue_.size();
-    // release: who pins `next` sees what was just filled in. acquire: who took a pin of the old
-    // buffer was admitted after others had given theirs back (see pin); find_free must see that
-    // those are back, else it could count more than max_pins.
+    // release: a reader that pins `next` sees its new content. acquire: a reader that took a pin of
+    // the old buffer was admitted after others had returned theirs (see pin); find_free must see
+    // these returns, else it could count more than max_pins.
     const std::uint64_t old =
         latest_.exchange(next << index_shift | (is_queued ? 1U : 0U), std::memory_order_acq_rel);
     if (current_ != no_buffer) {
@@ -83,24 +83,24 @@ ImageBuffer* ImagePool::next_queued()
         return nullptr;
     }
     ImageBuffer& next = at(queued(begin));
-    // unpin() counts it off again.
+    // unpin() decrements it again.
     held_.fetch_add(1, std::memory_order_relaxed);
-    // release: what was given back before is seen to be back by who finds this place free.
+    // release: the code that finds this place free sees everything that was returned before.
     queue_begin_.store(begin + 1, std::memory_order_release);
     return &next;
 }
 
 ImageBuffer* ImagePool::pin()
 {
-    // acquire: pairs with the release in unpin(), so that a pin whose place this one takes is seen
-    // to be given back by everyone who sees this one.
+    // acquire: pairs with the release in unpin(), so that everyone who sees this pin also sees the
+    // return of the pin that it replaces.
     if (held_.fetch_add(1, std::memory_order_acquire) >= max_pins_) {
         held_.fetch_sub(1, std::memory_order_relaxed);
         return nullptr;
     }
-    // acquire: the buffer's content. It lies behind the exchange in publish() also for the second
-    // and later pins, whose fetch_adds continue its release sequence. release: see publish().
-    // 48 bits count the pins of one scan: nine years of a million per second.
+    // acquire: the buffer's content. The exchange in publish() precedes it also for the second and
+    // later pins, whose fetch_adds continue its release sequence. release: see publish(). 48 bits
+    // count the pins of one scan: nine years of a million per second.
     const std::uint64_t index = latest_.fetch_add(1, std::memory_order_acq_rel) >> index_shift;
     if (index == no_buffer) {
         held_.fetch_sub(1, std::memory_order_release);
@@ -111,8 +111,8 @@ ImageBuffer* ImagePool::pin()
 
 void ImagePool::unpin(ImageBuffer& buffer)
 {
-    // release: the task overwrites the buffer only after our last look at it. This comes first:
-    // whoever is admitted in our place must find it done.
+    // release: the task overwrites the buffer only after our last access. This comes first: the pin
+    // that is admitted next must see it.
     buffer.released_.fetch_add(1, std::memory_order_release);
     held_.fetch_sub(1, std::memory_order_release);
 }

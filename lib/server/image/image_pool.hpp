@@ -16,15 +16,15 @@ class ImageBuffer { // NOLINT(*-optin.performance.Padding): a line of cache for 
 public:
     ImageBuffer(const ImageLayout& layout, std::uint32_t index) : copy_{layout}, index_{index} {}
 
-    /// With the segments that are there by now.
+    /// Fills it with the present segments as well.
     void fill(const ImageMemory& memory, const ImageSegments& segments, DateTime time,
               std::uint64_t scan);
 
     [[nodiscard]] DateTime time() const { return time_; }
     [[nodiscard]] std::uint64_t scan() const { return scan_; }
-    /// Of the variables that the image was made with.
+    /// The copy of the initial variables.
     [[nodiscard]] const ImageCopy& copy() const { return copy_; }
-    /// So many segments are part of the scan; their copies for this buffer have this index.
+    /// Number of segments in this scan; index of this buffer's copies.
     [[nodiscard]] std::uint32_t segments() const { return segments_; }
     [[nodiscard]] std::uint32_t index() const { return index_; }
 
@@ -37,51 +37,51 @@ private:
     DateTime time_;
     std::uint64_t scan_{0};
     /// Pins that were taken while this was the latest buffer, known to the task when it no longer
-    /// is; only the task looks at it.
+    /// is; used by the task only.
     std::uint64_t taken_{0};
-    /// Pins that were given back. The buffer is free when both are equal. Far from what readers
-    /// only read, and from the next buffer's.
+    /// Pins that were returned. The buffer is free when both are equal. In another cache line than
+    /// what readers only read, and than the next buffer.
     alignas(64) std::atomic<std::uint64_t> released_{0};
 };
 
-/// The buffers of an image, and which of them is the latest. Both sides are wait-free: neither
-/// has a loop that the other could prolong.
+/// The buffers of an image, and the latest of them. Both sides are wait-free: neither has a loop
+/// that the other could prolong.
 ///
-/// `latest_` is the index of the latest buffer in its upper bits and the number of pins taken of
-/// it in its lower ones, so that one fetch_add both takes a pin and says of which buffer, and one
-/// exchange both publishes and closes the books of the buffer before. There is no moment in which
-/// a reader knows a buffer and has not pinned it.
+/// `latest_` has the index of the latest buffer in its upper bits and the number of its pins in its
+/// lower ones, so that one fetch_add both takes a pin and identifies its buffer, and one exchange
+/// both publishes and reads the final count of the previous buffer. There is no moment in which a
+/// reader knows a buffer and has not pinned it.
 ///
-/// A scan that is queued for the follower is published with one pin taken already, which goes with
-/// it through the queue: the task takes it, the follower gives it back.
+/// A scan that is queued for the follower is published with one pin already taken, which stays with
+/// it in the queue: the task takes it, the follower returns it.
 ///
 /// At most `max_pins` pins are held at a time, `max_queued` wait in the queue and one is with the
 /// follower; there are two buffers more. When the task looks for a free one it has just published,
-/// so that nobody can pin anything but the latest: of the others, one more than there are pins, at
-/// least one has no pin, and none can get one while the task looks.
+/// so that only the latest can be pinned: of the others, one more than there are pins, at least one
+/// has no pin, and none can get one while the task looks.
 class ImagePool { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
     ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uint32_t max_queued);
 
-    // The task's thread.
+    // Called on the task's thread.
 
-    /// True if the scan was queued for the follower.
+    /// Returns true if the scan was queued for the follower.
     bool publish(const ImageMemory& memory, const ImageSegments& segments, DateTime time);
 
-    // Any thread.
+    // Called on any thread.
 
     [[nodiscard]] std::size_t size() const { return buffers_.size(); }
-    /// Null if nothing was published or too many pins are held.
+    /// Returns null if nothing was published or too many pins are held.
     [[nodiscard]] ImageBuffer* pin();
     void unpin(ImageBuffer& buffer);
     [[nodiscard]] bool is_empty() const;
 
-    // The follower's thread, of which there is one.
+    // Called on the follower's thread, of which there is one.
 
-    /// Begins or ends queueing each scan; forgets what is queued.
+    /// Starts or stops queueing each scan; clears the queue.
     void follow(bool follows);
-    /// The oldest scan in the queue, with a pin that unpin() gives back; null if there is none.
-    /// Only one at a time.
+    /// Returns the oldest scan in the queue, with a pin that unpin() returns; null if there is
+    /// none. Only one at a time.
     [[nodiscard]] ImageBuffer* next_queued();
 
 private:
@@ -100,7 +100,7 @@ private:
 
     std::vector<std::unique_ptr<ImageBuffer>> buffers_;
     std::uint32_t max_pins_;
-    /// A ring of buffers' indices, from the task to the follower; the counters never wrap.
+    /// A ring of buffer indices, from the task to the follower; the counters never wrap.
     std::vector<std::uint64_t> queue_;
     std::atomic<std::uint64_t> queue_begin_{0};
     std::atomic<std::uint64_t> queue_end_{0};

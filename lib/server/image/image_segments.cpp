@@ -23,7 +23,7 @@ std::uint32_t ImageSegments::size() const
 
 std::uint32_t ImageSegments::segment_of(std::uint32_t handle) const
 {
-    // acquire, in count(): the pointers below, and what they point at.
+    // acquire, in count(): the pointers below, and their targets.
     const auto begin = segments_.begin();
     const auto after = std::upper_bound(
         begin, begin + static_cast<std::ptrdiff_t>(count()), handle,
@@ -57,7 +57,7 @@ void ImageSegments::add(std::unique_ptr<ImageSegment> segment)
 {
     const std::uint32_t index = count();
     segments_[index] = std::move(segment);
-    // release: who finds the new count finds the segment as it is now.
+    // release: code that reads the new count finds the segment in its present state.
     count_.store(index + 1, std::memory_order_release);
 }
 

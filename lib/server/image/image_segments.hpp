@@ -11,7 +11,8 @@
 
 namespace busbar::server::detail {
 
-/// Variables that were added to an image together: all that the task and its readers need for them.
+/// Variables that were added to an image together, with everything that the task and its readers
+/// need.
 struct ImageSegment {
     ImageSegment(ImageLayout added, std::uint32_t first_handle)
         : layout{std::move(added)}, memory{layout}, first{first_handle}
@@ -19,18 +20,18 @@ struct ImageSegment {
     }
 
     ImageLayout layout;
-    /// The task's.
+    /// Used by the task.
     ImageMemory memory;
-    /// The handle of the first of them.
+    /// The handle of the first variable.
     std::uint32_t first;
-    /// For each buffer of the pool what it has of them.
+    /// The copy of these variables for each buffer of the pool.
     std::vector<ImageCopy> copies;
 };
 
-/// All variables of an image by their handles: those it was made with, and what was added later.
+/// All variables of an image by their handles: the initial ones and those that were added later.
 ///
-/// Segments are only ever added, by one thread at a time, and stay where they are; `count_` says
-/// how many others may look at. So nobody waits for anybody.
+/// Segments are only ever added, by one thread at a time, and keep their addresses; `count_` is the
+/// number that other threads may read. So no thread waits for another.
 class ImageSegments {
 public:
     ImageSegments(const ImageLayout& layout, ImageMemory& memory, std::uint32_t max_segments)
@@ -38,27 +39,27 @@ public:
     {
     }
 
-    // Any thread.
+    // Called on any thread.
 
     [[nodiscard]] std::uint32_t size() const;
-    /// Null if there is none of this handle.
+    /// Returns null if there is none with this handle.
     [[nodiscard]] const ImagePlace* find(std::uint64_t handle) const;
-    /// The number of the segment that has the handle; `handle` must be none of the first ones.
+    /// Returns the index of the segment with the handle, which must not be an initial one.
     [[nodiscard]] std::uint32_t segment_of(std::uint32_t handle) const;
     [[nodiscard]] std::uint32_t count() const { return count_.load(std::memory_order_acquire); }
     [[nodiscard]] ImageSegment& operator[](std::uint32_t index) const { return *segments_[index]; }
 
-    // Who adds.
+    // Called by the thread that adds.
 
     [[nodiscard]] bool is_full() const { return count() == segments_.size(); }
-    /// Of all variables.
+    /// Bytes of all variables.
     [[nodiscard]] std::size_t bytes() const;
-    /// Behind all that there is: its first handle must be size().
+    /// Adds a segment at the end: its first handle must be size().
     void add(std::unique_ptr<ImageSegment> segment);
 
-    // The task.
+    // Called by the task.
 
-    /// Where a variable lies in the task's memory.
+    /// Returns the address of a variable in the task's memory.
     [[nodiscard]] std::byte* bytes_of(std::uint32_t handle) const;
 
 private:

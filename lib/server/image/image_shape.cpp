@@ -12,8 +12,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// The bytes of one element, 0 for a type that an image cannot have; of a text they may be more
-/// than there can be.
+/// Returns the bytes of one element, 0 for a type that an image cannot have; for a text they may
+/// exceed the possible size.
 std::uint64_t stride_of(const ImageVariable& variable)
 {
     if (variable.type == BuiltInType::ExtensionObject) {
@@ -34,7 +34,7 @@ std::uint64_t stride_of(const ImageVariable& variable)
         [] { return std::uint64_t{0}; });
 }
 
-/// The number of elements, 0 if they are more than `most`.
+/// Returns the number of elements, 0 if there are more than `most`.
 std::uint64_t count_of(std::span<const std::uint32_t> dimensions, std::uint64_t most)
 {
     std::uint64_t count = 1;

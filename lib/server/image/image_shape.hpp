@@ -8,11 +8,11 @@
 
 namespace busbar::server::detail {
 
-/// A variable's place but for its offset. `room` is how many bytes it may take. For errors see
-/// ImageLayout::add.
+/// Returns a variable's place without its offset. `room` is the maximum number of its bytes. For
+/// errors see ImageLayout::add.
 [[nodiscard]] Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room);
 
-/// At a multiple of how much it lies, within a structure or on its own.
+/// Returns the alignment of the place, within a structure or on its own.
 [[nodiscard]] std::uint32_t alignment_of(const ImagePlace& place);
 
 [[nodiscard]] constexpr std::size_t round_up(std::size_t offset, std::size_t unit)

@@ -12,7 +12,7 @@ ImageSource::ImageSource(std::shared_ptr<ProcessImage> image) : image_{std::move
 
 ImageSource::~ImageSource()
 {
-    image_->waker_.wake(); // items that follow the scans are to learn of it
+    image_->waker_.wake(); // items that follow the scans must be notified
     attach(nullptr);
     image_->writes_->drop_batches();
 }
@@ -20,9 +20,9 @@ ImageSource::~ImageSource()
 DataSourceOptions ImageSource::options() const
 {
     DataSourceOptions options;
-    // Ranges to read are left to the server: it cuts them out of the shared value.
+    // The server cuts ranges out of the shared value.
     options.writes_ranges = true;
-    // Writes that wait are limited by the image; a Read, done at once, goes past them.
+    // The image limits the number of waiting writes; a Read, done at once, goes past them.
     options.max_batches = std::size_t{image_->options().max_waiting_writes} + 2;
     return options;
 }
@@ -36,13 +36,13 @@ void ImageSource::read(ReadBatch batch)
     }
     const auto items = batch.items();
     const auto slots = batch.results();
-    // Part 8, 7.3.2: what used to update the values has stopped.
+    // Part 8, 7.3.2: the task that updated the values has stopped.
     const StatusCode quality =
         image_->is_running() ? status::Good : status::Uncertain_LastUsableValue;
     bool is_borrowed = false;
     const std::uint32_t size = image_->size();
-    // Where a value lies is known when its place is there, so both are fetched, one after the
-    // other.
+    // The address of a value is known when its place is in the cache, so both are prefetched, one
+    // after the other.
     const auto fetch = [&](std::size_t next, void (ImagePin::*part)(std::uint32_t) const) {
         if (next < items.size() && items[next].handle < size) {
             (pin.*part)(static_cast<std::uint32_t>(items[next].handle));

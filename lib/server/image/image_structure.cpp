@@ -13,7 +13,7 @@ namespace busbar::server {
 
 namespace {
 
-/// The most bytes of one element on the wire (Part 6, 5.2.2).
+/// Returns the maximum number of bytes of one element on the wire (Part 6, 5.2.2).
 std::uint64_t wire_size_of_one(const ImagePlace& place)
 {
     if (place.is_structure()) {
@@ -24,7 +24,8 @@ std::uint64_t wire_size_of_one(const ImagePlace& place)
 
 std::uint64_t wire_size(const ImagePlace& place)
 {
-    // The length of an array, or how many dimensions a matrix has, and those (Part 6, 5.2.5).
+    // The length of an array, or the number of dimensions of a matrix and the dimensions (Part 6,
+    // 5.2.5).
     const std::size_t rank = place.dimensions.size();
     const std::size_t numbers = rank > 1 ? rank + 1 : rank;
     return numbers * sizeof(std::int32_t) + place.elements * wire_size_of_one(place);

@@ -44,16 +44,15 @@ auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
     // clang-format on
 }
 
-/// The bytes of a text that lies at `from`; none if it is null, or longer than `capacity`, as only
-/// who writes to the memory by himself can make it.
+/// Returns the bytes of a text at `from`; nothing if it is null, or longer than `capacity`, which
+/// happens only if code writes to the memory directly.
 [[nodiscard]] BUSBAR_API std::optional<std::string_view> text_at(const std::byte* from,
                                                                  std::uint32_t capacity);
 
-/// Puts a text, which must not be longer than there is room at `to`. It may be the one that lies
-/// there.
+/// Stores a text at `to`, which must have enough room. It may be the text that is already there.
 BUSBAR_API void put_text(std::byte* to, std::optional<std::string_view> text);
 
-/// A String, ByteString or XmlElement that points at the text at `from`.
+/// Returns a String, ByteString or XmlElement that points at the text at `from`.
 template <typename T>
 [[nodiscard]] T borrow_text(const std::byte* from, std::uint32_t capacity)
 {
@@ -81,7 +80,7 @@ template <typename T>
     }
 }
 
-/// Whether the place may have this value, as far as its range says.
+/// Returns whether the place's range allows this value.
 template <typename T>
 [[nodiscard]] bool is_in_range(const ImagePlace& place, T value)
 {
@@ -93,11 +92,11 @@ template <typename T>
     }
 }
 
-/// Good if `value` has the place's type, dimensions, text capacity and range. Says nothing of what
-/// is in structures.
+/// Returns Good if `value` has the place's type, dimensions, text capacity and range. Does not
+/// check the content of structures.
 [[nodiscard]] StatusCode check_value(const ImagePlace& place, const Variant& value);
 
-/// The bytes of the elements of a Variant of numbers; valid as long as that.
+/// Returns the bytes of the elements of a Variant of numbers; valid as long as that.
 [[nodiscard]] std::span<const std::byte> number_bytes(const Variant& value);
 
 } // namespace busbar::server::detail

@@ -7,7 +7,7 @@ void ImageWrites::push(std::unique_ptr<ImageChanges> changes)
     const std::uint64_t position = head_.load(std::memory_order_relaxed);
     bytes_ += changes->memory();
     slot(position) = std::move(changes);
-    // release: the task finds the slot and what it points at as they are now.
+    // release: the task sees the slot and its target in their present state.
     head_.store(position + 1, std::memory_order_release);
 }
 
@@ -43,7 +43,7 @@ bool ImageWrites::finish()
     if (finished_.load(std::memory_order_relaxed) == begun_) {
         return false;
     }
-    // release: the results, and that the task has done with the calls for good.
+    // release: the results, and the end of the task's use of the calls.
     finished_.store(begun_, std::memory_order_release);
     return true;
 }

@@ -9,14 +9,14 @@
 
 namespace busbar::server::detail {
 
-/// Write calls on their way to a PLC task and back: a ring that only the server's thread puts into
-/// and takes out of. The task moves along it and leaves everything where it is, so that it never
-/// frees memory. Both sides are wait-free.
+/// Write calls on their way to a PLC task and back: a ring that only the server's thread adds to
+/// and removes from. The task moves along it and changes no place, so that it never frees memory.
+/// Both sides are wait-free.
 ///
 ///     collected_ <= finished_ <= begun_ <= head_ <= collected_ + capacity
 ///
-/// Up to `finished_` the results are the server's again, up to `begun_` the task has applied the
-/// calls to its memory but not published it, up to `head_` they wait.
+/// Up to `finished_` the results belong to the server again, up to `begun_` the task has applied
+/// the calls to its memory but not published it, up to `head_` they wait.
 class ImageWrites { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
     ImageWrites(std::uint32_t capacity, std::size_t max_bytes)
@@ -24,7 +24,7 @@ public:
     {
     }
 
-    // The server's thread.
+    // Called on the server's thread.
 
     [[nodiscard]] bool is_full() const { return size() == slots_.size(); }
     /// A single call always has room.
@@ -32,19 +32,19 @@ public:
     {
         return !is_full() && (bytes_ == 0 || bytes_ + changes.memory() <= max_bytes_);
     }
-    /// Only what it has room for.
+    /// Only call it if there is room.
     void push(std::unique_ptr<ImageChanges> changes);
-    /// The next call that has its results, or null.
+    /// Returns the next call that has its results, or null.
     [[nodiscard]] std::unique_ptr<ImageChanges> collect();
-    /// The source ends: what comes of the waiting calls interests nobody.
+    /// Called when the source ends: discards the results of waiting calls.
     void drop_batches();
 
-    // The task's thread.
+    // Called on the task's thread.
 
-    /// The next call that waits, or null; it stays next until begin().
+    /// Returns the next call that waits, or null; it stays next until begin().
     [[nodiscard]] ImageChanges* next();
     void begin() { ++begun_; }
-    /// Every call that was begun has its results; true if there was one.
+    /// Completes every call that was begun; true if there was one.
     bool finish();
 
 private:
@@ -59,7 +59,7 @@ private:
 
     std::vector<std::unique_ptr<ImageChanges>> slots_;
     std::size_t max_bytes_;
-    std::size_t bytes_{0};       // the server's: of what was pushed and not collected
+    std::size_t bytes_{0};       // the server's: of calls that were pushed and not collected
     std::uint64_t collected_{0}; // the server's
     alignas(64) std::atomic<std::uint64_t> head_{0};
     alignas(64) std::atomic<std::uint64_t> finished_{0};

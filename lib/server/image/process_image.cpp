@@ -22,7 +22,7 @@ ImageOptions checked(ImageOptions options, const ImageLayout& layout)
     options.max_queued_scans = std::clamp(options.max_queued_scans, 1U, most_pins);
     options.max_waiting_writes = std::max(options.max_waiting_writes, 1U);
     options.max_changes_per_scan = std::max(options.max_changes_per_scan, 1U);
-    // Each variable can be written, be it as large as the image.
+    // Every variable can be written, even one as large as the image.
     options.max_bytes_per_scan =
         std::max(options.max_bytes_per_scan, static_cast<std::uint32_t>(layout.bytes()));
     return options;
@@ -179,8 +179,8 @@ void ProcessImage::begin_scan()
 
 void ProcessImage::begin_scan(WriteGuard guard)
 {
-    // A call that came while the task was halting was not seen by halt() and has run into its
-    // timeout; to apply it now would surprise everybody.
+    // A call that came while the task was halting was not seen by halt() and has timed out;
+    // applying it now would be a surprise.
     const bool is_first = !running_.load(std::memory_order_relaxed);
     std::size_t changes = 0;
     std::size_t bytes = 0;
@@ -190,7 +190,7 @@ void ProcessImage::begin_scan(WriteGuard guard)
         if (is_first) {
             call->refuse(status::Bad_NoCommunication);
         } else if (changes > options_.max_changes_per_scan || bytes > options_.max_bytes_per_scan) {
-            break; // the next edge's; a call alone is never too much
+            break; // left for the next edge; a single call is never too much
         } else {
             call->apply(guard);
         }
@@ -215,7 +215,7 @@ void ProcessImage::halt()
         writes_->begin();
     }
     writes_->finish();
-    waker_.wake(); // who follows the scans has to learn that there are none any more
+    waker_.wake(); // followers of the scans must learn that there are none any more
 }
 
 ImagePin ProcessImage::pin() const

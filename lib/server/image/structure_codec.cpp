@@ -76,7 +76,7 @@ void decode_elements(binary::Reader& reader, const ImagePlace& place, std::byte*
     }
 }
 
-/// The dimensions on the wire have to be the member's own.
+/// Checks that the dimensions on the wire are those of the member.
 void check_dimensions(binary::Reader& reader, const ImagePlace& place)
 {
     const auto expect = [&](std::size_t size) {

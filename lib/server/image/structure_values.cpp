@@ -11,13 +11,13 @@ namespace busbar::server::detail {
 
 std::uint64_t StructureValues::max_bytes(const ImagePlace& place)
 {
-    // What is noted of a value, and of a block while their list grows.
+    // Memory for a value, and for a block, in their growing lists.
     constexpr std::uint64_t of_value = 256;
     constexpr std::uint64_t of_block = 4 * sizeof(Block);
     if (!place.is_structure()) {
         return 0;
     }
-    // A block ends where the next value might not fit: no more of it is lost than that is long.
+    // A block ends if the next value might not fit: it wastes less than the size of a value.
     const std::uint64_t of_element =
         2 * place.structure->max_wire_size() + sizeof(ExtensionObject) + of_block;
     return of_value + place.elements * of_element;

@@ -11,20 +11,20 @@
 
 namespace busbar::server::detail {
 
-/// The structures of one scan that somebody has read, as they go over the wire: each variable once,
-/// however often it is asked for, the bodies in a few blocks of memory. One thread.
+/// The structures of one scan that were read, in their encoding: each variable once, however often
+/// it is read, with the bodies in a few blocks of memory. One thread.
 class StructureValues {
 public:
     static constexpr std::size_t usual_block = 16U << 10U;
 
-    /// What it holds of one variable at most, besides a usual_block for all of them; 0 if that is
-    /// no structure.
+    /// Maximum memory for one variable, in addition to a usual_block for all of them; 0 if it is
+    /// not a structure.
     [[nodiscard]] static std::uint64_t max_bytes(const ImagePlace& place);
 
-    /// The value of the variable `handle`, which lies at `from`. Valid until recycle().
+    /// Returns the value of the variable `handle` at `from`. Valid until recycle().
     [[nodiscard]] const Variant& value(std::uint32_t handle, const ImagePlace& place,
                                        const std::byte* from);
-    /// Nothing that was given is used any more: most of the memory is let go.
+    /// Frees most of the memory, since no value is used any more.
     void recycle();
 
 private:
@@ -35,7 +35,7 @@ private:
     };
 
     [[nodiscard]] Variant make(const ImagePlace& place, const std::byte* from);
-    /// At least so many bytes of a block; what is not used is to be had again.
+    /// Returns a block with at least `room` bytes; unused ones are available again.
     [[nodiscard]] Block& block_with(std::size_t room);
 
     std::unordered_map<std::uint32_t, Variant> values_;

@@ -17,7 +17,7 @@ void CallOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
-    // Before anything is carried out, as it cannot be taken back.
+    // Before anything is carried out, as it cannot be undone.
     if (!charge(cost_of(request()))) {
         return fault(status::Bad_TooManyOperations);
     }

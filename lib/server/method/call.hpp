@@ -20,7 +20,7 @@ public:
     void start(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
-    /// None: sources may go on with what they were given.
+    /// None, since sources may still use the message.
     [[nodiscard]] std::vector<std::byte> spare_message() override { return {}; }
 
 private:

@@ -17,7 +17,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Nothing if the inputs are as the Method wants them (Part 4, 5.12.2.4).
+/// Returns nothing if the inputs fit the Method (Part 4, 5.12.2.4).
 std::optional<CallResult> check_inputs(const model::AddressSpace& space,
                                        std::span<const ArgumentRule> rules,
                                        std::span<const Variant> inputs)
@@ -37,8 +37,8 @@ std::optional<CallResult> check_inputs(const model::AddressSpace& space,
     return refusal;
 }
 
-/// Makes a source's result one that may be sent: it is not to be trusted with the protocol. False
-/// if its outputs are not the Method's.
+/// Makes a source's result fit to be sent, since it may violate the protocol. False if its outputs
+/// do not fit the Method.
 bool tidy_result(const model::AddressSpace& space, const MethodSignature& signature,
                  CallResult& result)
 {
@@ -107,7 +107,7 @@ CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,
     }
 }
 
-/// Nothing if a source will answer.
+/// Returns nothing if a source will answer.
 std::optional<CallResult> CallJob::plan(const ServiceContext& context, std::size_t index,
                                         const CallMethodRequest& call)
 {
@@ -126,7 +126,7 @@ std::optional<CallResult> CallJob::plan(const ServiceContext& context, std::size
         return CallResult{status::Bad_NotExecutable};
     }
     if (!is_executable(space, *method)) {
-        // On an ObjectType there is nothing that could be carried out (seed 001, 8.1).
+        // A Method of an ObjectType itself has nothing to act on (manual of model mode, 8.1).
         const bool is_type = space.node_class(space.find(call.object_id)) == NodeClass::ObjectType;
         return CallResult{is_type ? status::Bad_NotSupported : status::Bad_NotImplemented};
     }
@@ -215,7 +215,7 @@ void CallJob::record(const Session& session, const RequestMark& mark,
         Record one{RecordKind::MethodCalled, LogLevel::Debug, "method"};
         one.status = call_.result(i).status;
         one.actor = actor_of(session, mark);
-        // The last field may hold a password.
+        // The last field may contain a password.
         one.fields = std::span{fields}.first(has_secret_inputs(call.method_id) ? 2 : 3);
         needs_.log.record(one);
     }
@@ -223,7 +223,7 @@ void CallJob::record(const Session& session, const RequestMark& mark,
 
 void CallJob::keep(CallRequest request, std::vector<std::byte> message)
 {
-    // Moving the array and the buffer leaves what they hold where it is.
+    // Moving the array and the buffer leaves their contents in place.
     memory_->request = std::move(request);
     memory_->message = std::move(message);
 }

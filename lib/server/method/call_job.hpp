@@ -16,36 +16,36 @@
 
 namespace busbar::server::detail {
 
-/// What a response tells of calls, and of the input arguments of each; both may be empty.
+/// The diagnostics of calls, and of the input arguments of each; both may be empty.
 struct CallDiagnostics {
     Array<DiagnosticInfo> calls;
     std::vector<Array<DiagnosticInfo>> arguments;
 };
 
-/// Good, or why the whole request is refused (Part 4, 5.12.2.3).
+/// Returns Good, or why the whole request is refused (Part 4, 5.12.2.3).
 [[nodiscard]] StatusCode check_call(const CallRequest& request, std::size_t max_methods);
-/// About the bytes that the request takes until it is answered.
+/// Returns the approximate memory of the request until it is answered.
 [[nodiscard]] std::size_t cost_of(const CallRequest& request);
 
 /// The work of one Call (Part 4, 5.12.2) that passed check_call: the Methods of one source are
-/// handed over in one batch, those of the server itself are carried out at once.
+/// passed in one batch, those of the server itself are carried out at once.
 class CallJob {
 public:
-    /// `request` must stay as it is until keep() or the end of the job.
+    /// `request` must not change until keep() or the end of the job.
     CallJob(const MethodNeeds& needs, const ServiceContext& context, const CallRequest& request);
 
-    /// True if the results are there, else `owner` is told.
+    /// Returns true if the results are complete, else `owner` is notified.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     /// See SourceCall::service_result.
     [[nodiscard]] StatusCode service_result() const { return call_.service_result(); }
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
-    /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
+    /// Answers Bad_Timeout for late sources; true if nothing is pending any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
-    /// Checks what the sources answered; before encode_results().
+    /// Checks the answers of the sources; before encode_results().
     void finish();
-    /// A record for each Method, if the log wants them (Part 5, 6.4.28); after finish().
+    /// Records each Method, if the log wants it (Part 5, 6.4.28); after finish().
     void record(const Session& session, const RequestMark& mark, const CallRequest& request) const;
-    /// Of the calls and their arguments, after finish().
+    /// Returns the diagnostics of the calls and their arguments, after finish().
     [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
                                            const CallRequest& request) const;
     /// Writes `results` and `diagnostic_infos` of the CallResponse.
@@ -55,12 +55,12 @@ public:
     void keep(CallRequest request, std::vector<std::byte> message);
 
 private:
-    /// What sources were given the addresses of.
+    /// Memory whose addresses the sources have.
     struct Memory {
         Memory() = default;
         Memory(const Memory&) = delete;
         Memory& operator=(const Memory&) = delete;
-        /// Overwrites the message if it holds a password or a key.
+        /// Overwrites the message if it contains a password or a key.
         ~Memory();
 
         MethodCaller caller;
@@ -80,11 +80,11 @@ private:
     SourceMethodCall call_;
     std::shared_ptr<Memory> memory_;
     std::unordered_map<model::NodeIndex, MethodSignature> signatures_;
-    /// Of the Methods that a source was asked for, null for others.
+    /// Signatures of the Methods that were passed to a source, null for others.
     std::vector<const MethodSignature*> asked_;
-    /// Monitored items that the server's own Methods looked at.
+    /// Monitored items that the server's own Methods visited.
     std::size_t item_count_{0};
-    /// References that may still be looked at.
+    /// References that may still be visited.
     std::size_t visits_left_{10'000'000};
 };
 

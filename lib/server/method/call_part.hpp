@@ -20,7 +20,7 @@ struct CallTraits {
     using Part = CallPart;
     static constexpr std::string_view callback = "DataSource::call";
     static constexpr bool changes_something = true;
-    /// A Method that is busy is no matter of the service's.
+    /// A busy Method does not fail the service.
     static constexpr std::array service_results{status::Bad_Shutdown};
     static LargeVector<CallResult> answers(std::size_t count)
     {

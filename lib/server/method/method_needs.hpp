@@ -22,8 +22,8 @@ public:
     BuiltInMethods(const BuiltInMethods&) = delete;
     BuiltInMethods& operator=(const BuiltInMethods&) = delete;
 
-    /// `inputs` are as the Method's InputArguments says; `item_count` is raised by the monitored
-    /// items that had to be looked at.
+    /// `inputs` fit the Method's InputArguments; `item_count` is increased by the monitored items
+    /// that it visits.
     [[nodiscard]] virtual CallResult call(const NodeId& method, const ServiceContext& context,
                                           std::span<const Variant> inputs,
                                           std::size_t& item_count) = 0;
@@ -32,7 +32,7 @@ protected:
     ~BuiltInMethods() = default;
 };
 
-/// What Call needs of the server; as long as that lives.
+/// The needs of Call; valid as long as the server.
 struct MethodNeeds {
     const model::AddressSpace& space;
     DataSources& sources;

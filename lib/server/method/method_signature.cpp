@@ -63,8 +63,8 @@ Result<MethodSignature> read_signature(const model::AddressSpace& space,
 StatusCode check_argument(const model::AddressSpace& space, const ArgumentRule& rule,
                           const Variant& value)
 {
-    // A ByteString stands for an array of Byte in Write (Part 4, 5.11.4.2), not here: who carries
-    // the Method out relies on the type.
+    // Write accepts a ByteString for an array of Byte (Part 4, 5.11.4.2), Call does not: the code
+    // that carries the Method out relies on the type.
     const bool is_byte_string = !value.is_null() && value.type() == BuiltInType::ByteString;
     if (is_byte_string && space.built_in_type_of(rule.data_type) == BuiltInType::Byte) {
         return status::Bad_TypeMismatch;

@@ -46,7 +46,8 @@ void MethodTable::call(CallBatch batch)
         const std::uint64_t handle = shared->items()[i].handle;
         MethodCall call{shared, i};
         if (handle < functions_.size() && functions_[static_cast<std::size_t>(handle)]) {
-            // One that throws leaves its call unanswered, and the others of the batch as they are.
+            // A throwing function leaves its call unanswered, and does not affect the others of the
+            // batch.
             busbar::detail::guarded(shared->log(), "MethodTable::Function", [&] {
                 functions_[static_cast<std::size_t>(handle)](std::move(call));
             });
