@@ -18,7 +18,7 @@ namespace {
 
 using model::NodeIndex;
 
-/// What a node takes with what came with it; what is decoded is larger than its encoding, by no
+/// Memory cost of a node, including the request's data; a decoded value exceeds its encoding by no
 /// more than the headers of its fields.
 std::size_t cost_of(const AddNodesItem& item)
 {
@@ -37,7 +37,7 @@ bool is_node_class(NodeClass node_class)
     return bits != 0 && bits <= 128 && (bits & (bits - 1)) == 0;
 }
 
-/// The TypeDefinition, no_node for a NodeClass that has none.
+/// Returns the TypeDefinition, no_node for a NodeClass that has none.
 Result<NodeIndex> find_type_definition(const NodeManagementContext& context,
                                        const AddNodesItem& item)
 {
@@ -56,20 +56,20 @@ Result<NodeIndex> find_type_definition(const NodeManagementContext& context,
     return type;
 }
 
-/// The NodeId of the new node: the one that was asked for, or one of the server's own namespace.
+/// Returns the NodeId of the new node: the requested one, or one of the server's own namespace.
 Result<NodeId> choose_id(NodeManagementContext& context, const ExpandedNodeId& requested)
 {
     if (requested == ExpandedNodeId{}) {
         return context.space.free_id(context.own_namespace);
     }
-    // Namespace 0 is the specification's.
+    // Namespace 0 belongs to the specification.
     if (!requested.is_local() || requested.node_id.namespace_index() == 0) {
         return fail(status::Bad_NodeIdRejected);
     }
     return requested.node_id;
 }
 
-/// The codes of the address space as those of the service.
+/// Translates the address space's codes into those of the service.
 StatusCode as_service_code(StatusCode code)
 {
     if (code == status::Bad_TooManyOperations) { // more than InstanceLimits
@@ -81,7 +81,7 @@ StatusCode as_service_code(StatusCode code)
     return code == status::Bad_TypeMismatch ? status::Bad_NodeAttributesInvalid : code;
 }
 
-/// What is not given is as the VariableType has it (Part 4, 5.8.2.2).
+/// Missing attributes are those of the VariableType (Part 4, 5.8.2.2).
 model::NewVariable new_variable(const NodeManagementContext& context,
                                 const NodeAttributeValues& from, NodeIndex type)
 {
@@ -118,7 +118,7 @@ model::NewVariableType new_variable_type(const NodeManagementContext& context,
 }
 
 /// Adds an Object or Variable with the Mandatory members of its type (Part 4, 5.8.2.1). Their
-/// NodeIds are numbers: such as are made of names might be taken, or longer than they may be.
+/// NodeIds are numbers: ids made of names might be in use, or too long.
 Result<NodeIndex> add_instance(NodeManagementContext& context, const model::NewNode& node,
                                NodeIndex type, const NodeAttributeValues& from)
 {
@@ -134,7 +134,7 @@ Result<NodeIndex> add_instance(NodeManagementContext& context, const model::NewN
     }
     const std::uint32_t before = context.space.addition_count();
     auto added = model::instantiate(context.space, node, type, options);
-    const std::size_t made = context.space.addition_count() - before; // and taken back, perhaps
+    const std::size_t made = context.space.addition_count() - before; // and removed again, perhaps
     context.visits_left -= std::min(context.visits_left, made * visits_per_node);
     return added;
 }
@@ -150,7 +150,7 @@ Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node
         return add_instance(context, node, type, from);
     case NodeClass::Method: {
         model::NewMethod method;
-        method.executable = from.executable.value_or(false); // nothing carries it out
+        method.executable = from.executable.value_or(false); // no source carries it out
         return space.add_method(node, method);
     }
     case NodeClass::ObjectType:
@@ -170,7 +170,7 @@ Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node
     }
 }
 
-/// Has the client's share pay for the node and what came with it.
+/// Charges the client's share for the node and its data.
 void charge(NodeManagementContext& context, NodeIndex node, std::size_t bytes)
 {
     const model::AddressSpace& space = context.space;
@@ -184,7 +184,7 @@ void charge(NodeManagementContext& context, NodeIndex node, std::size_t bytes)
     });
 }
 
-/// Where the node goes and by which reference.
+/// Returns the parent of the node and the reference to it.
 Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem& item)
 {
     model::NewNode node;

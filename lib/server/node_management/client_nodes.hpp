@@ -12,8 +12,8 @@
 
 namespace busbar::server::detail {
 
-/// What clients have added to the address space, so that it stays within its limits. Nodes that are
-/// removed, by whomever, are forgotten with their references.
+/// The nodes and references that clients have added to the address space, to enforce the limits.
+/// Nodes that are removed, by any code, are forgotten with their references.
 class ClientNodes {
 public:
     ClientNodes() = default;

@@ -9,7 +9,7 @@ namespace {
 
 using Mask = NodeAttributesMask;
 
-/// Bits of AccessLevelType and EventNotifierType that speak of history.
+/// Bits of AccessLevelType and EventNotifierType that concern history.
 constexpr unsigned history_bits = 4U | 8U;
 
 template <typename T>
@@ -42,13 +42,13 @@ bool take_dimensions(const Variant& value, std::optional<Array<std::uint32_t>>& 
     return true;
 }
 
-/// Bits that do not speak of history.
+/// Accepts only bits that do not concern history.
 bool take_bits(const Variant& value, std::optional<std::uint8_t>& to)
 {
     return take(value, to) && (*to & history_bits) == 0;
 }
 
-/// Something that only has the value that stands for nothing.
+/// Accepts an attribute only with the value that means nothing.
 template <typename T>
 bool is_none(const Variant& value)
 {
@@ -56,7 +56,7 @@ bool is_none(const Variant& value)
     return given != nullptr && *given == T{};
 }
 
-/// Sets one attribute; false if it cannot be.
+/// Sets one attribute; false if it cannot be set.
 bool set(NodeAttributeValues& to, AttributeId id, const Variant& value)
 {
     switch (id) {
@@ -92,7 +92,7 @@ bool set(NodeAttributeValues& to, AttributeId id, const Variant& value)
     case AttributeId::Executable:
         return take(value, to.executable);
     case AttributeId::UserExecutable:
-        return value.get_if<bool>() != nullptr; // the AccessControl's business
+        return value.get_if<bool>() != nullptr; // the AccessControl decides it
     case AttributeId::WriteMask:
     case AttributeId::UserWriteMask:
         return is_none<std::uint32_t>(value);
@@ -108,7 +108,7 @@ bool set(NodeAttributeValues& to, AttributeId id, const Variant& value)
     }
 }
 
-/// Takes over what the structure's mask says that it has.
+/// Collects the attributes in the structure's mask.
 class Collector {
 public:
     Collector(std::uint32_t specified, NodeAttributeValues& to) : specified_{specified}, to_{&to} {}
@@ -121,7 +121,7 @@ public:
         }
         return *this;
     }
-    /// What all the structures begin with.
+    /// The first fields of all structures.
     template <typename Attributes>
     Collector& take_common(const Attributes& from)
     {
@@ -130,7 +130,7 @@ public:
             .take(Mask::WriteMask, AttributeId::WriteMask, from.write_mask)
             .take(Mask::UserWriteMask, AttributeId::UserWriteMask, from.user_write_mask);
     }
-    /// What Variables and VariableTypes share.
+    /// The common attributes of Variables and VariableTypes.
     template <typename Attributes>
     Collector& take_value(const Attributes& from)
     {

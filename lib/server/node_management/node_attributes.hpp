@@ -8,7 +8,7 @@
 
 namespace busbar::server::detail {
 
-/// The attributes that an AddNodes item has for its node; empty what it leaves to the server.
+/// The attributes that an AddNodes item has for its node; empty ones are left to the server.
 struct NodeAttributeValues {
     LocalizedText display_name;
     LocalizedText description;
@@ -28,11 +28,11 @@ struct NodeAttributeValues {
     ExtensionObject definition;
 };
 
-/// Reads the structure for the NodeClass or GenericAttributes (Part 4, 7.24); null has none.
+/// Reads the structure for the NodeClass or GenericAttributes (Part 4, 7.24); a null one has none.
 ///
-/// Bad_NodeAttributesInvalid for another structure, an attribute that the NodeClass has not, that
-/// comes twice or is of another type, and for what a client gives no node: a WriteMask, roles,
-/// restrictions, history.
+/// Bad_NodeAttributesInvalid for another structure, for an attribute that the NodeClass does not
+/// have, that appears twice or is of another type, and for attributes that clients may not set: a
+/// WriteMask, roles, restrictions, history.
 [[nodiscard]] Result<NodeAttributeValues> read_attributes(const ExtensionObject& attributes,
                                                           NodeClass node_class);
 

@@ -9,31 +9,31 @@
 
 namespace busbar::server::detail {
 
-/// What the NodeManagement services need of the server and the session.
+/// The needs of the NodeManagement services for one request.
 struct NodeManagementContext {
     model::AddressSpace& space;
     NodeRights rights;
     const ServerLimits& limits;
     ClientNodes& client_nodes;
-    /// Where nodes get their NodeIds that come without one.
+    /// The namespace of NodeIds that the server chooses.
     std::uint16_t own_namespace;
-    /// How this server is named where others are possible.
+    /// The name of this server in references to servers.
     const std::string& application_uri;
     /// Work that one request may cause.
     std::size_t visits_left{10'000'000};
 
-    /// The node, if there is one that the user may see, else no_node.
+    /// Returns the node, if it exists and the user may see it, else no_node.
     [[nodiscard]] model::NodeIndex find(const NodeId& id) const
     {
         const model::NodeIndex node = space.find(id);
         return node != model::no_node && rights.may_see(node) ? node : model::no_node;
     }
-    /// The same for a node of this server.
+    /// Returns the same for a node of this server.
     [[nodiscard]] model::NodeIndex find(const ExpandedNodeId& id) const
     {
         return id.is_local() ? find(id.node_id) : model::no_node;
     }
-    /// The ReferenceType that references may be of, else no_node.
+    /// Returns the ReferenceType, if it may be used for references, else no_node.
     [[nodiscard]] model::NodeIndex find_reference_type(const NodeId& id) const
     {
         const model::NodeIndex type = find(id);

@@ -9,7 +9,7 @@
 
 namespace busbar::server::detail {
 
-/// Who tells clients of nodes that come and go.
+/// Notifies clients of nodes that are added and removed.
 class ModelObserver {
 public:
     ModelObserver() = default;
@@ -23,7 +23,7 @@ protected:
     ~ModelObserver() = default;
 };
 
-/// What the NodeManagement services need of the server; as long as that lives.
+/// The needs of the NodeManagement services; valid as long as the server.
 struct NodeManagementNeeds {
     model::AddressSpace& space;
     const ServerConfig& config;
@@ -31,7 +31,7 @@ struct NodeManagementNeeds {
     const AccessControl* access;
     ClientNodes& client_nodes;
     ModelObserver& observer;
-    /// Gets a record of each change; as bounded as what peers cause has to be.
+    /// Gets a record of each change; rationed, since peers can cause them.
     LogSink& log;
     /// Index of the ApplicationUri in the NamespaceArray.
     std::uint16_t own_namespace;

@@ -28,9 +28,9 @@ AddNodesResult add_one(NodeManagementContext& context, const AddNodesItem& item)
                  : AddNodesResult{added.error(), {}};
 }
 
-/// Deletes the node with all that was added below it, and all references to these, whatever
-/// deleteTargetReferences says: a server may delete more than it was asked to (Part 4, 5.8.4.1),
-/// and here no reference leads nowhere. So there is no Uncertain_ReferenceNotDeleted.
+/// Deletes the node with all nodes that were added below it, and all references to these, whatever
+/// deleteTargetReferences says: a server may delete more than requested (Part 4, 5.8.4.1), and here
+/// every reference has a target. So there is no Uncertain_ReferenceNotDeleted.
 StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& item)
 {
     const model::NodeIndex node = context.find(item.node_id);
@@ -49,7 +49,7 @@ StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& ite
     return removed ? status::Good : removed.error();
 }
 
-/// Carries out a request item by item, and tells clients of what has changed after each turn.
+/// Carries out a request item by item, and notifies clients of the changes after each turn.
 template <typename Request, typename Response, auto Items, auto WorkOne>
 class ManagementOperation final : public SlicedOperation<Request, Response> {
 public:
@@ -109,14 +109,14 @@ private:
         needs_.observer.model_changed();
     }
 
-    /// A node or reference that comes or goes.
+    /// Cost of adding or removing a node or reference.
     static constexpr std::size_t units_of_change = 1'000;
 
     const NodeManagementNeeds& needs_;
-    /// While its turn lasts.
+    /// Valid during its turn.
     std::optional<NodeManagementContext> management_;
     RequestMark mark_;
-    /// Nothing before the first turn.
+    /// Empty before the first turn.
     std::optional<std::size_t> visits_left_;
 };
 

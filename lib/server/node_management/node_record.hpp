@@ -7,8 +7,8 @@
 
 #include "server/session/session_record.hpp"
 
-/// A record for each node or reference that a client adds or deletes, if the log wants them (Part
-/// 5, 6.4.21 to 6.4.25).
+/// Records each node or reference that a client adds or deletes, if the log wants it (Part 5,
+/// 6.4.21 to 6.4.25).
 namespace busbar::server::detail {
 
 inline void record_change(LogSink& log, const Session& session, const RequestMark& mark,

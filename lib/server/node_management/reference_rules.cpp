@@ -22,14 +22,14 @@ constexpr unsigned data_type = bit(NodeClass::DataType);
 constexpr unsigned view = bit(NodeClass::View);
 constexpr unsigned all = 255;
 
-/// NodeClasses between which references of a type, or of a subtype, may lead.
+/// NodeClasses that references of a type, or of a subtype, may connect.
 struct Rule {
     std::uint32_t type;
     unsigned sources;
     unsigned targets;
 };
 
-/// A type may come twice, with other targets for other sources.
+/// A type may appear twice, with other targets for other sources.
 constexpr std::array reference_rules{
     Rule{id::HasComponent, object | object_type, object | variable | method}, // Part 3, 7.7
     Rule{id::HasComponent, variable | variable_type, variable},
@@ -48,8 +48,8 @@ bool is_property(const model::AddressSpace& space, const ReferenceEnd& end)
            space.is_subtype_of(end.type_definition, id::PropertyType);
 }
 
-/// The target of HasProperty is a property, which has none itself and is nothing's component
-/// (Part 3, 4.5.2).
+/// The target of HasProperty is a property, which has none itself and is never a component (Part 3,
+/// 4.5.2).
 bool keeps_properties_apart(const model::AddressSpace& space, model::NodeIndex type,
                             const ReferenceEnd& source, const ReferenceEnd& target)
 {
@@ -71,7 +71,7 @@ StatusCode check_ends(const model::AddressSpace& space, model::NodeIndex type,
 {
     bool has_rule = false;
     bool fits = false;
-    // The most special rule is the last one: HasNotifier is a HasEventSource.
+    // The most specific rule is the last one: HasNotifier is a HasEventSource.
     std::uint32_t rule_type = 0;
     for (const Rule& rule : reference_rules) {
         if (!space.is_subtype_of(type, rule.type)) {

@@ -26,7 +26,7 @@ Ends ends(NodeIndex from, NodeIndex type, NodeIndex to, bool is_forward)
     return is_forward ? Ends{from, type, to} : Ends{to, type, from};
 }
 
-/// Good for the node of this server that the item means as its target. All references are local.
+/// Returns Good if the item's target is a node of this server. All references are local.
 StatusCode check_server(const NodeManagementContext& context, const AddReferencesItem& item)
 {
     const std::string_view uri = item.target_server_uri.view();
@@ -38,7 +38,7 @@ StatusCode check_server(const NodeManagementContext& context, const AddReference
                                                             : status::Bad_ReferenceLocalOnly;
 }
 
-/// The right must be there at both ends.
+/// The user must have the right at both ends.
 StatusCode check_rights(const NodeManagementContext& context, const Ends& reference,
                         StatusCode (NodeRights::*right)(NodeIndex) const)
 {
@@ -46,7 +46,7 @@ StatusCode check_rights(const NodeManagementContext& context, const Ends& refere
     return refusal.is_bad() ? refusal : (context.rights.*right)(reference.target);
 }
 
-/// Good if the model lets the reference be.
+/// Returns Good if the model allows the reference.
 StatusCode check_model(NodeManagementContext& context, const Ends& reference)
 {
     const model::AddressSpace& space = context.space;
@@ -54,7 +54,7 @@ StatusCode check_model(NodeManagementContext& context, const Ends& reference)
     if (source == target && space.is_subtype_of(type, id::HierarchicalReferences)) {
         return status::Bad_InvalidSelfReference;
     }
-    // HasChild never leads round (Part 3, 7.5).
+    // HasChild never forms a circle (Part 3, 7.5).
     const bool goes_round =
         space.is_subtype_of(type, id::HasChild) &&
         (is_below(space, source, target, space.find(id::HasChild), context.visits_left) ||
@@ -75,7 +75,7 @@ bool is_there(const model::AddressSpace& space, const Ends& reference)
     return false;
 }
 
-/// The ends of the reference that an item means, or why it means none.
+/// Returns the ends of the reference in an item, or why there are none.
 template <typename Item>
 Result<Ends> find_ends(const NodeManagementContext& context, const Item& item,
                        StatusCode server_status)

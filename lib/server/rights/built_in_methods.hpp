@@ -5,14 +5,15 @@
 
 namespace busbar::server::detail {
 
-/// ChangePassword of UserManagement, which whoever has a password may call (Part 18, 5.2.8).
+/// True for ChangePassword of UserManagement, which any user with a password may call (Part 18,
+/// 5.2.8).
 [[nodiscard]] inline bool is_change_password(const NodeId& method)
 {
     return method.is(id::UserManagement_ChangePassword);
 }
 
-/// True for a Method whose InputArguments have a password or a private key, of an Object or of its
-/// type: nobody is told of them.
+/// True for a Method whose InputArguments contain a password or a private key, of an Object or of
+/// its type: they are never reported.
 [[nodiscard]] inline bool has_secret_inputs(const NodeId& method)
 {
     constexpr std::uint32_t all[] = {id::UserManagement_AddUser,

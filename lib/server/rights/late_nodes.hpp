@@ -7,7 +7,7 @@
 
 namespace busbar::server::detail {
 
-/// Nodes that take up memory only once somebody looks for them: what is below Variables of the
+/// Nodes that take memory only once a client looks for them: those below Variables of the
 /// live_values_source.
 class LateNodes {
 public:
@@ -15,8 +15,8 @@ public:
     LateNodes(const LateNodes&) = delete;
     LateNodes& operator=(const LateNodes&) = delete;
 
-    /// Adds what belongs below the Variable with that handle and is not there yet; how many nodes
-    /// that were. Where there is no memory for all of them the next call adds the others.
+    /// Adds the missing nodes below the Variable with this handle and returns their number. If
+    /// there is not enough memory the next call adds the rest.
     virtual std::size_t add_below(model::NodeIndex variable, std::uint64_t handle) = 0;
 
 protected:

@@ -7,14 +7,14 @@
 
 namespace busbar::server::detail {
 
-/// The source of Variables outside namespace 0 whose values LiveValues has. It is none of
+/// The source of Variables outside namespace 0 whose values LiveValues has. It is not one of
 /// DataSources.
 inline constexpr std::uint32_t live_values_source = model::no_source - 1;
 
-/// Who wants a value of the server itself.
+/// The reader of a value of the server itself.
 struct ReadingUser {
     const UserIdentity& user;
-    /// Over a channel that nobody else can read.
+    /// The channel is encrypted.
     bool is_encrypted{false};
 
     /// SessionSecurityDiagnostics are for users who have logged in, over encrypted channels; others
@@ -25,15 +25,15 @@ struct ReadingUser {
     }
 };
 
-/// Values that the server finds when they are read: those below its own Object.
+/// Values that the server computes when they are read: those below its own Object.
 class LiveValues {
 public:
     LiveValues() = default;
     LiveValues(const LiveValues&) = delete;
     LiveValues& operator=(const LiveValues&) = delete;
 
-    /// The present value with its source timestamp; Bad_NodeIdUnknown for a Variable whose value
-    /// the address space or a data source has.
+    /// Returns the present value with its source timestamp; Bad_NodeIdUnknown for a Variable whose
+    /// value the address space or a data source has.
     [[nodiscard]] virtual Result<DataValue> find(const NodeId& node,
                                                  const ReadingUser& reader) const = 0;
 

@@ -13,11 +13,11 @@ namespace {
 using model::AddressSpace;
 using model::NodeIndex;
 
-/// Who has a Method as its component, as seen from what it is called on.
+/// The node that has a Method as its component, relative to the called object.
 enum class Owner { Nobody, Type, Itself };
 
-/// A Method of a type may be a component of every Object of it: it is looked for from the Object
-/// and its types, who have it under its name.
+/// A Method of a type may be a component of every Object of it: it is searched from the Object and
+/// its types, which have it under its name.
 Owner find_owner(const AddressSpace& space, NodeIndex object, NodeIndex type, NodeIndex method,
                  std::size_t& visits)
 {
@@ -44,7 +44,7 @@ Owner find_owner(const AddressSpace& space, NodeIndex object, NodeIndex type, No
     return Owner::Nobody;
 }
 
-/// The Object's Method that stands for one of its type; the latter if there is none.
+/// Returns the Object's Method that overrides one of its type; the latter if there is none.
 NodeIndex find_override(const AddressSpace& space, NodeIndex object, NodeIndex method,
                         std::size_t& visits)
 {

@@ -9,17 +9,17 @@
 
 namespace busbar::server::detail {
 
-/// What one user may do with nodes over one channel. An AccessControl, the RolePermissions of a
-/// node and its AccessRestrictions must all agree. Made anew in each turn: a user's roles may
-/// change between two.
+/// The rights of one user to nodes over one channel. An AccessControl, the RolePermissions of a
+/// node and its AccessRestrictions must all agree. Created again in each turn, since a user's roles
+/// may change between two.
 struct NodeRights {
     const model::AddressSpace& space;
     const UserIdentity& user;
     /// May be null.
     const AccessControl* control{nullptr};
-    /// Of the channel.
+    /// The security mode of the channel.
     MessageSecurityMode security_mode{MessageSecurityMode::None};
-    /// What the last RolePermissions came to: neighbours mostly share theirs.
+    /// The last RolePermissions and their result: neighbours often share theirs.
     struct Known {
         const Array<RolePermissionType>* given{nullptr};
         std::uint64_t access_changes{0};
@@ -27,22 +27,22 @@ struct NodeRights {
     };
     mutable Known known{};
 
-    /// False for a node that the user must not know of.
+    /// False for a node that is hidden from the user.
     [[nodiscard]] bool may_see(model::NodeIndex node) const
     {
         return (control == nullptr || control->may_browse(user, space.node_id(node))) &&
                is_permitted(PermissionType::Browse, node);
     }
-    /// Good, or Bad_SecurityModeInsufficient where the channel is weaker than the node asks for
-    /// (Part 3, 8.56). SessionRequired is always met: there are no services without session.
+    /// Good, or Bad_SecurityModeInsufficient if the channel is weaker than the node requires (Part
+    /// 3, 8.56). SessionRequired is always met: there are no services without session.
     [[nodiscard]] StatusCode check_channel(model::NodeIndex node) const
     {
         return is_strong_enough(space.access_restrictions(node))
                    ? status::Good
                    : status::Bad_SecurityModeInsufficient;
     }
-    /// The same for what belongs to the permission Browse: references, and reading attributes other
-    /// than Value and RolePermissions.
+    /// Checks likewise for the permission Browse: references, and reading attributes other than
+    /// Value and RolePermissions.
     [[nodiscard]] StatusCode check_browse_channel(model::NodeIndex node) const
     {
         constexpr auto applies =
@@ -56,7 +56,7 @@ struct NodeRights {
     {
         return (permissions(node) & static_cast<std::uint32_t>(permission)) != 0;
     }
-    /// Whether the user may call a Method that is executable. One that is not the server's own may
+    /// Returns whether the user may call an executable Method. One that is not the server's own may
     /// change as much as a Write does.
     [[nodiscard]] bool may_call(model::NodeIndex method, bool is_servers_own) const
     {
@@ -66,7 +66,7 @@ struct NodeRights {
                (control == nullptr || control->may_call(user, space.node_id(method))) &&
                is_permitted(PermissionType::Call, method);
     }
-    // Of the NodeManagement services: Good, Bad_UserAccessDenied or as check_channel.
+    // For the NodeManagement services: Good, Bad_UserAccessDenied or as check_channel.
 
     [[nodiscard]] StatusCode check_add_node(model::NodeIndex parent) const
     {
@@ -84,7 +84,7 @@ struct NodeRights {
     {
         return check(&AccessControl::may_remove_reference, PermissionType::RemoveReference, node);
     }
-    /// The UserAccessLevel of a Variable (Part 3, 5.6.2).
+    /// Returns the UserAccessLevel of a Variable (Part 3, 5.6.2).
     [[nodiscard]] std::uint8_t access_level(model::NodeIndex node,
                                             const model::VariableAttributes& variable) const
     {
@@ -146,7 +146,7 @@ private:
         return is_allowed && is_permitted(permission, node) ? status::Good
                                                             : status::Bad_UserAccessDenied;
     }
-    /// The bits of AccessLevelType that permissions leave (Part 3, 8.55).
+    /// Returns the bits of AccessLevelType that permissions allow (Part 3, 8.55).
     [[nodiscard]] static unsigned permitted_access(std::uint32_t permissions)
     {
         const auto unless = [&](PermissionType permission, AccessLevelType level) {
@@ -166,7 +166,7 @@ private:
     return (level & static_cast<std::uint8_t>(bit)) != 0;
 }
 
-/// What a NodeId that leads nowhere answers: a null one cannot be one of a node.
+/// Returns the status for a NodeId of no node: a null one is always invalid.
 [[nodiscard]] inline StatusCode why_not_found(const NodeId& id)
 {
     return id.is_null() ? status::Bad_NodeIdInvalid : status::Bad_NodeIdUnknown;

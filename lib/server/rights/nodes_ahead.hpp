@@ -11,8 +11,8 @@
 
 namespace busbar::server::detail {
 
-/// The NodeIds that the next items of a request name, of as many as are looked up together.
-/// `id_of` is the NodeId that an item names.
+/// The NodeIds in the next items of a request, as many as are looked up together. `id_of` returns
+/// the NodeId of an item.
 class IdsAhead {
 public:
     template <typename Item, typename IdOf>
@@ -33,9 +33,9 @@ private:
     std::size_t count_;
 };
 
-/// The nodes that the items of a request name, looked up in groups: a processor then waits for the
-/// memory of all of a group together. Asked in the order of the items, and kept for no longer than
-/// one turn: nodes may come and go between two.
+/// The nodes that the items of a request name, looked up in groups, so that a processor waits for
+/// the memory of a whole group together. Used in the order of the items, and kept for one turn at
+/// most, since nodes may be added and removed between two.
 class NodesAhead {
 public:
     /// `registered` may be null: then no id is an alias.
@@ -45,7 +45,7 @@ public:
     {
     }
 
-    /// The node of item `index`, no_node if there is none. `id_of` is as for IdsAhead.
+    /// Returns the node of item `index`, no_node if there is none. `id_of` is as for IdsAhead.
     template <typename Item, typename IdOf>
     [[nodiscard]] model::NodeIndex find(std::span<const Item> items, std::size_t index, IdOf id_of)
     {
@@ -72,8 +72,8 @@ private:
     std::array<model::NodeIndex, model::SpaceReader::fetched_together> found_;
 };
 
-/// For a service whose items are looked up one by one and deeper down: where item `next` begins
-/// another group of items, has the nodes of all of the group fetched.
+/// For a service that looks its items up one by one at a deeper level: at the first item `next` of
+/// a group, prefetches the nodes of the whole group.
 template <typename Item, typename IdOf>
 void fetch_ahead(const model::SpaceReader& space, std::span<const Item> items, std::size_t next,
                  IdOf id_of)

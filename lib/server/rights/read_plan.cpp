@@ -13,9 +13,10 @@ namespace {
 
 constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
 
-/// Part 4, 7.29: a null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be
-/// asked for: not for the Value of a Variable, or it is no Structure. Bad_DataEncodingUnsupported
-/// for one that a structure has not: the only one of this protocol is "Default Binary".
+/// Part 4, 7.29: a null DataEncoding is the default one. Bad_DataEncodingInvalid if none may be
+/// requested: for anything except the Value of a Variable, or for a value that is not a Structure.
+/// Bad_DataEncodingUnsupported for one that a structure does not have: the only one of this
+/// protocol is "Default Binary".
 StatusCode check_data_encoding(const ReadContext& context, const ReadTarget& id,
                                const model::VariableAttributes* variable)
 {
@@ -44,7 +45,8 @@ StatusCode check_access(const ReadContext& context, model::NodeIndex node,
                                                            : status::Bad_UserAccessDenied;
 }
 
-/// RolePermissions are for administrators and whom they let read them (Part 3, 5.2.9 and 8.55).
+/// RolePermissions are for administrators and users with the permission to read them (Part 3, 5.2.9
+/// and 8.55).
 StatusCode check_role_permissions(const ReadContext& context, model::NodeIndex node)
 {
     if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
@@ -59,7 +61,7 @@ StatusCode check_role_permissions(const ReadContext& context, model::NodeIndex n
                : status::Bad_UserAccessDenied;
 }
 
-/// Those of the session's roles (Part 3, 5.2.10).
+/// Returns the RolePermissions of the session's roles (Part 3, 5.2.10).
 Result<Variant> own_role_permissions(const ReadContext& context, model::NodeIndex node)
 {
     const model::NodeAccess* const access = context.space.node_access(node);
@@ -75,7 +77,7 @@ Result<Variant> own_role_permissions(const ReadContext& context, model::NodeInde
     return Variant{std::move(permissions)};
 }
 
-/// A text in the locale that is best for the reader (Part 4, 5.4).
+/// Returns a text in the best locale for the reader (Part 4, 5.4).
 void translate(const ReadContext& context, model::NodeIndex node, AttributeId attribute,
                Variant& value)
 {
@@ -87,7 +89,7 @@ void translate(const ReadContext& context, model::NodeIndex node, AttributeId at
     }
 }
 
-/// Any attribute but a Variable's Value.
+/// Returns any attribute except a Variable's Value.
 Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
     const model::AddressSpace& space = context.space;
@@ -137,7 +139,7 @@ Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, mode
     return value;
 }
 
-/// The value of a Variable without data source.
+/// Returns the value of a Variable without data source.
 DataValue kept_value(const ReadContext& context, const ReadTarget& id, model::NodeIndex node,
                      std::uint32_t source)
 {

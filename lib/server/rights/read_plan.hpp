@@ -15,31 +15,31 @@
 
 namespace busbar::server::detail {
 
-/// What a Read looks at besides its request.
+/// The context of a Read in addition to its request.
 struct ReadContext {
     const model::AddressSpace& space;
     DataSources& sources;
     NodeRights rights;
-    /// The value of a Variable of namespace 0, or of a session's diagnostics, that is found when it
-    /// is read; fails for any other.
+    /// Returns the value of a Variable of namespace 0, or of a session's diagnostics, that is
+    /// computed when it is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
-    /// What the reader would have texts in, the best first.
+    /// The reader's locales in order of preference.
     std::span<const std::string> locales{};
-    /// The aliases that NodeIds of the request may be; may be null.
+    /// The aliases that may be among the NodeIds of the request; may be null.
     const RegisteredNodes* registered{nullptr};
 };
 
-/// Where the value of one attribute comes from.
+/// The source of one attribute's value.
 struct ReadPlan {
-    /// Null: there is the answer, or why there is none, in `answer`.
+    /// If null, `answer` has the value, or the reason why there is none.
     SourceEntry* source{nullptr};
     std::uint32_t source_index{model::no_source};
     std::uint64_t handle{0};
     DataValue answer;
 };
 
-/// A ReadValueId without its index range; valid as long as what it was made of.
+/// A ReadValueId without its index range; valid as long as its origin.
 struct ReadTarget {
     ReadTarget(const ReadValueId& id) : ReadTarget{id.node_id, id.attribute_id, &id.data_encoding}
     {
@@ -60,9 +60,9 @@ struct ReadTarget {
     const QualifiedName* data_encoding;
 };
 
-/// Looks up node, attribute, rights and data encoding; the index range is the caller's to cut.
+/// Looks up node, attribute, rights and data encoding; the caller cuts the index range.
 [[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadTarget& id);
-/// The same for who has looked up `node`, no_node if there is none.
+/// Plans for a caller that has already looked up `node`, no_node if there is none.
 [[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadTarget& id,
                                  model::NodeIndex node);
 

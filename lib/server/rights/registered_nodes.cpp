@@ -20,7 +20,7 @@ void RegisteredNodes::make_places(std::size_t count)
 {
     const std::size_t before = places_.size();
     places_.resize(before + count);
-    // The one with the lowest number comes first: a client's nodes then lie beside each other.
+    // The place with the lowest number comes first, so that a client's nodes are neighbours.
     for (std::size_t i = places_.size(); i-- > before;) {
         places_[i].node.index = model::NodeIndex{first_free_};
         first_free_ = static_cast<std::uint32_t>(i);
@@ -63,7 +63,7 @@ void RegisteredNodes::remove(const NodeId& id)
     Place& freed = places_[number];
     freed.is_used = false;
     if (++freed.uses == most_uses) {
-        return; // it has no NodeId left that was not given before
+        return; // all its NodeIds were used before
     }
     freed.node.index = model::NodeIndex{first_free_};
     first_free_ = number;

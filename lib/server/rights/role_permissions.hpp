@@ -5,7 +5,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
 
-/// What RolePermissions of a node give a user (Part 3, 4.9 and 8.55).
+/// The permissions that a node's RolePermissions grant a user (Part 3, 4.9 and 8.55).
 ///
 /// A role is named by a well-known NodeId or by the BrowseName of its node. Every user has the role
 /// Anonymous, one who has logged in also AuthenticatedUser, and those that the UserStore gave him.
@@ -15,14 +15,14 @@ inline constexpr std::uint32_t all_permissions = UINT32_MAX;
 
 [[nodiscard]] bool has_role(const model::AddressSpace& space, const UserIdentity& user,
                             const NodeId& role);
-/// Whether the user is ConfigureAdmin or SecurityAdmin.
+/// Returns whether the user is ConfigureAdmin or SecurityAdmin.
 [[nodiscard]] bool is_administrator(const model::AddressSpace& space, const UserIdentity& user);
-/// The entries for roles that the user has.
+/// Returns the entries for roles that the user has.
 [[nodiscard]] Array<RolePermissionType>
 user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,
                       const Array<RolePermissionType>& permissions);
-/// What a node's RolePermissions allow the user, of all his roles together; all_permissions where
-/// neither the node nor its namespace has any.
+/// Returns what a node's RolePermissions allow the user, for all his roles together;
+/// all_permissions if neither the node nor its namespace has any.
 [[nodiscard]] std::uint32_t user_permissions(const model::AddressSpace& space,
                                              const UserIdentity& user,
                                              const Array<RolePermissionType>& given);

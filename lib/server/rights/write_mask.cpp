@@ -14,8 +14,8 @@ struct MaskRow {
     bool is_written{false};
 };
 
-/// Those that are not written say how a node is, which is for whoever made it: its type and class,
-/// its names for programs, and whether there is a source or a history behind it.
+/// Attributes that cannot be written describe the node's nature, which its creator decides: its
+/// type and class, its names for programs, and whether it has a source or a history.
 constexpr std::array mask_rows{
     MaskRow{AttributeId::AccessLevel, AttributeWriteMask::AccessLevel},
     MaskRow{AttributeId::ArrayDimensions, AttributeWriteMask::ArrayDimensions},
@@ -51,7 +51,7 @@ constexpr auto bit_of_restrictions =
     static_cast<std::uint32_t>(AttributeWriteMask::AccessRestrictions);
 constexpr std::uint32_t bits_of_rights = bit_of_roles | bit_of_restrictions;
 
-/// The bits that a user's permissions take away.
+/// Returns the bits that a user's permissions deny.
 std::uint32_t forbidden_bits(const NodeRights& rights, model::NodeIndex node)
 {
     if (rights.space.role_permissions(node) == nullptr) {

@@ -7,18 +7,19 @@
 
 #include "node_rights.hpp"
 
-/// AttributeWriteMask (Part 3, 8.60): which attributes of a node, its Value aside, Write replaces.
-/// NodeAccess::write_mask may name more than this server can write: no client sees those bits.
+/// AttributeWriteMask (Part 3, 8.60): the attributes of a node, other than its Value, that Write
+/// can replace. NodeAccess::write_mask may name more than this server can write: clients do not see
+/// those bits.
 namespace busbar::server::detail {
 
-/// The attribute's bit; 0 for one that has none.
+/// Returns the attribute's bit; 0 for one that has none.
 [[nodiscard]] std::uint32_t write_mask_bit(AttributeId attribute);
-/// The WriteMask of the node; 0 for a constant node.
+/// Returns the WriteMask of the node; 0 for a constant node.
 [[nodiscard]] std::uint32_t write_mask(const model::AddressSpace& space, model::NodeIndex node);
-/// What of it the user may: for RolePermissions with the permission WriteRolePermissions, for
-/// AccessRestrictions with that and WriteAttribute, for all others with WriteAttribute (Part 3,
-/// 8.55). Without CurrentWrite in his mask a user may nothing, and where no RolePermissions count
-/// rights are changed by administrators alone. The channel is not looked at.
+/// Returns the part of it that the user may write: RolePermissions with the permission
+/// WriteRolePermissions, AccessRestrictions with that and WriteAttribute, all others with
+/// WriteAttribute (Part 3, 8.55). Without CurrentWrite in his mask a user may write nothing, and if
+/// no RolePermissions apply only administrators change rights. The channel is not checked.
 [[nodiscard]] std::uint32_t user_write_mask(const NodeRights& rights, model::NodeIndex node);
 
 } // namespace busbar::server::detail

@@ -6,11 +6,11 @@
 
 namespace busbar::server::detail {
 
-/// What a callback threw while a request was served, which is answered with it and not with what
-/// was made of the callback's silence.
+/// The status of an exception of a callback during a request, which is answered with it and not
+/// with a result derived from the callback's missing answer.
 class RequestFault {
 public:
-    /// While it lives, that request is being served.
+    /// While it exists, this request is being served.
     class Serving {
     public:
         Serving(RequestFault& fault, const void* peer, std::uint32_t request_id) : fault_{fault}
@@ -28,10 +28,10 @@ public:
     RequestFault() = default;
 
     void note(StatusCode status) { status_ = status; }
-    /// Before something that asks is_noted() by itself.
+    /// Call it before code that checks is_noted() by itself.
     void forget() { status_ = {}; }
     [[nodiscard]] bool is_noted() const { return status_.is_bad(); }
-    /// How that request is to be answered: with `status` if nothing was thrown for it.
+    /// Returns the answer of the request: `status` if no callback threw.
     [[nodiscard]] StatusCode answer(const void* peer, std::uint32_t request_id,
                                     StatusCode status) const
     {
@@ -50,12 +50,12 @@ private:
     StatusCode status_;
 };
 
-/// Where the guards of one server report.
+/// The destination of reports of one server's guards.
 struct FaultReport {
     LogSink* log;
     RequestFault* request;
 
-    /// Calls what a user wrote.
+    /// Calls user code.
     template <typename Function>
     StatusCode guard(std::string_view callback, Function&& function) const
     {
@@ -66,7 +66,7 @@ struct FaultReport {
         }
         return status;
     }
-    /// The same of one that gives something; `otherwise` if it threw.
+    /// Calls user code that returns a value; returns `otherwise` if it threw.
     template <typename T, typename Function>
     T guard(std::string_view callback, T otherwise, Function&& function) const
     {
@@ -75,7 +75,7 @@ struct FaultReport {
     }
 };
 
-/// Lets nothing be done where the user's own one throws.
+/// Denies everything if the user's AccessControl throws.
 class GuardedAccess final : public AccessControl {
 public:
     GuardedAccess(const AccessControl* inner, const FaultReport& report)
@@ -101,7 +101,7 @@ private:
     FaultReport report_;
 };
 
-/// Trusts nobody where the user's own one throws.
+/// Trusts no certificate if the user's validator throws.
 class GuardedValidator final : public crypto::CertificateValidator {
 public:
     explicit GuardedValidator(const FaultReport& report) : report_{report} {}
@@ -115,7 +115,7 @@ private:
     FaultReport report_;
 };
 
-/// Knows nobody where the user's own one throws.
+/// Knows no user if the user's UserStore throws.
 class GuardedUsers final : public UserStore {
 public:
     GuardedUsers(UserStore* inner, const FaultReport& report)
@@ -123,7 +123,7 @@ public:
     {
     }
 
-    /// For a Worker, which may still ask the store when the server and its guards are gone.
+    /// For a Worker, which may still call the store when the server and its guards are destroyed.
     [[nodiscard]] UserStore& inner() { return *inner_; }
 
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
@@ -143,7 +143,7 @@ private:
     GuardedValidator validator_;
 };
 
-/// What a server has between itself and its environment.
+/// The guards between a server and its environment.
 class Guards {
 public:
     /// Faults are reported to `rationed`, since peers can cause them.
@@ -155,7 +155,7 @@ public:
     [[nodiscard]] ServerEnvironment environment();
     [[nodiscard]] const FaultReport& report() const { return report_; }
     [[nodiscard]] RequestFault& request() { return request_; }
-    /// Only if the environment has one.
+    /// Only if the environment has a UserStore.
     [[nodiscard]] UserStore& unguarded_users() { return users_.inner(); }
 
 private:

@@ -8,9 +8,9 @@ namespace {
 
 /// Longer names are counted as if they ended here.
 constexpr std::size_t max_name_size = 128;
-/// Names that one source is counted for separately.
+/// Maximum number of names that one source is counted for separately.
 constexpr std::size_t max_users_per_source = 8;
-/// Sources that one user is remembered at.
+/// Maximum number of sources that one user is remembered at.
 constexpr std::size_t max_sources_per_user = 8;
 
 std::string_view cut(std::string_view name)
@@ -18,7 +18,7 @@ std::string_view cut(std::string_view name)
     return name.substr(0, max_name_size);
 }
 
-/// Null if there is none, however old it may be.
+/// Returns null if there is none, however old it may be.
 template <typename Entry>
 Entry* named(std::vector<Entry>& table, std::string_view name)
 {
@@ -27,7 +27,7 @@ Entry* named(std::vector<Entry>& table, std::string_view name)
     return found == table.end() ? nullptr : &*found;
 }
 
-/// Removes an entry that counts nothing.
+/// Removes an entry without counts.
 template <typename Entry>
 void drop_if_empty(std::vector<Entry>& table, std::string_view name)
 {
@@ -145,7 +145,7 @@ LoginGuard::Admission LoginGuard::admit_source(std::string_view source, TimePoin
 
 Duration LoginGuard::delay_after(std::size_t failures) const
 {
-    // A single mistake is not punished.
+    // A single mistake has no consequences.
     if (failures < 2) {
         return Duration::zero();
     }

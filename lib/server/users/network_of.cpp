@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t group_count = 8;
 
-/// The groups of hexadecimal digits in a part of an IPv6 address, until something else comes.
+/// Reads the groups of hexadecimal digits in a part of an IPv6 address, until another character.
 std::size_t read_groups(std::string_view text, std::array<std::uint16_t, group_count>& groups)
 {
     std::size_t count = 0;
@@ -46,7 +46,7 @@ std::string network_of(std::string_view address)
     if (address.find(':') == std::string_view::npos) {
         return std::string{address};
     }
-    // What "::" leaves out are zeros; what stands behind it counts from the end.
+    // The groups that "::" omits are zeros; those after it count from the end.
     std::array<std::uint16_t, group_count> groups{};
     std::array<std::uint16_t, group_count> back{};
     const std::size_t gap = address.find("::");

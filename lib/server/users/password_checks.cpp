@@ -21,7 +21,7 @@ void PasswordChecks::drain(TimePoint now)
     if (!WorkQueue::drain(now)) {
         return;
     }
-    // Whoever is told may wait again, and others may give up meanwhile.
+    // A notified waiter may wait again, and others may give up meanwhile.
     for (std::size_t left = waiters_.size(); left != 0 && !waiters_.empty(); --left) {
         CheckWaiter* const first = waiters_.front();
         waiters_.erase(waiters_.begin());

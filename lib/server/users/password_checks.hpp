@@ -17,16 +17,16 @@ namespace busbar::server::detail {
 struct PasswordCheck final : WorkItem {
     std::string name;
     crypto::Secret password;
-    /// False for a stand-in: whatever the store says, the login fails.
+    /// False for a stand-in: the login fails, whatever the store answers.
     bool is_readable{false};
     Result<UserIdentity> result{fail(status::Bad_UserAccessDenied)};
-    /// Which a worker asks; outlives it.
+    /// The store that a worker calls; outlives it.
     UserStore* users{nullptr};
 
-    /// What log_in threw, if it did; not empty then.
+    /// The exception of log_in, if it threw; not empty then.
     busbar::detail::ThrownText thrown{};
 
-    /// Asks the store; takes its time.
+    /// Calls the store; takes some time.
     void run(UserStore& from);
     void run() override { run(*users); }
 };
@@ -44,20 +44,20 @@ protected:
     ~CheckWaiter() = default;
 };
 
-/// Password checks that workers do, those first that come from where somebody has logged in before.
-/// Lives on the server's thread.
+/// Password checks that workers do; those from sources where a login has succeeded before come
+/// first. Lives on the server's thread.
 class PasswordChecks : public WorkQueue {
 public:
     using WorkQueue::WorkQueue;
 
-    /// The worker of the store; null if it has none, or there is no way back from it.
+    /// Returns the worker of the store; null if it has none, or cannot report back.
     [[nodiscard]] Worker* worker_for(UserStore& users) const;
 
-    /// Tells `waiter` once, when checks have ended; those that have waited longest first. It must
-    /// be valid until then, or until stop_waiting.
+    /// Notifies `waiter` once, when checks have ended; those that have waited longest first. It
+    /// must be valid until then, or until stop_waiting.
     void wait(CheckWaiter& waiter) { waiters_.push_back(&waiter); }
     void stop_waiting(CheckWaiter& waiter) { std::erase(waiters_, &waiter); }
-    /// Tells the owners of what is done, then those who wait for that.
+    /// Notifies the owners of finished checks, then the waiters.
     void drain(TimePoint now);
 
 private:

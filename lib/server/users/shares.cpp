@@ -6,7 +6,7 @@
 
 namespace busbar::server::detail {
 
-/// The same for the same user (see is_same_user), and for nobody else.
+/// Returns the same key for the same user only (see is_same_user).
 std::string share_key(const UserIdentity& user, std::string_view address)
 {
     std::string key = std::to_string(static_cast<int>(user.token_type)) + ' ';

@@ -9,27 +9,27 @@
 
 namespace busbar::server::detail {
 
-/// What one user has of something that all have together.
+/// One user's part of a common resource.
 struct Share {
-    /// Who that is, to be shown.
+    /// The user, for display.
     std::string text{};
     std::size_t places{0};
-    /// Of Subscriptions their items; of sessions those that are activated.
+    /// For Subscriptions their items; for sessions the activated ones.
     std::size_t items{0};
-    /// It was logged that a place of this share went to somebody else.
+    /// It was logged that a place of this share was given to another user.
     bool is_told{false};
 };
 
 /// The shares of all users. Anonymous users share one for each network that they come from (see
-/// network_of). A Share stays where it is until nothing is left of it.
+/// network_of). A Share keeps its address until it is empty.
 class Shares {
 public:
-    /// Takes one place more, with that many items.
+    /// Takes one more place, with this many items.
     [[nodiscard]] Share& enter(const UserIdentity& user, std::string_view address,
                                std::size_t items = 0);
-    /// Gives the same back.
+    /// Returns one place with this many items.
     void leave(Share& share, std::size_t items = 0);
-    /// Null if that user has nothing.
+    /// Returns null if the user has nothing.
     [[nodiscard]] const Share* find(const UserIdentity& user, std::string_view address) const;
     [[nodiscard]] std::size_t size() const { return shares_.size(); }
 
@@ -40,10 +40,10 @@ private:
     std::unordered_map<std::string, Entry> shares_;
 };
 
-/// Equal for those who have one Share.
+/// Returns a key that is equal for users with a common Share.
 [[nodiscard]] std::string share_key(const UserIdentity& user, std::string_view address);
 
-/// Who that is in a log line: nothing in it can be mistaken for the line's own text.
+/// Describes the user for a log line: nothing in it can be mistaken for the line's own text.
 [[nodiscard]] std::string describe(const UserIdentity& user);
 
 } // namespace busbar::server::detail

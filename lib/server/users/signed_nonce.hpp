@@ -9,8 +9,8 @@
 
 namespace busbar::server::detail {
 
-/// Returns what is signed of a certificate and a nonce: the one followed by the other (Part
-/// 4, 7.36).
+/// Returns the bytes that are signed for a certificate and a nonce: the one followed by the other
+/// (Part 4, 7.36).
 [[nodiscard]] std::vector<std::byte> join(std::span<const std::byte> certificate,
                                           std::span<const std::byte> nonce);
 

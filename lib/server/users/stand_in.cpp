@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 std::size_t stand_in_for(std::string_view name, std::span<const std::string_view> hashes)
 {
-    // Once for all: strangers choose how long it is.
+    // Computed once, since strangers choose its length.
     const auto digest = crypto::sha256(std::as_bytes(std::span{name}));
     std::string text;
     std::array<std::byte, 32> highest{};

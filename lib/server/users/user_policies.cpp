@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view jwt_type = "http://opcfoundation.org/UA/UserToken#JWT";
 
-/// The issuerEndpointUrl of a policy for JSON Web Tokens (Part 6, 6.5.2.2, Table 55).
+/// Returns the issuerEndpointUrl of a policy for JSON Web Tokens (Part 6, 6.5.2.2, Table 55).
 std::string issuer_parameters(const ServerConfig& config, const crypto::JwtRules& rules)
 {
     const TokenIssuer& issuer = config.issuer;

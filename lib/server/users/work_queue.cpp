@@ -27,7 +27,7 @@ bool WorkQueue::start(const std::shared_ptr<WorkItem>& item,
         done_->waiting.push_back(item);
         ++done_->jobs;
     }
-    // One waits for each job.
+    // One entry waits for each job.
     busbar::detail::Undo undo{[&] {
         const std::lock_guard lock{done_->mutex};
         --done_->jobs;
@@ -42,7 +42,7 @@ bool WorkQueue::start(const std::shared_ptr<WorkItem>& item,
     {
         const std::lock_guard lock{done_->mutex};
         --done_->jobs;
-        if (done_->waiting.size() <= done_->jobs) { // in the place of what was forgotten
+        if (done_->waiting.size() <= done_->jobs) { // in the place of a forgotten one
             return true;
         }
         greediest = done_->take_greediest();

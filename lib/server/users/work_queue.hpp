@@ -15,7 +15,7 @@
 
 namespace busbar::server::detail {
 
-/// Who waits for work; lives on the server's thread.
+/// Waits for work; lives on the server's thread.
 class WorkOwner {
 public:
     WorkOwner() = default;
@@ -23,14 +23,14 @@ public:
     WorkOwner& operator=(const WorkOwner&) = delete;
 
     virtual void work_done(TimePoint now) = 0;
-    /// It will not be done: others, who have asked for less, took its place.
+    /// It will not be done: other work, whose source has less, took its place.
     virtual void work_displaced(TimePoint now) = 0;
 
 protected:
     ~WorkOwner() = default;
 };
 
-/// Slow work of a peer on its way through a Worker.
+/// Slow work for a peer on its way through a Worker.
 class WorkItem {
 public:
     WorkItem() = default;
@@ -38,21 +38,22 @@ public:
     WorkItem& operator=(const WorkItem&) = delete;
     virtual ~WorkItem() = default;
 
-    /// Does it, on any thread; keeps what goes wrong, since nobody else does.
+    /// Does it, on any thread; keeps errors, since no other code does.
     virtual void run() = 0;
 
-    /// Where it comes from, and how much is known of who is there: nothing of strangers, who are 0.
+    /// The source of the work, and how well it is known: 0 for unknown peers.
     std::string source{};
     unsigned rank{0};
-    /// Only touched on the server's thread; null if nobody waits any more.
+    /// Used on the server's thread only; null if its owner no longer waits.
     WorkOwner* owner{nullptr};
 };
 
 /// Work that workers do. Lives on the server's thread.
 ///
-/// The worker decides how much waits, this which is next: what has the higher rank, though every
-/// fourth is a stranger's; of one rank the sources that have fewest waiting before the others. When
-/// there is no room for one more, the last of the lowest rank's source that has most waiting goes.
+/// The worker limits how much waits, this object chooses the next one: the highest rank first,
+/// although every fourth is an unknown peer's; within one rank the sources with the fewest waiting
+/// first. If there is no room for one more, the last one of the lowest rank's source with the most
+/// waiting is dropped.
 class WorkQueue {
 public:
     /// `waker` may be null; it must be valid as long as this.
@@ -61,42 +62,42 @@ public:
     WorkQueue& operator=(const WorkQueue&) = delete;
     ~WorkQueue();
 
-    /// False if there is no way back from a worker.
+    /// Returns false if a worker cannot report back.
     [[nodiscard]] bool has_way_back() const { return !done_->waker.is_empty(); }
-    /// Has a worker do it by `run`, which is Worker::run; its owner is told later. False if there
-    /// is no room and nobody else has more waiting.
+    /// Lets a worker do it by `run`, which is Worker::run; its owner is notified later. False if
+    /// there is no room and no other source has more waiting.
     [[nodiscard]] bool start(const std::shared_ptr<WorkItem>& item,
                              FunctionRef<bool(std::function<void()>)> run, TimePoint now);
-    /// Nobody waits for it any more: it is not begun, and its owner not told.
+    /// Drops work whose owner no longer waits: it is not begun, and its owner not notified.
     void forget(WorkItem& item);
-    /// Tells the owners of work that is done. False if there was none.
+    /// Notifies the owners of finished work. False if there was none.
     bool drain(TimePoint now);
 
 private:
     /// Outlives the server if a worker is late.
     struct Done {
         using Item = std::shared_ptr<WorkItem>;
-        /// Moved from one to the other, so that a worker never needs memory for that.
+        /// Moved from one list to the other, so that a worker never needs memory for that.
         using Items = std::list<Item>;
 
         void work();
-        /// Takes out what is to be done next; none if nothing waits.
+        /// Removes the next work to do; none if nothing waits.
         [[nodiscard]] Items take_next();
-        /// Takes out what is not to be done.
+        /// Removes the work to be dropped.
         [[nodiscard]] Items take_greediest();
         [[nodiscard]] std::size_t count_from(const WorkItem& item) const;
 
         busbar::detail::WakerSlot waker;
-        std::mutex mutex; // of what follows
+        std::mutex mutex; // protects the following members
         /// The oldest first.
         Items waiting;
-        /// Jobs that the worker has not begun: not fewer than wait, as some was forgotten.
+        /// Jobs that the worker has not begun: at least as many as wait, since some were forgotten.
         std::size_t jobs{0};
-        /// What had its turn while strangers waited.
+        /// Number of turns of known peers while unknown ones waited.
         unsigned known_in_turn{0};
         Items done;
     };
-    /// The next that is done; null if there is none.
+    /// Returns the next finished work; null if there is none.
     [[nodiscard]] std::shared_ptr<WorkItem> take_done();
 
     std::shared_ptr<Done> done_;
