@@ -14,7 +14,7 @@ namespace {
 Result<double> percent_of_range(const DataChangeFilter& filter, const std::optional<Range>& range)
 {
     const double width = range ? range->high - range->low : -1;
-    // Also true of what is not a number.
+    // Also rejects NaN.
     if (!(filter.deadband_value <= 100) || !(width >= 0)) {
         return fail(status::Bad_DeadbandFilterInvalid);
     }

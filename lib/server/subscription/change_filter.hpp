@@ -12,16 +12,17 @@
 
 namespace busbar::server::detail {
 
-/// A DataChangeFilter (Part 4, 7.22.2) that is ready to be applied to Values: which change is one.
+/// A DataChangeFilter (Part 4, 7.22.2) that is ready to be applied to Values: decides what counts
+/// as a change.
 class ChangeFilter {
 public:
-    /// What there is without a filter: a change of status or value.
+    /// The default without a filter: a change of status or value.
     ChangeFilter() = default;
-    /// The one of a Variable's Value. Bad_MonitoredItemFilterInvalid if it is none at all or
-    /// contradicts itself, Bad_FilterNotAllowed for an EventFilter or a deadband of what is no
-    /// number, Bad_MonitoredItemFilterUnsupported for an AggregateFilter, and
-    /// Bad_DeadbandFilterInvalid for a deadband that is negative, past 100 % or a percentage where
-    /// there is no `eu_range` (Part 8, 7.2).
+    /// Returns the filter for a Variable's Value. Bad_MonitoredItemFilterInvalid if it is not a
+    /// filter or contradicts itself, Bad_FilterNotAllowed for an EventFilter or a deadband for a
+    /// value that is not a number, Bad_MonitoredItemFilterUnsupported for an AggregateFilter, and
+    /// Bad_DeadbandFilterInvalid for a deadband that is negative, past 100 % or a percentage
+    /// without an `eu_range` (Part 8, 7.2).
     [[nodiscard]] static Result<ChangeFilter> make(const ExtensionObject& filter,
                                                    const model::AddressSpace& space,
                                                    model::NodeIndex variable,
@@ -29,8 +30,8 @@ public:
     /// True for a deadband in percent, which needs the EURange.
     [[nodiscard]] static bool is_percentage(const ExtensionObject& filter);
 
-    /// True if the new value, which is `value` with the rest from `data`, is to be reported after
-    /// the last one that was.
+    /// True if the new value, which is `value` with the other fields of `data`, must be reported
+    /// after the last reported one.
     [[nodiscard]] bool passes(const DataValue& last, const DataValue& data, const Variant& value,
                               StatusCode status) const
     {
@@ -55,7 +56,7 @@ public:
     }
 
 private:
-    /// The bits that a queue sets are no change.
+    /// The bits that a queue sets do not count as a change.
     [[nodiscard]] static bool is_other_status(StatusCode a, StatusCode b);
 
     DataChangeTrigger trigger_{DataChangeTrigger::StatusValue};

@@ -10,9 +10,9 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// So few are not worth an errand.
+/// Up to this number, items are deleted at once.
 constexpr std::size_t items_at_once = 16;
-/// An item is gone within some microseconds.
+/// Deleting an item takes some microseconds.
 constexpr std::size_t items_of_sweep = 200;
 
 } // namespace
@@ -27,7 +27,7 @@ EndedSubscriptions::~EndedSubscriptions()
 void EndedSubscriptions::add(std::unique_ptr<Subscription> subscription)
 {
     if (subscription->item_count() > items_at_once) {
-        busbar::detail::attempt([&] { // else it goes at once
+        busbar::detail::attempt([&] { // otherwise it is deleted at once
             timers_.set(*this, TimePoint::min());
             all_.push_back(std::move(subscription));
         });
@@ -55,7 +55,7 @@ void EndedSubscriptions::clear()
 
 void EndedSubscriptions::expire(TimePoint /*now*/)
 {
-    // First, as in Subscription::expire: whatever happens here, it goes on.
+    // As in Subscription::expire: re-arm first, so that a throw below cannot stop the timer.
     timers_.set(*this, TimePoint::min());
     static_cast<void>(sweep(items_of_sweep));
     if (all_.empty()) {

@@ -10,8 +10,8 @@ namespace busbar::server::detail {
 
 class Subscription;
 
-/// Subscriptions that are deleted, until their items are gone. These go a few at a time, when all
-/// else that is due is done: a hundred thousand take longer than anybody should have to wait.
+/// Subscriptions that are deleted, until their items are. Items are deleted a few at a time, after
+/// all other work that is due: a hundred thousand take longer than any client should wait.
 class EndedSubscriptions final : public Timer {
 public:
     /// `timers` must outlive this object.
@@ -20,7 +20,7 @@ public:
 
     /// Takes one that has neither session nor timer any more.
     void add(std::unique_ptr<Subscription> subscription);
-    /// Removes that many items at most; false if there is none.
+    /// Removes at most this many items; false if there are none.
     bool sweep(std::size_t items) noexcept;
     [[nodiscard]] std::size_t size() const { return all_.size(); }
     void clear();

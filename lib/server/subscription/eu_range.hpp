@@ -13,27 +13,27 @@
 
 namespace busbar::server::detail {
 
-/// Who wants to know an EURange that a data source has.
+/// Is notified of an EURange that a data source has.
 class EuRangeUser {
 public:
-    /// Nothing if the source has none. The read may be destroyed from here.
+    /// `range` is empty if the source has none. The read may be destroyed by this call.
     virtual void eu_range_came(const std::optional<Range>& range) = 0;
 
 protected:
     ~EuRangeUser() = default;
 };
 
-/// The property EURange of a Variable (Part 8, 5.3.2.2), no_node if it has none.
+/// Returns the property EURange of a Variable (Part 8, 5.3.2.2), no_node if it has none.
 [[nodiscard]] model::NodeIndex find_eu_range(const model::AddressSpace& space,
                                              model::NodeIndex variable);
 
-/// Asks a data source for the value of an EURange. Nobody waits for it: as long as the source does
-/// not answer nothing happens. Destroying it ends that.
+/// Reads the value of an EURange from a data source. Nothing waits for it: as long as the source
+/// does not answer nothing happens. Destroying it ends that.
 class EuRangeRead final : private SourceCallOwner {
 public:
     EuRangeRead(EuRangeUser& user, DataSources& sources) : user_{&user}, call_{sources, 1} {}
 
-    /// Tells the user at once, or when the answer comes.
+    /// Notifies the user at once, or when the answer arrives.
     void start(const model::VariableAttributes& property, TimePoint now);
 
 private:

@@ -4,15 +4,15 @@
 #include "subscription.hpp"
 #include "subscription_table.hpp"
 
-// Which Subscription ends so that another can be made, when there are too many. The specification
-// leaves that to the server: it has only Bad_TooManySubscriptions (Part 4, 5.14.2.3) and, for the
-// one that ends, the StatusChangeNotification Bad_Timeout (Part 4, 5.14.1.1).
+// Decides which Subscription ends to make room for another one, when there are too many. The
+// specification leaves that to the server: it has only Bad_TooManySubscriptions (Part 4, 5.14.2.3)
+// and, for the one that ends, the StatusChangeNotification Bad_Timeout (Part 4, 5.14.1.1).
 
 namespace busbar::server::detail {
 
 namespace {
 
-/// No client is there to miss it.
+/// True if no client would miss it.
 bool is_left(const Subscription& subscription)
 {
     return subscription.session() == nullptr || subscription.session()->peer == nullptr;
@@ -23,7 +23,8 @@ bool is_left(const Subscription& subscription)
 Subscription* SubscriptionTable::find_giving_way(const Share* taker, std::size_t Share::*what,
                                                  bool is_own) const
 {
-    // Who has a session still comes last; then the greediest first, and of what is his the oldest.
+    // Subscriptions with a session come last; then those of the user with most first, and of his
+    // the oldest.
     const auto order = [what](const Subscription& s) {
         return std::tuple{s.session() != nullptr, ~(s.share().*what), s.since()};
     };
@@ -49,7 +50,7 @@ bool SubscriptionTable::displace(const Want& want, bool is_own)
         return false;
     }
     Share& loser = found->share();
-    if (!loser.is_told) { // once: there may be a thousand more
+    if (!loser.is_told) { // logged once, since there may be a thousand more
         loser.is_told = true;
         needs_.log.write(LogLevel::Warning, "subscription",
                          "Subscription " + std::to_string(found->id()) + " of " + loser.text +
@@ -86,7 +87,7 @@ bool SubscriptionTable::make_room_for_item(const Subscription& subscription, Tim
         return false;
     }
     want.limit = "max_items";
-    // What has ended already makes room soon.
+    // Subscriptions that have ended already will make room soon.
     if (item_count_ >= limits.max_items && ended_.size() == 0) {
         displace(want, false);
     }

@@ -23,10 +23,10 @@ bool take_new(std::byte* seen, const std::byte* now)
     return is_new;
 }
 
-/// Has `seen` be what is there now; true if it was something else.
+/// Copies `now` to `seen`; true if they differed.
 bool take_new(std::byte* seen, const std::byte* now, std::size_t size)
 {
-    switch (size) { // sizes that are known need no call
+    switch (size) { // known sizes need no function call
     case 1:
         return take_new<1>(seen, now);
     case 2:
@@ -108,8 +108,8 @@ bool ImageWatch::is_wasteful() const
            (unused_bytes_ > few_bytes && unused_bytes_ > seen_.size() / 2);
 }
 
-/// Looks once in a sample, however many items the variable has. While only new items are sampled,
-/// what the others have not seen yet stays new for them.
+/// Compares once in a sample, however many items the variable has. While only new items are
+/// sampled, a change stays new for the other items.
 bool ImageWatch::has_changed(Variable& variable, const Sample& sample)
 {
     if (!variable.is_kept) {
@@ -144,7 +144,7 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
     if (sample.pin) {
         sample.pin.recycle();
     }
-    // The first value of what was added may be what nobody has seen yet begins with.
+    // The first value of an added variable may equal the initial bytes.
     entry.is_always =
         !entry.item->ignores_equal() || slot.status == status::Bad_WaitingForInitialData;
     entry.is_new = false;
@@ -153,7 +153,7 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
 void ImageWatch::note_loss()
 {
     for (Entry& entry : entries_) {
-        if (entry.item != nullptr) { // one without any value yet has lost none
+        if (entry.item != nullptr) { // an item without any value has lost none
             entry.item->note_loss();
         }
     }
@@ -167,8 +167,8 @@ void ImageWatch::sample(const Sample& sample)
     }
     ++round_;
     bool is_whole = true;
-    // A group at a time: items lie apart from each other, and all that have something new are on
-    // their way from memory while the rest of the group is looked at.
+    // A group at a time: items are at different addresses, and all with a change are prefetched
+    // while the rest of the group is compared.
     std::array<Entry*, 2 * busbar::detail::fetched_ahead> group;
     std::size_t count = 0;
     const auto report_group = [&] {
@@ -202,11 +202,11 @@ void ImageWatch::sample(const Sample& sample)
 bool ImageWatch::try_report(Entry& entry, const Sample& sample)
 {
     entry.is_left_out = busbar::detail::caught([&] { report(entry, sample); }).is_bad();
-    entry.is_always |= entry.is_left_out; // what it has not seen is new for it still
+    entry.is_always |= entry.is_left_out; // a skipped value is still new for it
     return !entry.is_left_out;
 }
 
-/// Once more, now that the others have theirs; whoever called learns what it throws.
+/// Tries again, after the others were sampled; exceptions are passed on.
 void ImageWatch::report_left_out(const Sample& sample)
 {
     for (Entry& entry : entries_) {

@@ -11,13 +11,13 @@
 
 namespace busbar::server::detail {
 
-/// Items of one process image that are sampled together. It keeps the bytes that it saw last of
-/// each variable, once for all items of it, and looks at an item only when they have changed, so
-/// that what stands still costs a comparison in memory that lies in one piece.
+/// Items of one process image that are sampled together. It keeps the last bytes of each variable,
+/// once for all items of it, and samples an item only when they have changed, so that unchanged
+/// variables cost a comparison in contiguous memory.
 class ImageWatch {
 public:
-    /// Both must outlive this. `account` pays for the bytes that are kept. Items of a variable that
-    /// it cannot pay for are looked at each time.
+    /// Both must outlive this. `account` pays for the kept bytes. Items of a variable that it
+    /// cannot pay for are sampled each time.
     ImageWatch(const ProcessImage& image, MemoryAccount& account)
         : image_{&image}, account_{&account}
     {
@@ -26,7 +26,7 @@ public:
     ImageWatch& operator=(const ImageWatch&) = delete;
     ~ImageWatch() { account_->release(charged_); }
 
-    /// The item's place here. It is sampled next time, whatever its value is. Where there is no
+    /// Adds the item and returns its place. It is sampled next time, whatever its value is. Without
     /// memory for it, nothing is counted or charged.
     [[nodiscard]] std::uint32_t add(ValueItem& item, std::uint32_t handle);
     void remove(std::size_t place);
@@ -34,34 +34,34 @@ public:
     void sample_always(std::size_t place) { entries_[place].is_always = true; }
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     [[nodiscard]] ValueItem* item(std::size_t place) const { return entries_[place].item; }
-    /// What is kept of items that are gone: time to make it anew.
+    /// True if removed items take so much memory that the watch should be created again.
     [[nodiscard]] bool is_wasteful() const;
 
     struct Sample {
-        /// Empty: no scan can be looked at, and `status` says why.
+        /// If empty, no scan can be read, and `status` is the reason.
         const ImagePin& pin;
         StatusCode status;
         DateTime server_time;
-        /// Only what was added since the last sample.
+        /// Samples only items that were added since the last sample.
         bool is_only_new;
     };
-    /// Where there is no memory for an item, the others are sampled, and this throws.
+    /// Without memory for an item, the others are sampled, and this throws.
     void sample(const Sample& sample);
-    /// Scans were lost: what comes next tells of it (see ValueItem::note_loss).
+    /// Scans were lost: the next values report it (see ValueItem::note_loss).
     void note_loss();
 
 private:
     struct Variable {
         std::uint32_t handle;
         std::uint32_t users;
-        /// Where its bytes lie in seen_, if they are kept.
+        /// Offset of its bytes in seen_, if they are kept.
         std::size_t seen;
         std::uint32_t bytes;
         bool is_kept;
-        /// No sample has looked at it yet.
+        /// No sample has read it yet.
         bool is_fresh;
         bool has_changed;
-        /// The sample that has_changed is of.
+        /// The sample for which has_changed is valid.
         std::uint64_t round;
     };
     struct Entry {
@@ -75,10 +75,10 @@ private:
     };
 
     [[nodiscard]] std::uint32_t variable_of(std::uint32_t handle);
-    /// Nobody uses it yet.
+    /// Adds a variable without items.
     [[nodiscard]] std::uint32_t add_variable(std::uint32_t handle);
     void report(Entry& entry, const Sample& sample);
-    /// True if there was memory for it.
+    /// Returns true if there was memory for it.
     bool try_report(Entry& entry, const Sample& sample);
     void report_left_out(const Sample& sample);
     [[nodiscard]] bool has_changed(Variable& variable, const Sample& sample);
@@ -92,7 +92,7 @@ private:
     /// By handle.
     std::unordered_map<std::uint32_t, std::uint32_t> known_;
     std::vector<std::byte> seen_;
-    /// Of variables without items.
+    /// Bytes of variables without items.
     std::size_t unused_bytes_{0};
     std::uint64_t round_{0};
     StatusCode last_status_;

@@ -7,7 +7,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Whose memory is not worth giving back.
+/// Size of a list whose memory is not worth returning.
 constexpr std::size_t small_list = 64;
 
 } // namespace
@@ -31,7 +31,7 @@ MonitoredItem& ItemList::add(std::unique_ptr<MonitoredItem> item)
     do {
         ++last_id_;
     } while (last_id_ == 0 || find(last_id_) != nullptr);
-    // The end, unless ids have begun anew.
+    // The end, unless ids have started again.
     const std::size_t at = place(last_id_);
     if (at == entries_.size() || entries_[at].id != last_id_) {
         entries_.insert(entries_.begin() + static_cast<std::ptrdiff_t>(at),

@@ -9,21 +9,21 @@
 
 namespace busbar::server::detail {
 
-/// The items of a Subscription by their ids, which it gives them. What is removed leaves a hole;
-/// they close up when they are the half, so that to remove an item is cheap in any order. Compiled
-/// with exceptions, most of the memory of many items is given back when few are left.
+/// The items of a Subscription by their ids, which it assigns. A removed item leaves a hole; holes
+/// are removed when they are the half, so that removing an item is cheap in any order. Compiled
+/// with exceptions, most of the memory of many items is freed when few are left.
 class ItemList {
 public:
-    /// The next id is the one after `last_id`.
+    /// The next id is `last_id` + 1.
     explicit ItemList(std::uint32_t last_id = 0) : last_id_{last_id} {}
 
     [[nodiscard]] std::size_t size() const { return entries_.size() - holes_; }
-    /// Null if there is none.
+    /// Returns null if there is none.
     [[nodiscard]] MonitoredItem* find(std::uint32_t id) const;
     MonitoredItem& add(std::unique_ptr<MonitoredItem> item);
-    /// False if there is no such item. What removes items needs no memory.
+    /// Returns false if there is no such item. Removing items needs no memory.
     [[nodiscard]] bool remove(std::uint32_t id) noexcept;
-    /// The one with the highest id; not without any.
+    /// Removes the one with the highest id; there must be one.
     void remove_last() noexcept;
     /// Calls `function` with each, by ascending ids. It must not add or remove any.
     template <typename Function>
@@ -43,11 +43,11 @@ private:
         std::unique_ptr<MonitoredItem> item;
     };
 
-    /// Of the first entry whose id is not less.
+    /// Returns the index of the first entry whose id is not less.
     [[nodiscard]] std::size_t place(std::uint32_t id) const;
     void close_up() noexcept;
 
-    /// Ascending ids; the last one is no hole.
+    /// In ascending order of ids; the last entry is not a hole.
     std::vector<Entry> entries_;
     std::size_t holes_{0};
     std::uint32_t last_id_;

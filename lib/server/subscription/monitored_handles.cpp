@@ -24,7 +24,7 @@ void MonitoredHandles::add(const Use& use, Duration interval)
     if (use.source == model::no_source) {
         return;
     }
-    if (changed_.capacity() <= entries_.size()) { // so that to note a change needs no memory
+    if (changed_.capacity() <= entries_.size()) { // so that recording a change needs no memory
         changed_.reserve(2 * entries_.size() + 8);
     }
     const auto made = entries_.try_emplace(use);
@@ -67,7 +67,7 @@ void MonitoredHandles::tell(DataSources& sources)
     std::vector<Use> changed = changed_;
     std::vector<Monitoring> batch;
     batch.reserve(changed.size());
-    changed_.clear(); // nothing fails from here on
+    changed_.clear(); // from here on nothing can fail
     std::sort(changed.begin(), changed.end());
     for (std::size_t i = 0; i < changed.size(); ++i) {
         const auto found = entries_.find(changed[i]);

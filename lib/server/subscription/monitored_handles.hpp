@@ -14,14 +14,14 @@ namespace busbar::server::detail {
 
 class DataSources;
 
-/// Which variables of which data sources are monitored and how often, and what of that the sources
-/// know (see DataSource::monitoring_changed).
+/// The variables of data sources that are monitored and their intervals, and the part of that which
+/// the sources know (see DataSource::monitoring_changed).
 class MonitoredHandles {
 public:
-    /// About what one item takes here.
+    /// Approximate memory of one item here.
     static constexpr std::size_t bytes_per_item = 256;
 
-    /// What one item monitors; nothing, without a source.
+    /// The variable that one item monitors; none without a source.
     struct Use {
         std::uint32_t source{model::no_source};
         std::uint64_t handle{0};
@@ -33,9 +33,9 @@ public:
         }
     };
 
-    /// An item with that interval, which monitored `from`, monitors `to` from now on.
+    /// An item with this interval, which monitored `from`, monitors `to` from now on.
     void change(const Use& from, const Use& to, Duration interval);
-    /// Tells every source what has changed for it since the last time.
+    /// Reports to every source what has changed for it since the last time.
     void tell(DataSources& sources);
 
 private:
@@ -46,7 +46,7 @@ private:
         }
     };
     struct Entry {
-        /// How many items have each interval.
+        /// Number of items with each interval.
         std::map<Duration, std::uint32_t> items;
         std::optional<Duration> told;
         bool is_changed{false};

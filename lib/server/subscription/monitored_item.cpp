@@ -11,7 +11,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Both sides' pointers, in vectors that double, and what has the first of each side.
+/// Both sides' pointers, in vectors that double, and the memory of each side's first one.
 constexpr std::size_t link_cost = 4 * sizeof(void*) + 4 * sizeof(std::vector<void*>);
 
 } // namespace
@@ -56,7 +56,7 @@ void MonitoredItem::notify()
 
 void MonitoredItem::release_queue()
 {
-    // An item that reports by itself needs no trigger, and one that is disabled has no queue.
+    // A reporting item needs no trigger, and a disabled one has no queue.
     if (mode() == MonitoringMode::Sampling && queued() != 0) {
         released_ = static_cast<std::uint32_t>(queued());
         subscription_->ready(kind_).add(*this);

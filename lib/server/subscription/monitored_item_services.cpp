@@ -29,8 +29,8 @@ bool is_known(TimestampsToReturn timestamps)
     return timestamps >= TimestampsToReturn::Source && timestamps <= TimestampsToReturn::Neither;
 }
 
-/// The session's Subscription, whose client has shown with this that it is there; else why the
-/// request is refused, which has `count` operations.
+/// Returns the session's Subscription, whose client has thereby proved to be alive; else the reason
+/// why the request, which has `count` operations, is refused.
 Result<Subscription*> find_subscription(SubscriptionTable& all, const ServiceContext& context,
                                         std::uint32_t id, std::size_t count)
 {
@@ -80,7 +80,7 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
     ItemRevision revision;
     MonitoredItemCreateResult result;
     std::unique_ptr<MonitoredItem> made;
-    // Those that go away make room, a few for each item that is made.
+    // Deleted items make room, a few for each new item.
     constexpr int most_rounds = 8;
     int rounds = 0;
     do {
@@ -106,7 +106,7 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
     return result;
 }
 
-/// What SetTriggering came to for one of its links.
+/// Returns the result of SetTriggering for one of its links.
 StatusCode add_link(Subscription& subscription, MonitoredItem& trigger, std::uint32_t id,
                     std::size_t max_links)
 {
@@ -123,21 +123,22 @@ StatusCode remove_link(Subscription& subscription, MonitoredItem& trigger, std::
                : status::Bad_MonitoredItemIdInvalid;
 }
 
-/// One of the services that go through a list of a Subscription's items.
+/// A service over a list of a Subscription's items.
 template <typename Request, typename Response>
 class ItemsOperation : public SlicedOperation<Request, Response> {
 public:
     explicit ItemsOperation(SubscriptionTable& all) : all_{all} {}
 
 protected:
-    /// Good, or why the request is refused for anything but its Subscription and its size.
+    /// Returns Good, or why the request is refused for a reason other than its Subscription and its
+    /// size.
     [[nodiscard]] virtual StatusCode check() const { return status::Good; }
     [[nodiscard]] Subscription& subscription() const { return *subscription_; }
     [[nodiscard]] ItemContext item_context() const { return {all_, *subscription_, now_}; }
-    /// What a result has besides itself the session pays for; it is left out if it cannot.
+    /// The session pays for additional results; they are left out if it cannot.
     [[nodiscard]] ExtensionObject paid_for(ExtensionObject filter_result)
     {
-        // Objects are larger than their encoding, by no more than their fields' headers.
+        // Objects are larger than their encoding by at most their fields' headers.
         if (filter_result.is_null() || this->charge(64 + 8 * binary::encoded_size(filter_result))) {
             return filter_result;
         }
@@ -160,12 +161,12 @@ private:
     void pause(ServiceContext&) override
     {
         subscription_ = nullptr;
-        // What does not come to its first sample now is sampled with the others of its interval.
+        // Items without a first sample now are sampled with the others of their interval.
         busbar::detail::attempt([&] { all_.sampler().sample_new(now_); });
     }
 
     SubscriptionTable& all_;
-    /// While its turn lasts.
+    /// Valid during its turn.
     Subscription* subscription_{nullptr};
     TimePoint now_;
 };

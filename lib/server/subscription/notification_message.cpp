@@ -13,8 +13,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Writes a NotificationMessage whose counts and lengths are only known at its end: their places
-/// are kept and filled in then.
+/// Writes a NotificationMessage whose counts and lengths are known only at its end: their places
+/// are reserved and filled in then.
 class MessageWriter {
 public:
     MessageWriter(std::uint32_t sequence_number, DateTime publish_time)
@@ -25,7 +25,7 @@ public:
         parts_place_ = reserve();
     }
 
-    /// One part with what the items of a list have, while there is any allowed.
+    /// Writes one part with the Notifications of a list's items, as far as the limits allow.
     void write_part(std::uint32_t encoding_id, ReadyList& list, bool has_diagnostics,
                     const MessageLimits& limits)
     {
@@ -72,7 +72,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t frame = 32; // of a part that begins
+    static constexpr std::size_t frame = 32; // of a new part
 
     struct Patch {
         std::size_t place;
@@ -101,7 +101,7 @@ private:
             list.end_turn(*item);
         }
     }
-    /// Whether there is none left for a Notification of so many bytes.
+    /// Returns whether a Notification of this size does not fit any more.
     [[nodiscard]] bool is_full(std::size_t size, const MessageLimits& limits) const
     {
         if (lack_.is_bad()) {
@@ -113,14 +113,14 @@ private:
         return !writer_->ok() || written() + frame + size > limits.bytes ||
                (limits.notifications != 0 && notifications_ >= limits.notifications);
     }
-    /// Bytes that one more Notification may have.
+    /// Returns the maximum size of one more Notification.
     [[nodiscard]] std::size_t room(const MessageLimits& limits) const
     {
         const std::size_t used = written() + frame;
         return limits.most_bytes > used ? limits.most_bytes - used : 0;
     }
     [[nodiscard]] std::size_t written() const { return before_ + writer_->written(); }
-    /// So that what has at most so many bytes can be written without memory.
+    /// Makes sure that this many bytes can be written without allocation.
     void make_room(std::size_t size)
     {
         const std::size_t end = writer_ ? written() : 0;
@@ -129,7 +129,7 @@ private:
             cut(end);
         }
     }
-    /// Takes back what was written from there on.
+    /// Removes everything that was written from there on.
     void cut(std::size_t end)
     {
         before_ = end;
@@ -148,14 +148,14 @@ private:
     static constexpr std::size_t smallest = 256;
 
     std::vector<std::byte> bytes_;
-    /// What is left of them, and bytes before it.
+    /// The rest of them, and the bytes before it.
     std::optional<binary::SpanSink> block_;
     std::optional<binary::Writer> writer_;
     std::size_t before_{0};
     std::size_t parts_place_{0};
     std::size_t parts_{0};
     std::size_t notifications_{0};
-    /// Why no more can be written.
+    /// The reason why no more can be written.
     StatusCode lack_;
     std::array<Patch, 5> patches_{};
     std::size_t patch_count_{0};

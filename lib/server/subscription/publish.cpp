@@ -33,7 +33,7 @@ void PublishOperation::start(ServiceContext& context)
     part.serve(context.now);
 }
 
-/// DeleteAckedNotificationMsgs(), of all Subscriptions of the session.
+/// DeleteAckedNotificationMsgs(), for all Subscriptions of the session.
 void PublishOperation::acknowledge(const Session& session)
 {
     results_.reserve(request().subscription_acknowledgements.size());
@@ -52,7 +52,7 @@ void PublishOperation::acknowledge(const Session& session)
 
 std::size_t PublishOperation::room_for_message(std::size_t available) const
 {
-    // Headers, and what the response has besides its message.
+    // Headers, and the parts of the response other than its message.
     const std::size_t of_diagnostics =
         diagnostics().wants_operations() ? 512 + 32 * results_.size() : 0;
     const std::size_t others = 256 + 4 * results_.size() + 4 * available + of_diagnostics;
@@ -87,7 +87,7 @@ void PublishOperation::answer_status_change(std::uint32_t subscription_id,
     });
 }
 
-/// Of the acknowledgements.
+/// Returns the diagnostics of the acknowledgements.
 Array<DiagnosticInfo> PublishOperation::diagnose(ReturnDiagnostics& diagnostics) const
 {
     return diagnostics.of_operations(

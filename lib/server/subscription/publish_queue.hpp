@@ -23,7 +23,7 @@ public:
     ~PublishOperation() override;
 
     void start(ServiceContext& context) override;
-    /// Or nobody who has subscribed to State would learn of it.
+    /// Otherwise clients that subscribe to State would not learn of it.
     [[nodiscard]] bool outlasts_shutdown() const override { return true; }
 
     struct Message {
@@ -32,11 +32,11 @@ public:
         bool more_notifications;
     };
     void answer(const Message& message);
-    /// The Subscription is gone.
+    /// Reports that the Subscription has ended.
     void answer_status_change(std::uint32_t subscription_id, std::span<const std::byte> message);
     void refuse(StatusCode status) { fault(status); }
-    /// Bytes that a NotificationMessage may have to fit the client's limits, next to a list of so
-    /// many available sequence numbers.
+    /// Returns the maximum size of a NotificationMessage that fits the client's limits, next to a
+    /// list of this many available sequence numbers.
     [[nodiscard]] std::size_t room_for_message(std::size_t available) const;
 
 private:
@@ -47,18 +47,18 @@ private:
     void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos) const;
 
     SubscriptionTable& all_;
-    /// Whose queue it is in.
+    /// The owner of the queue that it is in.
     PublishPart* part_{nullptr};
     std::vector<StatusCode> results_;
 };
 
-/// What a session has of Subscriptions: which are its own, the Publish requests that they may
-/// answer, and what there is to tell of those that are gone.
+/// A session's part of Subscriptions: its own ones, the Publish requests that they may answer, and
+/// the pending reports about those that have ended.
 class PublishPart final : public SessionPart {
 public:
-    /// That of the session, made when it is not there yet.
+    /// Returns the session's, created on first use.
     [[nodiscard]] static PublishPart& of(Session& session);
-    /// The same, or null if it was never made.
+    /// Returns the session's, or null if it was never created.
     [[nodiscard]] static const PublishPart* find(const Session& session)
     {
         return static_cast<const PublishPart*>(session.publishing.get());
@@ -67,39 +67,39 @@ public:
 
     [[nodiscard]] const std::vector<Subscription*>& subscriptions() const { return subscriptions_; }
     void add(Subscription& subscription) { subscriptions_.push_back(&subscription); }
-    /// Without any Subscription the requests that wait answer Bad_NoSubscription.
+    /// After the last Subscription the waiting requests answer Bad_NoSubscription.
     void remove(Subscription& subscription);
-    /// They are nobody's any more, as the session ends.
+    /// The session ends and does not own them any more.
     void forget_subscriptions() { subscriptions_.clear(); }
 
     struct StatusChange {
         std::uint32_t subscription_id;
         std::vector<std::byte> message;
     };
-    /// Tells it with the next request; past `most` the oldest is forgotten.
+    /// Reports it with the next request; past `most` the oldest is dropped.
     void add_status_change(std::size_t most, StatusChange change);
 
-    /// False if there is nothing that a request could wait for.
+    /// Returns false if there is nothing that a request could wait for.
     [[nodiscard]] bool has_anything() const
     {
         return !subscriptions_.empty() || !status_changes_.empty();
     }
-    /// Queues the request. Of more than `most` the oldest answers Bad_TooManyPublishRequests.
+    /// Queues the request. Past `most` the oldest answers Bad_TooManyPublishRequests.
     void enqueue(PublishOperation& request, std::size_t most);
-    /// How many wait.
+    /// Number of waiting requests.
     [[nodiscard]] std::size_t waiting() const;
-    /// Those whose timeoutHint has passed answer Bad_Timeout: to be called before requests are
+    /// Answers requests whose timeoutHint has passed with Bad_Timeout: call it before requests are
     /// taken (Part 4, 5.14.1.4, DequeuePublishReq).
     void refuse_overdue(TimePoint now);
-    /// The session has moved to the channel of `peer`: what came by another one answers
-    /// Bad_SecureChannelClosed, so that it takes no message with it.
+    /// The session has moved to the channel of `peer`: requests of other channels answer
+    /// Bad_SecureChannelClosed, so that no message is sent with them.
     void refuse_others(const Peer& peer);
-    /// The request that waits longest; null if there is none. Requests that were answered by
-    /// others, for their timeout say, are passed over.
+    /// Returns the request that has waited longest; null if there is none. Skips requests that were
+    /// answered elsewhere, for example for their timeout.
     [[nodiscard]] PublishOperation* next_request();
-    /// The same, and takes it out.
+    /// Returns it and removes it.
     [[nodiscard]] PublishOperation* take_request();
-    /// Lets those that wait for a request have what there is (Part 4, 5.14.1.2).
+    /// Serves the Subscriptions that wait for a request (Part 4, 5.14.1.2).
     void serve(TimePoint now);
 
 private:
@@ -107,11 +107,11 @@ private:
 
     void serve_status_changes();
     void forget_finished();
-    /// Of the Subscriptions that wait: the highest priority, then the one that waits longest.
+    /// Returns the waiting Subscription with the highest priority that has waited longest.
     [[nodiscard]] Subscription* next_subscription() const;
 
     std::vector<Subscription*> subscriptions_;
-    /// Oldest first.
+    /// The oldest first.
     std::vector<PublishOperation*> requests_;
     std::vector<StatusChange> status_changes_;
 };

@@ -6,7 +6,7 @@
 namespace busbar::server::detail {
 
 /// Items with Notifications to report, in the order in which they got the first of them or had
-/// their last turn. The links lie in the items: nothing is allocated.
+/// their last turn. The links are in the items: nothing is allocated.
 class ReadyList {
 public:
     ReadyList() = default;
@@ -15,7 +15,7 @@ public:
 
     [[nodiscard]] bool empty() const { return first_ == nullptr; }
     [[nodiscard]] MonitoredItem& front() const { return *first_; }
-    /// Takes the item in, or leaves it where it is.
+    /// Adds the item, or leaves it in place if it is in the list.
     void add(MonitoredItem& item)
     {
         if (item.is_ready_) {
@@ -26,7 +26,7 @@ public:
         (last_ != nullptr ? last_->next_ : first_) = &item;
         last_ = &item;
     }
-    /// Takes the item out, if it is in.
+    /// Removes the item, if it is in the list.
     void remove(MonitoredItem& item)
     {
         if (!item.is_ready_) {
@@ -37,8 +37,8 @@ public:
         (item.next_ != nullptr ? item.next_->previous_ : last_) = item.previous_;
         item.previous_ = item.next_ = nullptr;
     }
-    /// Writes the first item's oldest Notification, of at most so many bytes, and removes it; the
-    /// item.
+    /// Writes the first item's oldest Notification, of at most `most` bytes, and removes it;
+    /// returns the item.
     MonitoredItem& take_notification(binary::Writer& writer, std::size_t most)
     {
         MonitoredItem& item = *first_;
@@ -52,7 +52,7 @@ public:
         }
         return item;
     }
-    /// A message is full: one that has more, for ever perhaps, waits until the others had a turn.
+    /// A message is full: an item with more, perhaps endlessly, waits until the others had a turn.
     void end_turn(MonitoredItem& item)
     {
         if (item.is_ready_) {
@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    /// Of an item, whatever its kind: what is fetched while those before it write.
+    /// Bytes of an item of any kind: they are prefetched while earlier items write.
     static constexpr std::size_t most_item_size = 256;
 
     static void fetch_after(const MonitoredItem& item)

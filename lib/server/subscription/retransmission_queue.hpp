@@ -10,9 +10,9 @@
 
 namespace busbar::server::detail {
 
-/// The NotificationMessages that a client may ask for again, until it acknowledges them (Part 4,
-/// 5.14.1.1): as the bytes that were sent, which are fewer than the values they came from and need
-/// no second encoding.
+/// The NotificationMessages that a client may request again, until it acknowledges them (Part 4,
+/// 5.14.1.1): as the bytes that were sent, which are fewer than the values and need no second
+/// encoding.
 class RetransmissionQueue {
 public:
     /// `account` pays for the messages.
@@ -24,15 +24,15 @@ public:
     RetransmissionQueue& operator=(const RetransmissionQueue&) = delete;
     ~RetransmissionQueue() { clear(); }
 
-    /// So that add() needs no memory: before what the message tells is taken from its items.
+    /// Makes sure that add() needs no memory: called before the items' Notifications are taken.
     void make_place();
-    /// Takes the message over, behind make_place(). The oldest give way to it; if it cannot be paid
-    /// for even so, it is left as it is and not kept. How many were lost by that before they were
-    /// acknowledged.
+    /// Takes the message over, after make_place(). The oldest messages give way to it; if it cannot
+    /// be paid for even so, it stays with the caller and is not kept. Returns how many were lost by
+    /// that before they were acknowledged.
     std::uint32_t add(std::uint32_t sequence_number, std::vector<std::byte>& message);
-    /// False if there is no such message.
+    /// Returns false if there is no such message.
     [[nodiscard]] bool acknowledge(std::uint32_t sequence_number);
-    /// Null if it is not there.
+    /// Returns null if there is no such message.
     [[nodiscard]] const std::vector<std::byte>* find(std::uint32_t sequence_number) const;
     /// Writes availableSequenceNumbers.
     void encode_available(binary::Writer& writer) const;
@@ -50,7 +50,7 @@ private:
 
     std::size_t max_messages_;
     MemoryAccount* account_;
-    /// Oldest first.
+    /// The oldest first.
     std::vector<Message> messages_;
 };
 

@@ -25,7 +25,7 @@ ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscri
 
 bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan)
 {
-    // Without a Waker nobody would tell of a scan.
+    // Without a Waker nothing would report a scan.
     return needs.environment.waker != nullptr && plan.source != nullptr &&
            plan.source->process_image() != nullptr;
 }
@@ -61,7 +61,7 @@ SamplingGroup& Sampler::group_of(const ValueItem& item)
             return follow(*plan.source->process_image());
         }
     }
-    // What used to lie in an image, and does not any more, is sampled as fast as can be.
+    // A variable that is no longer in an image is sampled as fast as possible.
     const Duration interval =
         std::max<Duration>(item.interval(), needs_.limits.subscriptions.sampling.min_interval);
     auto found = groups_.find(interval);
@@ -131,13 +131,13 @@ void Sampler::handle_scans(TimePoint now)
     undo.keep();
 }
 
-/// Gives the latest scan, which is the last that was taken.
+/// Returns the latest scan, which is the last that was taken.
 ImagePin Sampler::take_scans(Followed& one, TimePoint now)
 {
-    // Before the queue is looked at: what it then does not have of the scans up to this one is
-    // lost, because it was full.
+    // Before reading the queue: if a scan up to this one is missing in it then, it was lost because
+    // the queue was full.
     ImagePin latest = one.image->pin();
-    // At most as many as may wait: a task that is faster than this must not keep it here.
+    // At most as many as may wait: a faster task must not keep this loop busy.
     for (std::uint32_t i = 0; i < one.image->options().max_queued_scans; ++i) {
         const ImagePin pin = one.image->next_scan();
         if (!pin) {
@@ -159,12 +159,12 @@ ImagePin Sampler::take_scans(Followed& one, TimePoint now)
 
 void Sampler::take_scan(Followed& one, const ImagePin& pin, TimePoint now)
 {
-    if (pin.scan() <= one.last_scan) { // was taken as the latest, before it came to the queue
+    if (pin.scan() <= one.last_scan) { // it was sampled as the latest, before it was queued
         return;
     }
     const bool has_lost = one.last_scan != 0 && pin.scan() != one.last_scan + 1;
     one.group->sample_scan(pin, now, has_lost);
-    one.last_scan = pin.scan(); // if that fails it is taken again, or is lost
+    one.last_scan = pin.scan(); // if sampling fails the scan is sampled again, or is lost
 }
 
 void Sampler::drop_unfollowed()

@@ -4,18 +4,18 @@
 
 namespace busbar::server::detail {
 
-/// Where an item's samples come from, and why if they cannot.
+/// Returns the source of an item's samples, or the reason why there is none.
 [[nodiscard]] ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscription,
                                    const ReadTarget& id);
-/// True if the value lies in a process image, whose scans can be followed one by one.
+/// Returns true if the value is in a process image, whose scans can be followed one by one.
 [[nodiscard]] bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan);
 
-// For items that are in a group.
+// Only for items in a group.
 
 void remove_from_group(ValueItem& item);
-/// What the item was bound to is looked up again.
+/// Looks up the item's source again.
 void rebind_in_group(ValueItem& item);
-/// The same in the middle of a change of the node.
+/// Does the same in the middle of a change of the node.
 void node_changed_in_group(ValueItem& item);
 
 } // namespace busbar::server::detail

@@ -21,10 +21,10 @@ struct SamplingGroup::Flight final : SourceCallOwner {
     void call_completed() override { group.land(*this); }
 
     SamplingGroup& group;
-    /// The member that the call's first operation is for.
+    /// The member of the call's first operation.
     std::size_t first;
     bool is_late;
-    /// Ranges that sources were given.
+    /// Ranges that sources use.
     std::vector<std::shared_ptr<const NumericRange>> ranges;
     SourceRead call;
 };
@@ -115,13 +115,13 @@ bool SamplingGroup::is_full_of_holes() const
     return holes_ > 1'000 && holes_ > members_.size() / 2;
 }
 
-/// What happens to an item's own node comes to node_changed.
+/// Changes of an item's own node arrive in node_changed.
 void SamplingGroup::notice_changes()
 {
     const std::uint64_t lookups = sampler_.lookups();
     const bool is_outdated = lookups_ != lookups;
     if (is_outdated || images_.is_wasteful() || has_lost_source()) {
-        members_.reserve(members_.size() + item_count_); // nothing fails from here on
+        members_.reserve(members_.size() + item_count_); // from here on nothing can fail
         images_.take_all([this](ValueItem& item) { item.place_ = put_in(item); });
     }
     for (std::size_t i = 0; is_outdated && i < members_.size(); ++i) {
@@ -155,8 +155,8 @@ void SamplingGroup::set_use(ValueItem& item, const MonitoredHandles::Use& use)
     item.used_handle_ = use.handle;
 }
 
-/// Members are looked up behind the plan, for which an AccessControl is asked: whatever that does
-/// to the address space may move them.
+/// Look the member up only after planning: planning calls the AccessControl, which may move
+/// members_.
 void SamplingGroup::bind_one(std::size_t index)
 {
     ValueItem& item = *members_[index].item;
@@ -164,7 +164,7 @@ void SamplingGroup::bind_one(std::size_t index)
     const ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.target());
     note_source(item, plan);
     Member& member = members_[index];
-    if (plan.source == nullptr) { // is looked up at each sample
+    if (plan.source == nullptr) { // it is looked up at each sample
         member.binding = Binding::AddressSpace;
         return item.stop();
     }
@@ -195,7 +195,7 @@ void SamplingGroup::ask_unbound(Flight& flight, std::size_t index)
         return;
     }
     Member& member = members_[index];
-    // There is a source by now; the next sample binds the item to it.
+    // It has a source by now; the next sample binds the item to it.
     member.binding = Binding::Unknown;
     member.is_cut_by_source = false;
     flight.call.ask(index - flight.first, plan.source_index, {plan.handle, nullptr});
@@ -233,14 +233,15 @@ void SamplingGroup::sample_members(std::size_t first, std::size_t end, TimePoint
     if (first >= end) {
         return;
     }
-    // It is under way when nothing can go wrong any more: while one is, no other of them begins.
+    // It counts as under way only when nothing can fail any more: as long as it does, no other one
+    // begins.
     flights_.reserve(flights_.size() + 1);
     auto made = std::make_unique<Flight>(*this, first, end - first, is_late);
     Flight& flight = *made;
     for (std::size_t i = 0; i < flight.call.size(); ++i) {
         ask(flight, first + i);
     }
-    if (!flight.ranges.empty()) { // sources may look at them when the flight is long over
+    if (!flight.ranges.empty()) { // sources may use them after the flight
         flight.call.kept_for_sources() =
             std::make_shared<std::vector<std::shared_ptr<const NumericRange>>>(flight.ranges);
     }
@@ -275,7 +276,7 @@ void SamplingGroup::deliver(Flight& flight)
         }
         const ReadSlot& sample = slot != nullptr ? *slot : flight.call.result(i);
         const bool is_overload = flight.is_late && sample.status == StatusCode{};
-        busbar::detail::attempt([&] { // without memory for one the others have theirs
+        busbar::detail::attempt([&] { // without memory for one item the others are still sampled
             member.item->sample(sample, is_overload ? status::Good_Overload : sample.status, time);
         });
     }
@@ -329,7 +330,7 @@ void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
 void SamplingGroup::sample_new_members(TimePoint now)
 {
     sample_members(first_new_, members_.size(), now, false);
-    first_new_ = members_.size(); // if that fails they are new still
+    first_new_ = members_.size(); // if that fails they are still new
 }
 
 void SamplingGroup::sample(TimePoint now)
@@ -359,18 +360,18 @@ void SamplingGroup::handle_flights(TimePoint now)
 
 void SamplingGroup::expire(TimePoint now)
 {
-    // Whatever happens here, it goes on.
+    // Re-arm first, so that a throw below cannot stop the timer.
     sampler_.timers().set(*this, now + std::max<Duration>(interval_, std::chrono::milliseconds{1}));
     handle_flights(now);
     if (next_sample_ <= now) {
-        // A source that has not answered is not asked again. What waits for the first value of new
-        // items keeps the others from nothing.
+        // A source that has not answered is not called again. Waiting for the first value of new
+        // items does not delay the others.
         if (flights_.empty() || first_in_flight() > 0) {
-            // What finds no memory is sampled next time; timers behind this one go on.
+            // Items without memory are sampled next time; later timers still run.
             busbar::detail::attempt([&] { sample(now); });
         }
         next_sample_ += interval_;
-        if (next_sample_ <= now) { // what was missed is missed
+        if (next_sample_ <= now) { // missed samples are not repeated
             next_sample_ = now + interval_;
         }
     }

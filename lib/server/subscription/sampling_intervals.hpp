@@ -10,27 +10,27 @@
 
 namespace busbar::server::detail {
 
-/// How many items have each sampling interval, for the diagnostics (Part 5, 12.8). Nothing is
-/// counted where clients may have any interval.
+/// Counts the items with each sampling interval, for the diagnostics (Part 5, 12.8). Counts nothing
+/// if clients may have any interval.
 class SamplingIntervals {
 public:
     struct Items {
         std::size_t enabled{0};
         std::size_t disabled{0};
-        /// That there ever were at the same time.
+        /// The maximum at the same time.
         std::size_t most{0};
     };
-    /// Where an item is counted.
+    /// The interval and state with which an item is counted.
     struct Use {
         bool is_disabled{false};
         Duration interval{0};
     };
 
-    /// `is_fixed`: there are only a few intervals.
+    /// `is_fixed`: only a few intervals exist.
     explicit SamplingIntervals(bool is_fixed) : is_fixed_{is_fixed} {}
 
-    /// An item is counted at `to` and not at `from` any more; either may be nothing. Needs memory
-    /// only for an interval that is new, and without it counts as before.
+    /// Counts an item at `to` and not at `from` any more; either may be empty. Needs memory only
+    /// for a new interval, and without it the counts do not change.
     void change(const std::optional<Use>& from, const std::optional<Use>& to)
     {
         if (!is_fixed_) {

@@ -44,7 +44,7 @@ constexpr SubscriptionRow refuse(SubscriptionRow row)
     return row;
 }
 
-// Rows 6 to 17 do not look at the LifetimeCounter; row 27 is tried before them.
+// Rows 6 to 17 ignore the LifetimeCounter; row 27 is tried before them.
 constexpr std::array rows{
     go(1, {State::Closed}, E::CreateSubscription, always, {}, State::Creating),
     refuse(go(
@@ -78,7 +78,7 @@ constexpr std::array rows{
             return !v.publishing_req_queued && (!v.message_sent || has_something_to_report(v));
         },
         {A::StartPublishingTimer}, State::Late),
-    // This cycle is the first without a message, and counted (Errata 1.04.8 and 1.05).
+    // This cycle is the first without a message, and is counted (Errata 1.04.8 and 1.05).
     go(
         9, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
@@ -86,8 +86,8 @@ constexpr std::array rows{
         },
         {A::StartPublishingTimer, A::ResetKeepAliveCounter, A::DecrementKeepAliveCounter},
         State::KeepAlive),
-    // A count of 1 is over with that, and no row of KEEPALIVE knows a counter of 0: what rows 15
-    // and 17 do is due at once.
+    // A count of 1 ends here, and no row of KEEPALIVE handles a counter of 0: the actions of rows
+    // 15 and 17 are due at once.
     go(
         9, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
@@ -116,7 +116,7 @@ constexpr std::array rows{
         [](const Variables& v) {
             return !v.publishing_enabled || (!v.notifications_available && !v.more_notifications);
         },
-        // The new count is not the table's: without it what row 17 left would send one more with
+        // The new count is not in the table: without it the rest of row 17 would send one more with
         // the next cycle, and 5.14.1.1 counts cycles between messages.
         {A::ResetLifetimeCounter, A::ReturnKeepAlive, A::SetMessageSent, A::ResetKeepAliveCounter},
         State::KeepAlive),

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <span>
 
-/// The state machine of a Subscription, which is the table of Part 4, 5.14.1.2 and nothing else.
+/// The state machine of a Subscription, exactly the table of Part 4, 5.14.1.2.
 namespace busbar::server::detail {
 
 enum class SubscriptionState : std::uint8_t { Closed, Creating, Normal, Late, KeepAlive };
@@ -23,8 +23,8 @@ enum class SubscriptionEvent : std::uint8_t {
     DeleteSubscriptions,
 };
 
-/// The state variables (Part 4, 5.14.1.3) and what the functions of 5.14.1.4 that only answer a
-/// question answer.
+/// The state variables (Part 4, 5.14.1.3) and the results of those functions of 5.14.1.4 that only
+/// return a value.
 struct SubscriptionVariables {
     bool is_created{false}; // CreateSubscription()
     bool publishing_enabled{false};
@@ -41,9 +41,9 @@ struct SubscriptionVariables {
     bool subscription_assigned_to_client{false};
 };
 
-/// What a row does, in this order of the row. Left out is what the Publish service does once for
-/// all Subscriptions of a session, namely DeleteAckedNotificationMsgs() and EnqueuePublishingReq(),
-/// and ReturnResponse(): a row without refusal has it.
+/// The actions of a row, in their order. Left out are the actions that the Publish service does
+/// once for all Subscriptions of a session, DeleteAckedNotificationMsgs() and
+/// EnqueuePublishingReq(), and ReturnResponse(), which every row without refusal has.
 enum class SubscriptionAction : std::uint8_t {
     None,
     InitializeSubscription,
@@ -83,13 +83,14 @@ private:
 };
 
 struct SubscriptionRow {
-    /// Its number in the specification's table. Row 9 is three, by what the counter comes to.
+    /// Its number in the specification's table. Row 9 is split into three, by the counter's new
+    /// value.
     unsigned number;
     StateSet states;
     SubscriptionEvent event;
     bool (*condition)(const SubscriptionVariables&);
     std::array<SubscriptionAction, 5> actions;
-    /// Same: the state stays as it is.
+    /// If the same, the state does not change.
     SubscriptionState next;
     bool keeps_state;
     /// ReturnNegativeResponse().
@@ -98,7 +99,7 @@ struct SubscriptionRow {
 
 /// All rows, in the order in which they are tried.
 [[nodiscard]] std::span<const SubscriptionRow> subscription_rows();
-/// The row that applies; null if the event means nothing in that state.
+/// Returns the row that applies; null if the event has no meaning in this state.
 [[nodiscard]] const SubscriptionRow* find_row(SubscriptionState state, SubscriptionEvent event,
                                               const SubscriptionVariables& variables);
 

@@ -31,7 +31,8 @@ Subscription::Subscription(SubscriptionTable& all, std::uint32_t id, Session& se
       memory_{all.needs().limits.subscriptions.max_subscription_memory, &all.memory()},
       retransmission_{all.needs().limits.subscriptions.max_retransmission_messages, memory_}
 {
-    share_ = &all.shares().enter(session.user, session.address); // last: it has to be left
+    share_ =
+        &all.shares().enter(session.user, session.address); // last, since it must be left again
 }
 
 Subscription::~Subscription()
@@ -50,7 +51,7 @@ SubscriptionVariables Subscription::variables(const Input& input) const
     v.publishing_enabled = publishing_enabled_;
     v.publishing_req_queued =
         session_ != nullptr && PublishPart::of(*session_).next_request() != nullptr;
-    // What there was more of may have gone with its items.
+    // The additional Notifications may have been removed with their items.
     v.more_notifications = more_notifications_ && notifications_available();
     v.notifications_available = notifications_available();
     v.message_sent = message_sent_;
@@ -104,7 +105,7 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
     case A::InitializeSubscription:
         parameters_ = *input.parameters;
         publishing_enabled_ = input.publishing_enabled;
-        lifetime_counter_ = parameters_.lifetime_count + 1; // the timer takes one off
+        lifetime_counter_ = parameters_.lifetime_count + 1; // the timer decrements it
         keep_alive_counter_ = parameters_.max_keep_alive_count;
         start_publishing_timer(input.now);
         break;
@@ -158,7 +159,7 @@ void Subscription::expire(TimePoint now)
     if (session_ != nullptr) {
         PublishPart::of(*session_).refuse_overdue(now);
     }
-    // Whatever happens here, it goes on.
+    // Re-arm first, so that a throw below cannot stop the timer.
     all_.timers().set(*this, now + parameters_.publishing_interval);
     handle(SubscriptionEvent::PublishingTimer, {.now = now});
     if (state_ == State::Closed) {
@@ -168,7 +169,8 @@ void Subscription::expire(TimePoint now)
 
 void Subscription::start_publishing_timer(TimePoint now)
 {
-    // From the time that was due, so that cycles do not drift; but what was missed is missed.
+    // Counted from the time that was due, so that cycles do not drift; missed cycles are not
+    // repeated.
     const TimePoint in_step =
         next_publishing_ == no_deadline ? now : next_publishing_ + parameters_.publishing_interval;
     next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
@@ -209,15 +211,15 @@ bool Subscription::wants_publish_request() const
                                      more_notifications_ && notifications_available());
 }
 
-/// Part 4, 5.14.1.4: goes on while there are Notifications and requests.
+/// Part 4, 5.14.1.4: continues while there are Notifications and requests.
 void Subscription::return_notifications()
 {
     if (session_ == nullptr) {
-        return; // nobody asks
+        return; // there is no request
     }
     PublishPart& part = PublishPart::of(*session_);
     const ServerLimits& limits = all_.needs().limits;
-    // What all requests of a session bring together has to fit the connection's queue.
+    // The responses to all requests of a session must fit the connection's queue together.
     const std::size_t most_bytes =
         std::min(limits.subscriptions.max_message_size,
                  limits.max_send_queue /
@@ -227,9 +229,9 @@ void Subscription::return_notifications()
         if (request == nullptr) {
             return;
         }
-        // Though it may have more to send for ever: of equal priorities it is the others' turn now.
+        // It may have more to send endlessly: among equal priorities it is the others' turn now.
         last_served_ = all_.next_serial();
-        // Without memory what there is waits for the next request.
+        // Without memory the Notifications wait for the next request.
         busbar::detail::Undo undo{[&] {
             more_notifications_ = notifications_available();
             request->refuse(status::Bad_OutOfMemory);
@@ -253,7 +255,7 @@ void Subscription::return_notifications()
             continue;
         }
         const std::span<const std::byte> bytes{*message};
-        // Which keeps the bytes where they are.
+        // The bytes keep their place.
         const std::uint32_t discarded = retransmission_.add(next_sequence_number(), *message);
         sequence_number_ = next_sequence_number();
         count(&SubscriptionDiagnosticsDataType::discarded_message_count, discarded);
@@ -277,8 +279,8 @@ void Subscription::return_keep_alive()
     last_served_ = all_.next_serial();
 }
 
-/// Without memory the client could not be told. One that ends goes on until its next publishing
-/// interval then, for nothing else would tell that it has ended.
+/// Without memory the client could not be told. An ending Subscription then continues until its
+/// next publishing interval, since nothing else would report its end.
 void Subscription::issue_status_change(StatusCode status)
 {
     if (session_ == nullptr) {
@@ -291,7 +293,7 @@ void Subscription::issue_status_change(StatusCode status)
     };
     if (status.is_bad()) {
         issue();
-    } else { // who lost it to another session can ask for it in vain
+    } else { // a client that lost it to another session would get the request refused
         busbar::detail::attempt(issue);
     }
 }

@@ -26,24 +26,24 @@ class Session;
 class PublishOperation;
 class SubscriptionTable;
 
-/// What a client asks of a Subscription, as it was revised (Part 4, 5.14.2.2).
+/// The parameters of a Subscription, as revised (Part 4, 5.14.2.2).
 struct SubscriptionParameters {
     Duration publishing_interval{0};
     std::uint32_t lifetime_count{0};
     std::uint32_t max_keep_alive_count{0};
-    /// 0 for no limit but the server's.
+    /// 0 if only the server's limit applies.
     std::uint32_t max_notifications_per_publish{0};
     std::uint8_t priority{0};
 };
 
-/// Brings the requested values into the limits: intervals that are not numbers, counts of 0 and
-/// products past all bounds included.
+/// Limits the requested values to their ranges, including NaN intervals, counts of 0 and products
+/// that would overflow.
 [[nodiscard]] SubscriptionParameters
 revise(const SubscriptionLimits& limits, double publishing_interval, std::uint32_t lifetime_count,
        std::uint32_t max_keep_alive_count, std::uint32_t max_notifications_per_publish,
        std::uint8_t priority);
 
-/// Who a Subscription works for. It keeps this when its session ends.
+/// The owner of a Subscription, which it keeps when its session ends.
 struct SubscriptionOwner {
     UserIdentity user;
     std::string address;
@@ -53,10 +53,10 @@ struct SubscriptionOwner {
     std::vector<std::string> locale_ids;
 };
 
-/// A Subscription (Part 4, 5.14.1): its items, its state and what it has sent.
+/// A Subscription (Part 4, 5.14.1): its items, its state and its sent messages.
 ///
-/// What happens to it is an event for the state table; handle() does what the table's row says.
-/// Belongs to the table of Subscriptions, which removes it when its state is Closed.
+/// Everything that happens to it is an event for the state table; handle() performs the table's
+/// row. Belongs to the table of Subscriptions, which removes it when its state is Closed.
 class Subscription final : public Timer {
 public:
     using State = SubscriptionState;
@@ -73,18 +73,18 @@ public:
 
     // Events.
 
-    /// What a service gives the row's actions to work with.
+    /// The data that a service passes to the row's actions.
     struct Input {
         TimePoint now{};
         const SubscriptionParameters* parameters{nullptr};
         bool publishing_enabled{false};
         /// Republish.
         bool is_message_found{false};
-        /// TransferSubscriptions and DeleteSubscriptions: the session that asks.
+        /// TransferSubscriptions and DeleteSubscriptions: the requesting session.
         Session* session{nullptr};
         bool is_client_validated{false};
     };
-    /// Does what the table has for the event, and tells which row that was.
+    /// Performs the table's row for the event, and returns it.
     const SubscriptionRow& handle(SubscriptionEvent event, const Input& input);
     /// The publishing timer.
     void expire(TimePoint now) override;
@@ -92,39 +92,39 @@ public:
 
     // Sessions.
 
-    /// Null after the session has ended, until another takes over.
+    /// Null after the session has ended, until another one takes over.
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] SubscriptionOwner owner() const;
     [[nodiscard]] const UserIdentity& user() const;
-    /// Of that user over that channel; valid until either changes.
+    /// Returns the rights of its user over its channel; valid until either changes.
     [[nodiscard]] NodeRights rights() const;
-    /// Over the channel of its session, the last one if there is none now.
+    /// Returns whether the channel of its session is encrypted, or was last.
     [[nodiscard]] bool is_encrypted() const;
-    /// What its client would have texts in, the best first.
+    /// Returns its client's locales in order of preference.
     [[nodiscard]] std::span<const std::string> locales() const;
-    /// The session ends; the Subscription goes on, for `owner`, until its lifetime is over.
+    /// The session ends; the Subscription continues, for `owner`, until its lifetime is over.
     void detach(std::unique_ptr<SubscriptionOwner> owner);
-    /// Its session has another user or comes from elsewhere.
+    /// Its session has another user or comes from another address.
     void update_share();
-    /// What its user has, it included.
+    /// The share of its user, including itself.
     [[nodiscard]] const Share& share() const { return *share_; }
     [[nodiscard]] Share& share() { return *share_; }
-    /// Grows with each Subscription that was made, or lost its session.
+    /// Increases with each Subscription that was created, or lost its session.
     [[nodiscard]] std::uint64_t since() const { return since_; }
-    /// Its lifetime is over at once, for another to have its place: State is Closed then.
+    /// Ends its lifetime at once, to make room for another one: State is Closed then.
     void give_way(TimePoint now);
-    /// It is deleted: whatever happens to its items, nobody is told any more.
+    /// It is deleted: changes of its items are not reported any more.
     void end();
-    /// The Subscription works with the rights of another user from now on.
+    /// The Subscription has the rights of another user from now on.
     void user_changed(TimePoint now);
-    /// Whatever service names the Subscription shows that its client is there.
+    /// Any service that names the Subscription proves that its client is alive.
     void reset_lifetime_counter() { lifetime_counter_ = parameters_.lifetime_count; }
 
     // Publishing.
 
     /// True if the next Publish request is answered at once.
     [[nodiscard]] bool wants_publish_request() const;
-    /// Grows with each message that was sent; what was served least lately comes first.
+    /// Increases with each sent message; the one served longest ago comes first.
     [[nodiscard]] std::uint64_t last_served() const { return last_served_; }
     [[nodiscard]] RetransmissionQueue& retransmission() { return retransmission_; }
     [[nodiscard]] const RetransmissionQueue& retransmission() const { return retransmission_; }
@@ -148,15 +148,16 @@ public:
     [[nodiscard]] std::size_t item_count() const { return items_.size(); }
     [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const { return items_.find(id); }
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
-    /// False if there is no such item. What ends an item needs no memory.
+    /// Returns false if there is no such item. Removing an item needs no memory.
     [[nodiscard]] bool remove_item(std::uint32_t id) noexcept;
-    /// Removes that many at most; how many there were.
+    /// Removes at most this many items; returns their number.
     std::size_t remove_items(std::size_t most) noexcept;
     /// In ascending order.
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
-    /// Queues the last value of each data item that reports and has none queued.
+    /// Queues the last value of each data item that reports and has an empty queue.
     void resend_data(TimePoint now);
-    /// See ValueItem::announce_change. False if an item had no memory to be looked up again.
+    /// See ValueItem::announce_change. Returns false if there was no memory to look an item up
+    /// again.
     bool announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
     [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
     {
@@ -202,7 +203,7 @@ private:
     bool message_sent_{false};
     std::uint32_t keep_alive_counter_{0};
     std::uint32_t lifetime_counter_{0};
-    /// Of the last message; 0 is never sent.
+    /// The number of the last message; 0 is never sent.
     std::uint32_t sequence_number_{0};
 
     SubscriptionCounters counters_;

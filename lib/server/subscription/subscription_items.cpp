@@ -16,7 +16,7 @@ void Subscription::user_changed(TimePoint now)
     items_.for_each([&](MonitoredItem& item) { item.user_changed(context(now)); });
 }
 
-/// Those of a Subscription that has ended are the server's alone.
+/// Items of an ended Subscription count only for the server.
 void Subscription::count_items(std::ptrdiff_t more) noexcept
 {
     all_.count_items(more);
@@ -44,7 +44,7 @@ bool Subscription::remove_item(std::uint32_t id) noexcept
 std::size_t Subscription::remove_items(std::size_t most) noexcept
 {
     const std::size_t count = std::min(most, items_.size());
-    for (std::size_t i = 0; i < count; ++i) { // to its end: no destructor throws
+    for (std::size_t i = 0; i < count; ++i) { // always completes: no destructor throws
         items_.remove_last();
     }
     count_items(-static_cast<std::ptrdiff_t>(count));

@@ -20,13 +20,13 @@ milliseconds nearest(const std::vector<milliseconds>& intervals, double requeste
         [&](milliseconds a, milliseconds b) { return distance(a) < distance(b); });
 }
 
-/// Whole microseconds: more than a clock keeps, and equal intervals meet in one batch.
+/// Whole microseconds: finer than a clock keeps, and equal intervals share one batch.
 Duration to_duration(double interval_ms)
 {
     return std::chrono::microseconds{static_cast<std::int64_t>(std::ceil(interval_ms * 1'000))};
 }
 
-/// Of the steps the first that is long enough; past them all the minimum itself.
+/// Returns the first step that is long enough; past all steps the minimum itself.
 Duration not_shorter(const std::vector<milliseconds>& intervals, double minimum)
 {
     const auto found =
@@ -44,11 +44,11 @@ Duration SamplingPolicy::revise(double requested_milliseconds, Duration publishi
     if (requested_milliseconds == 0 && can_follow_scans && samples_each_scan) {
         return Duration::zero();
     }
-    // Also true of what is not a number.
+    // Also true for NaN.
     const bool is_default = !(requested_milliseconds >= 0);
     const double requested =
         is_default ? to_milliseconds(publishing_interval) : requested_milliseconds;
-    // A year is as good as for ever, and clocks can count it. The minimum may be no number either.
+    // A year is practically for ever, and clocks can count it. The minimum may be NaN, too.
     constexpr double longest = 365.0 * 86'400'000;
     const double minimum =
         minimum_sampling_interval > 0 ? std::min(minimum_sampling_interval, longest) : 0;

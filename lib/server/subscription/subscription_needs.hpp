@@ -14,7 +14,7 @@ namespace busbar::server::detail {
 class EventItems;
 class Subscription;
 
-/// Who wants to know what Subscriptions there are.
+/// Is notified of which Subscriptions exist.
 class SubscriptionObserver {
 public:
     SubscriptionObserver() = default;
@@ -22,26 +22,26 @@ public:
     SubscriptionObserver& operator=(const SubscriptionObserver&) = delete;
 
     virtual void added(const Subscription& subscription) = 0;
-    /// It has another session.
+    /// The Subscription has another session.
     virtual void moved(const Subscription& subscription) = 0;
-    /// It is about to end.
+    /// The Subscription is about to end.
     virtual void removed(const Subscription& subscription) = 0;
 
 protected:
     ~SubscriptionObserver() = default;
 };
 
-/// What Subscriptions and their items need of the server; as long as that lives.
+/// The needs of Subscriptions and their items; valid as long as the server.
 struct SubscriptionNeeds {
     const model::AddressSpace& space;
     DataSources& sources;
     const binary::TypeRegistry& types;
     const ServerLimits& limits;
-    /// The guarded one.
+    /// The guarded environment.
     const ServerEnvironment& environment;
     Counters& counters;
     const LiveValues& live_values;
-    /// As bounded as what peers cause has to be.
+    /// A rationed log, since peers can cause messages.
     LogSink& log;
     /// Null in a server without events.
     EventItems* event_items{nullptr};

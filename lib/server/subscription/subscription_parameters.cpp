@@ -7,7 +7,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// How many intervals come to at least so much time, and never so many that a counter overflows.
+/// Returns how many intervals are at least this time, limited so that no counter overflows.
 std::uint32_t intervals_in(std::chrono::milliseconds time, Duration interval)
 {
     const std::int64_t count = (Duration{time}.count() + interval.count() - 1) / interval.count();
@@ -19,7 +19,7 @@ Duration revise_interval(const SubscriptionLimits& limits, double milliseconds)
     const auto count = [](std::chrono::milliseconds time) {
         return static_cast<double>(time.count());
     };
-    // Also taken for what is not a number, or not positive.
+    // Also used for NaN and values that are not positive.
     double revised = count(limits.min_publishing_interval);
     if (milliseconds > revised) {
         revised = std::min(milliseconds, count(limits.max_publishing_interval));

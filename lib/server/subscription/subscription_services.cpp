@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// The Subscription, if it is the session's.
+/// Returns the Subscription, if it belongs to the session.
 Result<Subscription*> find(const SubscriptionTable& all, const Session& session, std::uint32_t id)
 {
     Subscription* const found = all.find(id);
@@ -60,7 +60,7 @@ private:
     }
 
     SubscriptionTable& all_;
-    /// While its turn lasts.
+    /// Valid during its turn.
     ServiceContext* context_{nullptr};
 };
 

@@ -5,7 +5,7 @@
 #include "server/session/service.hpp"
 #include <busbar/server/limits.hpp>
 
-/// The Subscription service set (Part 4, 5.14) but for Publish. All need an activated session.
+/// The Subscription service set (Part 4, 5.14) except Publish. All need an activated session.
 namespace busbar::server::detail {
 
 class SubscriptionTable;
@@ -35,20 +35,21 @@ private:
     SubscriptionTable& all_;
 };
 
-/// Good, or why a request with so many operations is refused.
+/// Returns Good, or why a request with this many operations is refused.
 [[nodiscard]] StatusCode check_count(const ServerLimits& limits, std::size_t count);
 
-// Methods of the Server object (Part 5, 9.1 and 9.2): functions for whoever calls them.
+// Methods of the Server object (Part 5, 9.1 and 9.2), as functions.
 
 struct MonitoredItemHandles {
     Array<std::uint32_t> server_handles;
     Array<std::uint32_t> client_handles;
 };
-/// Bad_SubscriptionIdInvalid, or Bad_UserAccessDenied for a Subscription of another session.
+/// Returns Bad_SubscriptionIdInvalid, or Bad_UserAccessDenied for a Subscription of another
+/// session.
 [[nodiscard]] Result<MonitoredItemHandles> get_monitored_items(const SubscriptionTable& all,
                                                                const Session& session,
                                                                std::uint32_t subscription_id);
-/// The same.
+/// Errors as above.
 [[nodiscard]] StatusCode resend_data(SubscriptionTable& all, const Session& session,
                                      std::uint32_t subscription_id, TimePoint now);
 

@@ -16,7 +16,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Ids begin anywhere, so that a client which outlives a restart does not meet another's.
+/// Ids begin at a random number, so that a client which survives a restart does not meet another
+/// client's.
 std::uint32_t random_id(crypto::Random& random)
 {
     std::array<std::byte, 4> bytes{};
@@ -59,7 +60,7 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
         !make_place(session, now)) {
         return fail(status::Bad_TooManySubscriptions);
     }
-    // Those that go away have memory, too: worst_case_memory() counts max_subscriptions of both.
+    // Ended ones take memory, too: worst_case_memory() counts max_subscriptions of both.
     constexpr std::size_t items_at_once = 1'000;
     if (size() + ended_.size() >= limits.max_subscriptions) {
         static_cast<void>(ended_.sweep(items_at_once));
@@ -113,7 +114,7 @@ void SubscriptionTable::remove(Subscription& subscription)
 
 bool SubscriptionTable::sweep_ended()
 {
-    // A MonitoredItem that is made needs the room of one, if it is not larger than others.
+    // A new MonitoredItem needs the memory of one, if it is not larger than others.
     constexpr std::size_t items = 8;
     return ended_.sweep(items);
 }
@@ -126,7 +127,7 @@ void SubscriptionTable::session_ends(Session& session, bool deletes_subscription
     PublishPart& part = PublishPart::of(session);
     const auto own = part.subscriptions(); // a copy
     if (!deletes_subscriptions) {
-        // First, as it may fail: a session that goes on has what it had.
+        // First, as it may fail: a session that continues has lost nothing.
         std::vector<std::unique_ptr<SubscriptionOwner>> owners(own.size());
         std::transform(own.begin(), own.end(), owners.begin(), [](const Subscription* one) {
             return std::make_unique<SubscriptionOwner>(one->owner());
@@ -158,7 +159,8 @@ void SubscriptionTable::user_changed(Session& session, TimePoint now)
     if (session.publishing == nullptr) {
         return;
     }
-    // Whoever cannot be told: nothing is sampled by what another was allowed.
+    // An item that cannot be notified is looked up again: nothing is sampled with the rights of
+    // another user.
     busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }};
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
         subscription->update_share();
@@ -181,7 +183,7 @@ void SubscriptionTable::announce_change(const std::unordered_set<NodeId>& variab
 {
     for (const auto& [id, subscription] : subscriptions_) {
         if (!subscription->announce_change(variables, status_bits)) {
-            sampler_->look_up_again(); // without memory now
+            sampler_->look_up_again(); // if there is no memory now
         }
     }
 }

@@ -22,7 +22,7 @@ class Sampler;
 class Session;
 class Subscription;
 
-/// All Subscriptions of a server, with what they share: timers, sampling and memory.
+/// All Subscriptions of a server, with their common timers, sampling and memory.
 class SubscriptionTable {
 public:
     explicit SubscriptionTable(const SubscriptionNeeds& needs);
@@ -30,29 +30,29 @@ public:
     SubscriptionTable& operator=(const SubscriptionTable&) = delete;
     ~SubscriptionTable();
 
-    /// Bad_TooManySubscriptions if the session, its user or the server has as many as it may have
-    /// and none gives way; see SubscriptionLimits.
+    /// Returns Bad_TooManySubscriptions if the session, its user or the server has the maximum and
+    /// none gives way; see SubscriptionLimits.
     [[nodiscard]] Result<Subscription*> create(Session& session,
                                                const SubscriptionParameters& parameters,
                                                bool publishing_enabled, TimePoint now);
-    /// Null if there is none.
+    /// Returns null if there is none.
     [[nodiscard]] Subscription* find(std::uint32_t id) const;
-    /// Null if there is none or it is not the session's.
+    /// Returns null if there is none or it belongs to another session.
     [[nodiscard]] Subscription* find(std::uint32_t id, const Session& session) const;
-    /// Its items may be there for a while, of which nothing is to be seen: they are counted and
-    /// paid for until they are gone.
+    /// Its items may exist for a while, invisibly: they are counted and paid for until they are
+    /// deleted.
     void remove(Subscription& subscription);
-    /// Removes some items of Subscriptions that were removed; false if there are none.
+    /// Deletes some items of removed Subscriptions; false if there are none.
     bool sweep_ended();
-    /// Whether the Subscription's user, and the server, may have one item more; has others give way
-    /// to it if need be.
+    /// Returns whether the Subscription's user, and the server, may have one more item; makes
+    /// others give way if necessary.
     [[nodiscard]] bool make_room_for_item(const Subscription& subscription, TimePoint now);
-    /// Whether the session's user may take the Subscription over.
+    /// Returns whether the session's user may take the Subscription over.
     [[nodiscard]] bool has_share_for(const Subscription& subscription,
                                      const Session& session) const;
 
-    /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
-    /// for as long as their lifetime says (Part 4, 5.6.4).
+    /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they survive
+    /// for their lifetime (Part 4, 5.6.4).
     void session_ends(Session& session, bool deletes_subscriptions);
     /// The session may have another channel, and another user.
     void session_moved(Session& session);
@@ -61,7 +61,7 @@ public:
     /// See Server::announce_access_change.
     void access_changed(TimePoint now);
 
-    /// Tells all items of the Variables' values; see ValueItem::announce_change.
+    /// Notifies all items of the Variables' values; see ValueItem::announce_change.
     void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
 
     [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    /// Who wants a place, and what there are too many of.
+    /// The user who needs a place, and the kind of place that is short.
     struct Want {
         const UserIdentity& user;
         std::string_view address;
@@ -97,10 +97,10 @@ private:
     };
     [[nodiscard]] std::uint32_t new_id();
     [[nodiscard]] bool make_place(const Session& session, TimePoint now);
-    /// Null if none has to give way. With `is_own` only one of the same user.
+    /// Returns null if none must give way. With `is_own` only one of the same user.
     [[nodiscard]] Subscription* find_giving_way(const Share* taker, std::size_t Share::*what,
                                                 bool is_own) const;
-    /// False if there was none.
+    /// Returns false if there was none.
     bool displace(const Want& want, bool is_own);
 
     const SubscriptionNeeds& needs_;

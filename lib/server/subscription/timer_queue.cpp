@@ -92,7 +92,7 @@ void TimerQueue::cancel(Timer& timer)
     }
 }
 
-/// Goes through what expires, and keeps the rest if it does not come to the end.
+/// Walks through the expiring timers, and keeps the rest if it does not reach the end.
 class TimerQueue::Expiring {
 public:
     explicit Expiring(TimerQueue& queue) : queue_{queue} {}
@@ -106,7 +106,7 @@ public:
         queue_.has_rest_ = !all.empty();
     }
 
-    /// False at the end.
+    /// Returns false at the end.
     bool next(Timer*& timer)
     {
         if (next_ == queue_.expiring_.size()) {
@@ -124,7 +124,7 @@ private:
 
 void TimerQueue::expire(TimePoint now)
 {
-    std::erase(expiring_, nullptr); // of those that were left behind
+    std::erase(expiring_, nullptr); // of the remaining ones
     while (!heap_.empty() && heap_.front()->due_ <= now) {
         Timer* const timer = heap_.front();
         expiring_.push_back(timer);
@@ -134,7 +134,7 @@ void TimerQueue::expire(TimePoint now)
     }
     std::stable_sort(expiring_.begin(), expiring_.end(),
                      [](const Timer* a, const Timer* b) { return a->rank() > b->rank(); });
-    // One that ends another's life cancels it, which clears its place here.
+    // A timer destroyed by another is cancelled by its destructor, which clears its place here.
     Expiring expiring{*this};
     for (Timer* timer = nullptr; expiring.next(timer);) {
         if (timer != nullptr) {

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 class TimerQueue;
 
-/// Something that is due at a time; in at most one queue.
+/// An object that is due at a time; in at most one queue.
 class Timer {
 public:
     Timer() = default;
@@ -17,12 +17,13 @@ public:
     Timer& operator=(const Timer&) = delete;
     virtual ~Timer() = default;
 
-    /// no_deadline if it is not set.
+    /// Returns no_deadline if it is not set.
     [[nodiscard]] TimePoint due() const { return due_; }
 
-    /// Called when it was due; it is not set any more. May set or cancel any timer.
+    /// Called at the due time; the timer is not set any more. May set or cancel any timer.
     virtual void expire(TimePoint now) = 0;
-    /// Of those that expire in one call the highest comes first, then the one that was due first.
+    /// Among timers that expire in one call the highest rank comes first, then the one that was due
+    /// first.
     [[nodiscard]] virtual unsigned rank() const { return 0; }
 
 private:
@@ -33,12 +34,12 @@ private:
     bool is_expiring_{false};
 };
 
-/// Timers by the time they are due: a binary heap, so that what is idle costs nothing and a change
-/// takes a number of steps that grows with the logarithm of their number.
+/// Timers by their due time: a binary heap, so that idle timers cost nothing and a change takes a
+/// number of steps that grows with the logarithm of their number.
 class TimerQueue {
 public:
-    /// `timer` must be cancelled before it is destroyed. Needs memory only for one that neither is
-    /// set nor expires: whatever happens, what goes on in steps can have its next one.
+    /// `timer` must be cancelled before it is destroyed. Needs memory only for a timer that is
+    /// neither set nor expiring: a periodic timer can always be set again.
     void set(Timer& timer, TimePoint due);
     void cancel(Timer& timer);
     [[nodiscard]] TimePoint next_deadline() const
@@ -48,9 +49,9 @@ public:
         }
         return heap_.empty() ? no_deadline : heap_.front()->due_;
     }
-    /// What a Timer throws comes through; those that were due after it wait for the next call,
-    /// which is due at once. Expires all timers that are due at `now` when it is called; those that
-    /// set themselves to a time that has come again wait for the next call.
+    /// Expires all timers that are due at `now` when it is called; those that set themselves to a
+    /// time that has passed wait for the next call. A Timer's exception is passed on; the timers
+    /// that were due after it wait for the next call, which is due at once.
     void expire(TimePoint now);
     [[nodiscard]] std::size_t size() const { return heap_.size(); }
 
@@ -63,13 +64,13 @@ private:
     void sift_up(Timer& timer, std::size_t place);
     void sift_down(Timer& timer, std::size_t place);
 
-    /// Has room for those that expire as well.
+    /// Has room for the expiring ones as well.
     std::vector<Timer*> heap_;
-    /// Due in this call of expire(); null where one was cancelled meanwhile.
+    /// Due in this call of expire(); null if one was cancelled meanwhile.
     std::vector<Timer*> expiring_;
-    /// The one that expires now, until it is set again or cancelled.
+    /// The timer that expires now, until it is set again or cancelled.
     Timer* current_{nullptr};
-    /// One that threw left others behind there.
+    /// A throwing timer left others there.
     bool has_rest_{false};
 };
 

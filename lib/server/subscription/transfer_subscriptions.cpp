@@ -13,8 +13,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// ClientValidated(): the same user or, if nobody logged in, the same application over a channel
-/// that says who it is (Part 4, 5.14.7.1).
+/// ClientValidated(): the same user or, if no user logged in, the same application over a channel
+/// that proves its identity (Part 4, 5.14.7.1).
 bool is_same_client(const SubscriptionOwner& owner, const Session& session)
 {
     if (!is_same_user(owner.user, session.user)) {
@@ -68,7 +68,7 @@ void tell_transferred(LogSink& log, const ServiceContext& context, StatusCode st
     log.record(record);
 }
 
-/// Good, or the first that is not.
+/// Returns Good, or the first other status.
 StatusCode status_of_all(const Array<TransferResult>& results)
 {
     for (const TransferResult& result : results) {
@@ -95,7 +95,7 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
         TransferResult result;
         Subscription* const subscription = all.find(id);
         Array<std::uint32_t> available;
-        if (subscription != nullptr) { // before it moves, which is not taken back
+        if (subscription != nullptr) { // before it moves, which is not undone
             available = Array<std::uint32_t>{subscription->retransmission().available()};
         }
         result.status_code = subscription == nullptr ? status::Bad_SubscriptionIdInvalid
@@ -107,7 +107,7 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
         response.results.push_back(std::move(result));
     }
     tell_transferred(all.needs().log, context, status_of_all(response.results));
-    // Publish requests of the session may have waited for what came with them.
+    // Publish requests of the session may have waited for the Notifications of these.
     busbar::detail::attempt([&] { PublishPart::of(*context.session).serve(context.now); });
     return status::Good;
 }

@@ -18,8 +18,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// What makes an item impossible. All else that a Read might answer comes with a Publish response,
-/// because it may change (Part 4, 5.13.2.1).
+/// The statuses that make an item impossible. All other answers of a Read come with a Publish
+/// response, because they may change (Part 4, 5.13.2.1).
 constexpr std::array refusals{
     status::Bad_NodeIdInvalid,       status::Bad_NodeIdUnknown,
     status::Bad_AttributeIdInvalid,  status::Bad_IndexRangeInvalid,
@@ -33,7 +33,7 @@ bool is_value_of_variable(const model::AddressSpace& space, const ReadTarget& ta
            node != model::no_node && space.node_class(node) == NodeClass::Variable;
 }
 
-/// True if an array of that size never has what the range names (Part 4, 5.13.2.4).
+/// Returns true if an array of this size never has the elements of the range (Part 4, 5.13.2.4).
 bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> dimensions)
 {
     const auto bounds = range.bounds();
@@ -45,7 +45,7 @@ bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> d
     return false;
 }
 
-/// Of a Notification with this value, at most.
+/// Upper bound of a notification's encoded size with this value.
 std::size_t size_with(const Variant& value)
 {
     // Handle, mask, status, timestamps and a scalar.
@@ -53,7 +53,7 @@ std::size_t size_with(const Variant& value)
     return held_bytes(value) == 0 ? most_flat : most_flat + binary::encoded_size(value);
 }
 
-/// Of the Variable whose value is monitored; for all else there is none.
+/// Returns the interval of the Variable whose value is monitored; 0 for all else.
 double minimum_sampling_interval(const model::AddressSpace& space, const ReadTarget& target)
 {
     const model::NodeIndex node = space.find(target.node_id);
@@ -129,7 +129,7 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
     return item;
 }
 
-// There may be hundreds of thousands.
+// There may be hundreds of thousands of them.
 static_assert(sizeof(void*) != 8 || sizeof(ValueItem) <= 272);
 
 std::size_t ValueItem::cost() const
@@ -215,7 +215,7 @@ void ValueItem::keep_filter(const ExtensionObject& text, const ChangeFilter& fil
     }
 }
 
-/// Until a source has said what it is, a range without width, so that all changes are reported.
+/// Until a source has returned the range, one without width, so that all changes are reported.
 std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
 {
     const model::AddressSpace& space = needs().space;
@@ -229,7 +229,7 @@ std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
         Filtered& kept = extras().filtered;
         kept.eu_range = Range{};
         kept.read = std::move(read);
-        // Its deadline is not looked at; an answer is welcome at any time.
+        // Its deadline is ignored; an answer is welcome at any time.
         kept.read->start(attributes, TimePoint{});
         return kept.eu_range;
     }
@@ -293,7 +293,7 @@ void ValueItem::modify(const ItemContext& context, const MonitoringParameters& p
     keep_filter(parameters.filter, *filter);
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
-    // So that the same change is one the next time, too.
+    // So that the same change counts as one the next time, too.
     busbar::detail::Undo undo{[&] { set_interval(before); }};
     const ReadPlan plan = plan_sample(needs(), context.subscription, target());
     revise(context, parameters, timestamps, plan, revision);
@@ -317,7 +317,7 @@ void ValueItem::user_changed(const ItemContext&)
 {
     const ReadPlan plan = plan_sample(needs(), subscription(), target());
     if (plan.source == nullptr && plan.answer.status.is_bad()) {
-        // What the user before was allowed to know is not this one's.
+        // The new user must not see values that the previous one was allowed to see.
         queue_.clear(subscription().memory());
         subscription().ready(Kind::Data).remove(*this);
     }
@@ -337,7 +337,7 @@ void ValueItem::resend(const ItemContext&)
 void ValueItem::announce_change(std::uint32_t status_bits)
 {
     pending_bits_ |= status_bits;
-    // An EURange that has become unusable leaves the deadband as it was.
+    // An EURange that has become unusable leaves the deadband unchanged.
     if (extras_ != nullptr) {
         if (auto filter = make_filter(extras_->filtered.text)) {
             extras_->filtered.filter = *filter;

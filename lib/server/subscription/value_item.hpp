@@ -19,21 +19,21 @@ namespace busbar::server::detail {
 
 class SamplingGroup;
 
-/// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
+/// An item of an attribute, usually a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
 class ValueItem final : public MonitoredItem, private model::NodeWatch {
 public:
-    /// Where an item is in its sampling group.
+    /// The place of an item in its sampling group.
     struct Place {
         static constexpr std::uint32_t no_image = UINT32_MAX;
-        /// Of the group's images the one whose watch has the item.
+        /// Index of the group's image whose watch has the item.
         std::uint32_t image{no_image};
-        /// In that watch, else among the group's members.
+        /// Index in that watch, else among the group's members.
         std::uint32_t index{0};
     };
 
-    /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
-    /// add_to_sampler() on.
+    /// Returns null, with the reason in `revision.status`, if such an item is impossible. It is
+    /// sampled from add_to_sampler() on.
     [[nodiscard]] static std::unique_ptr<ValueItem> make(const ItemContext& context,
                                                          const MonitoredItemCreateRequest& request,
                                                          TimestampsToReturn timestamps,
@@ -49,21 +49,22 @@ public:
     void user_changed(const ItemContext& context) override;
     void resend(const ItemContext& context) override;
 
-    // For the sampler.
+    // Called by the sampler.
 
     [[nodiscard]] const NodeId& node_id() const { return node_id_; }
     [[nodiscard]] ReadTarget target() const
     {
         return {node_id_, attribute_id_, extras_ != nullptr ? &extras_->data_encoding : nullptr};
     }
-    /// Zero: each scan of a process image.
+    /// Zero means each scan of a process image.
     [[nodiscard]] Duration interval() const { return interval_; }
-    /// Null if the whole value is wanted.
+    /// Returns null for the whole value.
     [[nodiscard]] const NumericRange* range() const
     {
         return extras_ != nullptr ? extras_->range.get() : nullptr;
     }
-    /// The same, for who may look at it after the item is gone. Not without a range.
+    /// Returns the range for code that may use it after the item is destroyed. There must be a
+    /// range.
     [[nodiscard]] const std::shared_ptr<const NumericRange>& shared_range() const
     {
         return extras_->range;
@@ -73,32 +74,32 @@ public:
     {
         return !filter().looks_at_time() && pending_bits_ == 0 && queue_.newest() != nullptr;
     }
-    /// One sample, whose range is cut already: queues it if it passes the filter.
+    /// Takes one sample, whose range is already cut: queues it if it passes the filter.
     void sample(const ReadSlot& slot, StatusCode status, DateTime server_time);
 
-    /// Values may have been lost before they could be queued: the next one that is has the Overflow
+    /// Values may have been lost before they could be queued: the next queued one has the Overflow
     /// bit, as if they had been lost in the queue (Part 4, 5.13.1.5). Not in a queue of one.
     void note_loss();
 
-    /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
-    /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
+    /// The next sample is reported in any case, with these bits of its status set (Part 4, 7.38.1;
+    /// Part 8, 5.2). A filter in percent reads the EURange again.
     void announce_change(std::uint32_t status_bits);
-    /// Has brought near from memory what sample() is going to look at.
+    /// Prefetches what sample() is going to use.
     void fetch_queue() const { queue_.fetch(); }
 
 private:
     friend class SamplingGroup;
 
-    /// What belongs to a filter of the client's.
+    /// The data of a client's filter.
     struct Filtered {
         ChangeFilter filter;
-        /// As it was given, for when the EURange changes.
+        /// The requested filter, for a change of the EURange.
         ExtensionObject text;
         std::optional<Range> eu_range;
-        /// Null unless a source is asked for the EURange.
+        /// Null unless a source is being asked for the EURange.
         std::unique_ptr<EuRangeRead> read;
     };
-    /// What few items have.
+    /// Data that few items have.
     struct Extras final : EuRangeUser {
         explicit Extras(ValueItem& owner) : item{owner} {}
         void eu_range_came(const std::optional<Range>& value) override
@@ -121,12 +122,11 @@ private:
     {
         return extras_ != nullptr ? extras_->filtered.filter : ChangeFilter{};
     }
-    /// Makes what is not there yet.
+    /// Creates them on first use.
     [[nodiscard]] Extras& extras();
     void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
-    /// What the item takes at most, besides what is queued: each may get a filter later. Always the
-    /// same.
+    /// Maximum memory of the item, without its queue: each may get a filter later. Always the same.
     [[nodiscard]] std::size_t cost() const;
     [[nodiscard]] StatusCode charge_source(const ReadPlan& plan);
     [[nodiscard]] StatusCode check_target(const ItemContext& context, const String& index_range,
@@ -135,19 +135,19 @@ private:
     void keep_filter(const ExtensionObject& text, const ChangeFilter& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(model::NodeIndex variable);
     void eu_range_came(const std::optional<Range>& range);
-    /// Where the group gets the item's values from may be wrong by now.
+    /// The item's source may have changed.
     void node_changed(model::NodeIndex node, bool is_removed) override;
     [[nodiscard]] std::optional<SamplingIntervals::Use> counted(MonitoringMode mode) const;
     void set_interval(Duration interval);
-    /// Queue, interval and timestamps.
+    /// Revises queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
 
-    // What each sample looks at lies together; the flags in bytes that NodeWatch leaves free.
+    // Data that each sample uses is kept together; the flags in bytes that NodeWatch leaves free.
 
     bool has_lost_{false};
     bool is_charged_{false};
-    /// In SamplingIntervals, by mode and interval.
+    /// Counted in SamplingIntervals, by mode and interval.
     bool is_counted_{false};
     std::uint32_t pending_bits_{0};
     TimestampsToReturn timestamps_;
@@ -159,11 +159,11 @@ private:
 
     NodeId node_id_;
     Duration interval_{0};
-    /// Null, or which source counts the item, and as what.
+    /// The source that counts the item, and the counted size; null if there is none.
     SourceEntry* charged_source_{nullptr};
     std::size_t monitored_size_{0};
 
-    // The sampling group's: where the item is in it.
+    // Used by the sampling group: the item's place in it.
 
     SamplingGroup* group_{nullptr};
     Place place_;

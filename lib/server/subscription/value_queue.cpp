@@ -28,7 +28,7 @@ std::size_t held_bytes_apart(const Variant& value)
     if (const ByteString* bytes = value.get_if<ByteString>()) {
         return bytes->size();
     }
-    // Objects are larger than their encoding, by no more than their fields' headers.
+    // Objects are larger than their encoding by at most their fields' headers.
     return 64 + 8 * binary::encoded_size(value);
 }
 
@@ -58,7 +58,7 @@ std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_old
     move_to(std::move(ring), capacity, account);
     undo.keep();
     if (capacity > 1) {
-        static_cast<void>(account.charge(capacity * sizeof(DataValue))); // there is that much
+        static_cast<void>(account.charge(capacity * sizeof(DataValue))); // that much is available
     }
     return capacity_;
 }
@@ -69,7 +69,8 @@ void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most,
     if (values.size() <= most) {
         return;
     }
-    // The oldest go, or those before the newest; a queue of one keeps the newest in any case.
+    // The oldest are dropped, or those before the newest; a queue of one keeps the newest in any
+    // case.
     const bool loses_oldest = discards_oldest_ || most == 1;
     const auto lost = static_cast<std::ptrdiff_t>(values.size() - most);
     const auto first = loses_oldest ? values.begin() : values.end() - 1 - lost;
@@ -86,12 +87,12 @@ void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capaci
 {
     const bool is_taken = size_ == 0;
     std::vector<DataValue> values;
-    values.reserve(std::max(size_, 1U)); // and nothing is to fail from here on
+    values.reserve(std::max(size_, 1U)); // and from here on nothing must fail
     size_ = std::max(size_, has_newest_ ? 1U : 0U);
     for (std::uint32_t i = 0; i < size_; ++i) {
         values.push_back(std::move(at((oldest_index() + i) % capacity_)));
     }
-    for (std::uint32_t i = 0; i < capacity_; ++i) { // what was taken, but not overwritten yet
+    for (std::uint32_t i = 0; i < capacity_; ++i) { // taken values that are not overwritten yet
         account.release(held_bytes(at(i).value));
         at(i).value = Variant{};
     }
@@ -116,7 +117,7 @@ std::uint32_t ValueQueue::next_place() const
 bool ValueQueue::take_place(std::uint32_t place)
 {
     const bool is_overflow = size_ == capacity_ && capacity_ > 1;
-    if (is_overflow && discards_oldest_) { // this was the oldest; the next one tells of the loss
+    if (is_overflow && discards_oldest_) { // this was the oldest; the next one reports the loss
         DataValue& next = at(place + 1 == capacity_ ? 0 : place + 1);
         next.status = with_bits(next.status, overflow_bits);
         --size_;
@@ -137,7 +138,8 @@ bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode st
     const std::size_t size = held_bytes(value);
     const std::size_t held = held_bytes(to.value);
     bool is_paid = true;
-    if (size == 0 && held == 0) { // most are flat: nothing to pay for, and nothing that may fail
+    if (size == 0 &&
+        held == 0) { // most are flat: there is nothing to pay for, and nothing can fail
         to.value = value;
     } else {
         is_paid = size <= account.left() + held;

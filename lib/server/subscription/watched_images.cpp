@@ -44,7 +44,7 @@ void WatchedImages::sample(Image& image, const ImagePin& pin, const Sample& samp
     const StatusCode no_pin =
         image.image->has_scan() ? status::Bad_TooManyOperations : status::Bad_NoCommunication;
     const StatusCode running = sample.is_late ? status::Good_Overload : status::Good;
-    // Part 8, 7.3.2: what used to update the values has stopped.
+    // Part 8, 7.3.2: the task that updated the values has stopped.
     const StatusCode status =
         !pin ? no_pin : (image.image->is_running() ? running : status::Uncertain_LastUsableValue);
     image.watch->sample({pin, status, sample.server_time, sample.is_only_new});

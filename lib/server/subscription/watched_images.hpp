@@ -8,46 +8,45 @@
 
 namespace busbar::server::detail {
 
-/// The process images that items of one sampling group lie in, with a watch of each.
+/// The process images of one sampling group's items, with a watch of each.
 class WatchedImages {
 public:
-    /// What a sample has to know besides the scan.
+    /// The context of a sample in addition to the scan.
     struct Sample {
         DateTime server_time;
-        /// It comes later than it should.
+        /// It is later than it should be.
         bool is_late;
-        /// Only of what was added since the last sample.
+        /// Only items that were added since the last sample.
         bool is_only_new;
     };
 
     /// `memory` pays for the watches and must outlive this object.
     explicit WatchedImages(MemoryAccount& memory) : memory_{memory} {}
 
-    /// Samples the item, which is the variable `handle` of the image that `source` has, from now
-    /// on.
+    /// Samples the item, which is the variable `handle` of the image of `source`, from now on.
     [[nodiscard]] ValueItem::Place add(ValueItem& item, ProcessImage& image,
                                        const SourceEntry& source, std::uint32_t handle);
     void remove(ValueItem::Place place) { images_[place.image].watch->remove(place.index); }
-    /// Hands over all items to `take` and lets the images go.
+    /// Passes all items to `take` and drops the images.
     template <typename Take>
     void take_all(Take take);
 
-    /// The source of an image is gone.
+    /// Returns true if the source of an image is destroyed.
     [[nodiscard]] bool has_lost_source() const;
-    /// A watch keeps more of items that are gone than of those that are there. It does not close
-    /// up: take_all() and add() again.
+    /// Returns true if a watch has more removed items than present ones. It does not shrink:
+    /// take_all() and add() again.
     [[nodiscard]] bool is_wasteful() const;
 
     /// Samples the newest scan of each.
     void sample(const Sample& sample);
-    /// Samples the scan that is pinned, for a group that follows one image.
+    /// Samples the pinned scan, for a group that follows one image.
     void sample(const ImagePin& pin, const Sample& sample);
-    /// Scans came that nobody looked at.
+    /// Scans were not sampled.
     void note_loss();
 
 private:
     struct Image {
-        /// The source may let it go before the server does.
+        /// The source may drop it before the server does.
         std::shared_ptr<ProcessImage> image;
         const SourceEntry* source;
         std::unique_ptr<ImageWatch> watch;
