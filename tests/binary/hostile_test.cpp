@@ -103,7 +103,7 @@ std::vector<std::byte> nested_variants(std::size_t levels)
 } // namespace
 
 // Part 6, 5.1.5: decoders support at least 100 levels.
-TEST_CASE("A hundred values in one another are decoded and encoded, one more is not (D10)")
+TEST_CASE("A hundred values in one another are decoded and encoded, one more is not")
 {
     const auto decode = [](std::size_t levels) {
         return binary::from_bytes<Variant>(nested_variants(levels));

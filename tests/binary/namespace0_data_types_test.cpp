@@ -11,7 +11,7 @@ using namespace busbar;
 using binary::DynamicType;
 using binary::DynamicTypes;
 
-TEST_CASE("the DataTypes of namespace 0 are there to be compiled (C2)", "[binary][dynamic]")
+TEST_CASE("the DataTypes of namespace 0 are there to be compiled", "[binary][dynamic]")
 {
     const DynamicTypes types = DynamicTypes::compile(binary::namespace0_data_types());
     CHECK(types.errors().empty());
@@ -26,8 +26,7 @@ TEST_CASE("the DataTypes of namespace 0 are there to be compiled (C2)", "[binary
     CHECK(types.find(NodeId{0, id::Duration})->built_in == BuiltInType::Double);
 }
 
-TEST_CASE("the definitions of namespace 0 are those of its generated types (C2)",
-          "[binary][dynamic]")
+TEST_CASE("the definitions of namespace 0 are those of its generated types", "[binary][dynamic]")
 {
     const DynamicTypes types = DynamicTypes::compile(binary::namespace0_data_types());
     REQUIRE_FALSE(binary::namespace0_types().empty());

@@ -83,7 +83,7 @@ StatusCode answer_to_changed(const channel::SecuritySetting& security,
 
 TEST_CASE("what is no message header is answered with Error", "[channel][hostile]")
 {
-    // A1, A2, A10: sizes below the header, absurd sizes, unknown types and flags.
+    // Sizes below the header, absurd sizes, unknown types and flags.
     for (const char* hex : {"4f504e4600000000", "48454c4607000000", "4d53474300000000"}) {
         CHECK(answer_to(from_hex(hex)) == status::Bad_TcpMessageTypeInvalid);
     }
@@ -276,7 +276,7 @@ TEST_CASE("a second Issue on an open channel is refused", "[channel][hostile]")
 
 TEST_CASE("hostile lengths in certificates end at once", "[channel][hostile]")
 {
-    // C1: a chain whose DER lengths wrap, are indefinite or lie.
+    // A chain whose DER lengths wrap, are indefinite or lie.
     for (const char* der : {"3084fffffffa00", "3080000000", "308500000000ff", "308400000000", "30",
                             "3082ffff00", "020101"}) {
         INFO(der);

@@ -190,7 +190,7 @@ TEST_CASE("a chunk may not be larger than what was agreed", "[channel][limits]")
     CHECK(client.told() == status::Bad_TcpMessageTooLarge);
 }
 
-TEST_CASE("D4: a closed channel holds nothing of an unfinished message", "[channel][limits]")
+TEST_CASE("a closed channel holds nothing of an unfinished message", "[channel][limits]")
 {
     OpenServer client;
     const std::size_t whole = client.budget.left();

@@ -244,8 +244,7 @@ TEST_CASE("whatever failed in security, the answer is the same bytes", "[channel
     CHECK(logged.find("Bad_NonceInvalid") != std::string::npos);
 }
 
-TEST_CASE("G6: who connects again with a trusted certificate is not parsed again",
-          "[channel][open]")
+TEST_CASE("who connects again with a trusted certificate is not parsed again", "[channel][open]")
 {
     crypto::KnownCertificates known;
     const auto connect = [&](StatusCode judgement) {

@@ -62,7 +62,7 @@ struct SharingServers {
 
 } // namespace
 
-TEST_CASE("E9: output that was taken leaves no memory with its connection", "[channel][spares]")
+TEST_CASE("output that was taken leaves no memory with its connection", "[channel][spares]")
 {
     SpareBuffers spares;
     OutputBuffer first{&spares};
@@ -82,7 +82,7 @@ TEST_CASE("E9: output that was taken leaves no memory with its connection", "[ch
     CHECK(second.capacity() == 0);
 }
 
-TEST_CASE("E9: output that waits lies in memory of its size once another needs the buffer",
+TEST_CASE("output that waits lies in memory of its size once another needs the buffer",
           "[channel][spares]")
 {
     SpareBuffers spares;
@@ -108,7 +108,7 @@ TEST_CASE("E9: output that waits lies in memory of its size once another needs t
     CHECK(spares.kept() >= 2 * chunk);
 }
 
-TEST_CASE("E9: what waits is moved a few times only, whoever sends in between", "[channel][spares]")
+TEST_CASE("what waits is moved a few times only, whoever sends in between", "[channel][spares]")
 {
     SpareBuffers spares;
     OutputBuffer slow{&spares};
@@ -132,7 +132,7 @@ TEST_CASE("E9: what waits is moved a few times only, whoever sends in between", 
     CHECK(moved < 20 * size * times);
 }
 
-TEST_CASE("E9: a flood's buffers are not kept", "[channel][spares]")
+TEST_CASE("a flood's buffers are not kept", "[channel][spares]")
 {
     SpareBuffers spares;
     {
@@ -149,7 +149,7 @@ TEST_CASE("E9: a flood's buffers are not kept", "[channel][spares]")
     CHECK(spares.kept() <= SpareBuffers::max_kept + chunk);
 }
 
-TEST_CASE("E9: connections that have worked on everything hold nothing", "[channel][spares]")
+TEST_CASE("connections that have worked on everything hold nothing", "[channel][spares]")
 {
     SharingServers servers;
     const std::vector<std::byte> answer(200'000, std::byte{5});
@@ -163,7 +163,7 @@ TEST_CASE("E9: connections that have worked on everything hold nothing", "[chann
     CHECK(servers.spares.kept() <= 3 * SpareBuffers::max_kept);
 }
 
-TEST_CASE("E9: a message in steady use costs no allocation, whose connection it is",
+TEST_CASE("a message in steady use costs no allocation, whose connection it is",
           "[channel][spares]")
 {
     SharingServers servers;
@@ -186,7 +186,7 @@ TEST_CASE("E9: a message in steady use costs no allocation, whose connection it 
     CHECK(count == 0);
 }
 
-TEST_CASE("E9: a message that may wait lies in a buffer of its size", "[channel][spares]")
+TEST_CASE("a message that may wait lies in a buffer of its size", "[channel][spares]")
 {
     SharingServers servers;
     OpenServer& end = *servers.ends[0];

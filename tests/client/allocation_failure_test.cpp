@@ -17,7 +17,7 @@
 
 namespace allocation_failure_test {
 
-/// D3: each request of a client with the k-th of the client's allocations failing, for k = 1, 2,
+/// Each request of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until it goes through. Its handler is called once, with Bad_OutOfMemory or because the
 /// connection ended, and soon the client answers as ever.
 using namespace busbar;
@@ -330,7 +330,7 @@ bool fail_once(const Row& row, std::size_t k)
 
 } // namespace
 
-TEST_CASE("D3: an allocation that fails ends one request of a client, or its connection")
+TEST_CASE("an allocation that fails ends one request of a client, or its connection")
 {
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.request)

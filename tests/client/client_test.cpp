@@ -255,7 +255,7 @@ TEST_CASE("nothing is told to a client that has no connection")
     CHECK(plant.urls.empty());
 }
 
-TEST_CASE("D1: what was asked for may be answered by elements of a few bytes each", "[client]")
+TEST_CASE("what was asked for may be answered by elements of a few bytes each", "[client]")
 {
     ReadResponse response;
     response.results.resize(65'536);

@@ -156,7 +156,7 @@ Variant press_status()
 
 } // namespace
 
-TEST_CASE_METHOD(OldServer, "A structure is read by its type dictionary (C2)",
+TEST_CASE_METHOD(OldServer, "A structure is read by its type dictionary",
                  "[unit:Address Space Client Complex Data Dictionary]")
 {
     CHECK(text_of(press_status()) ==
@@ -171,7 +171,7 @@ TEST_CASE_METHOD(OldServer, "A structure is read by its type dictionary (C2)",
     CHECK(requester.sent() == sent);
 }
 
-TEST_CASE_METHOD(OldServer, "Optional fields and unions of a type dictionary are read (C2)")
+TEST_CASE_METHOD(OldServer, "Optional fields and unions of a type dictionary are read")
 {
     CHECK(text_of(object_of(1, std::uint32_t{2}, std::uint32_t{77}, std::int32_t{1},
                             String{"hot"})) == "Report {Number: 77, Notes: [\"hot\"]}");
@@ -180,7 +180,7 @@ TEST_CASE_METHOD(OldServer, "Optional fields and unions of a type dictionary are
                             std::uint8_t{2})) == "Reading {Raw: [1, 2]}");
 }
 
-TEST_CASE_METHOD(OldServer, "A description that names no dictionary is found by its name (C2)")
+TEST_CASE_METHOD(OldServer, "A description that names no dictionary is found by its name")
 {
     says_owner = false;
     CHECK(text_of(press_status()).find("PressStatus {Name: \"P1\"") == 0);

@@ -46,7 +46,7 @@ struct Plant : ClientFixture {
 
 } // namespace
 
-TEST_CASE("A1: what handlers of requests and states throw is logged, and the next are called")
+TEST_CASE("what handlers of requests and states throw is logged, and the next are called")
 {
     Plant plant;
     plant.also_on_state = [](client::ClientState) { break_down(); };
@@ -69,7 +69,7 @@ TEST_CASE("A1: what handlers of requests and states throw is logged, and the nex
     CHECK(plant.has_told("response handler"));
 }
 
-TEST_CASE("A1: what handlers of a Subscription throw is logged, and it goes on")
+TEST_CASE("what handlers of a Subscription throw is logged, and it goes on")
 {
     Plant plant;
     int changes = 0;
@@ -98,7 +98,7 @@ TEST_CASE("A1: what handlers of a Subscription throw is logged, and it goes on")
     }
 }
 
-TEST_CASE("A1: a client goes on though its log throws")
+TEST_CASE("a client goes on though its log throws")
 {
     Plant plant;
     plant.log.is_broken = true;

@@ -21,7 +21,7 @@ client::ClientConfig insecure_at(const char* url)
 
 } // namespace
 
-TEST_CASE("a session without security needs one connection only (C1)",
+TEST_CASE("a session without security needs one connection only",
           "[unit:Session Client Single Session]")
 {
     const bool is_reverse = GENERATE(false, true);
@@ -52,7 +52,7 @@ TEST_CASE("a session without security needs one connection only (C1)",
     CHECK(plant.is_ready());
 }
 
-TEST_CASE("a user who is refused on the channel of the endpoints is refused for good (C1)")
+TEST_CASE("a user who is refused on the channel of the endpoints is refused for good")
 {
     auto config = ClientFixture::named_user();
     config.identity = client::NamedUser{"operator", "guess"};
@@ -66,7 +66,7 @@ TEST_CASE("a user who is refused on the channel of the endpoints is refused for 
     CHECK(plant.site->server.session_count() == 0);
 }
 
-TEST_CASE("the second connection waits until the server has ended the first (C1)")
+TEST_CASE("the second connection waits until the server has ended the first")
 {
     ClientFixture plant;
     plant.is_closing = false;
@@ -91,7 +91,7 @@ TEST_CASE("the second connection waits until the server has ended the first (C1)
     CHECK(plant.is_ready());
 }
 
-TEST_CASE("who does not want to wait for the server's end need not (C1)")
+TEST_CASE("who does not want to wait for the server's end need not")
 {
     auto config = ClientFixture::named_user();
     config.peer_close_timeout = 0s;
@@ -101,7 +101,7 @@ TEST_CASE("who does not want to wait for the server's end need not (C1)")
     CHECK(plant.is_ready());
 }
 
-TEST_CASE("a user who closes while the server's end is awaited does not wait for long (C1)")
+TEST_CASE("a user who closes while the server's end is awaited does not wait for long")
 {
     ClientFixture plant;
     plant.is_closing = false;
@@ -112,7 +112,7 @@ TEST_CASE("a user who closes while the server's end is awaited does not wait for
     CHECK(plant.urls.size() == 1);
 }
 
-TEST_CASE("a server that has no second connection yet is asked again (C1)")
+TEST_CASE("a server that has no second connection yet is asked again")
 {
     auto config = ClientFixture::named_user();
     config.reconnect.is_enabled = false; // one attempt
@@ -136,7 +136,7 @@ TEST_CASE("a server that has no second connection yet is asked again (C1)")
     CHECK(plant.log.text.find("no second connection yet") != std::string::npos);
 }
 
-TEST_CASE("a server that stays full is given up with its own words (C1)")
+TEST_CASE("a server that stays full is given up with its own words")
 {
     auto config = ClientFixture::named_user();
     config.reconnect.is_enabled = false;
@@ -152,7 +152,7 @@ TEST_CASE("a server that stays full is given up with its own words (C1)")
     CHECK(plant.client.last_error() == status::Bad_TcpNotEnoughResources);
 }
 
-TEST_CASE("a server that is full from the beginning is tried in later attempts (C1)")
+TEST_CASE("a server that is full from the beginning is tried in later attempts")
 {
     ClientFixture plant;
     plant.refusals = 1;

@@ -5,7 +5,7 @@
 
 namespace subscription_allocation_failure_test {
 
-/// D3: Subscriptions of a client with the k-th of the client's allocations failing, for k = 1, 2,
+/// Subscriptions of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until nothing fails. Whatever was under way, soon all items have their values again.
 using namespace busbar;
 using namespace busbar::test;
@@ -178,7 +178,7 @@ bool fail_once(const Row& row, std::size_t k)
 
 } // namespace
 
-TEST_CASE("D3: an allocation that fails leaves no item of a client without its values")
+TEST_CASE("an allocation that fails leaves no item of a client without its values")
 {
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.name)

@@ -116,8 +116,7 @@ TEST_CASE_METHOD(PuppetFixture, "A resumed session is asked for what it has", "[
     CHECK(heard.gaps.empty());
 }
 
-TEST_CASE_METHOD(PuppetFixture, "Kept messages are fetched before more is asked for (F2)",
-                 "[client]")
+TEST_CASE_METHOD(PuppetFixture, "Kept messages are fetched before more is asked for", "[client]")
 {
     start();
     publish(message(1));
@@ -170,7 +169,7 @@ TEST_CASE_METHOD(PuppetFixture, "Kept messages are fetched before more is asked 
     CHECK(heard.gaps.empty());
 }
 
-TEST_CASE_METHOD(PuppetFixture, "A connection is as patient as the one before it (F2)", "[client]")
+TEST_CASE_METHOD(PuppetFixture, "A connection is as patient as the one before it", "[client]")
 {
     start();
     publish(message(1));

@@ -101,8 +101,7 @@ struct GapFixture : PuppetFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(ForgetfulServer, "After a Gap the value that is shown is the server's (F3)",
-                 "[client]")
+TEST_CASE_METHOD(ForgetfulServer, "After a Gap the value that is shown is the server's", "[client]")
 {
     const bool has_method = GENERATE(true, false);
     if (!has_method) {
@@ -124,7 +123,7 @@ TEST_CASE_METHOD(ForgetfulServer, "After a Gap the value that is shown is the se
     CHECK(heard.gaps.size() == 1);
 }
 
-TEST_CASE_METHOD(GapFixture, "ResendData is called after a Gap (F3)",
+TEST_CASE_METHOD(GapFixture, "ResendData is called after a Gap",
                  "[client][unit:Base Data Client ResendData Method]")
 {
     start_and_lose(2);
@@ -139,8 +138,7 @@ TEST_CASE_METHOD(GapFixture, "ResendData is called after a Gap (F3)",
     CHECK(requester.count<ReadRequest>() == 0);
 }
 
-TEST_CASE_METHOD(GapFixture, "What a keep-alive message shows to be lost is asked for (F3)",
-                 "[client]")
+TEST_CASE_METHOD(GapFixture, "What a keep-alive message shows to be lost is asked for", "[client]")
 {
     start();
     publish(message(1));
@@ -152,7 +150,7 @@ TEST_CASE_METHOD(GapFixture, "What a keep-alive message shows to be lost is aske
     CHECK(requester.count<CallRequest>() == 1);
 }
 
-TEST_CASE_METHOD(GapFixture, "Nothing is asked for that was told since (F3)", "[client]")
+TEST_CASE_METHOD(GapFixture, "Nothing is asked for that was told since", "[client]")
 {
     start_and_lose(1);
     pass(5s);
@@ -160,8 +158,7 @@ TEST_CASE_METHOD(GapFixture, "Nothing is asked for that was told since (F3)", "[
     CHECK(requester.count<ReadRequest>() == 0);
 }
 
-TEST_CASE_METHOD(GapFixture,
-                 "Without ResendData values are read in calls of the server's size (F3)",
+TEST_CASE_METHOD(GapFixture, "Without ResendData values are read in calls of the server's size",
                  "[client]")
 {
     requester.info.operation_limits.max_nodes_per_read = 2;
@@ -200,7 +197,7 @@ TEST_CASE_METHOD(GapFixture,
     CHECK(requester.count<ReadRequest>() == 0);
 }
 
-TEST_CASE_METHOD(GapFixture, "A notification is not followed by a Read that began before (F3)",
+TEST_CASE_METHOD(GapFixture, "A notification is not followed by a Read that began before",
                  "[client]")
 {
     start_and_lose(2);
@@ -214,7 +211,7 @@ TEST_CASE_METHOD(GapFixture, "A notification is not followed by a Read that bega
     CHECK(heard.take_values() == Values{7});
 }
 
-TEST_CASE_METHOD(GapFixture, "What a Read cannot give is not read (F3)", "[client]")
+TEST_CASE_METHOD(GapFixture, "What a Read cannot give is not read", "[client]")
 {
     subscription = subscriptions.create({}, heard.handlers()).value();
     std::vector<client::ItemSettings> wishes(5);
@@ -239,8 +236,7 @@ TEST_CASE_METHOD(GapFixture, "What a Read cannot give is not read (F3)", "[clien
     CHECK(request.nodes_to_read[0].index_range == "1:2");
 }
 
-TEST_CASE_METHOD(GapFixture,
-                 "A server that has refused ResendData is not asked in this session (F3)",
+TEST_CASE_METHOD(GapFixture, "A server that has refused ResendData is not asked in this session",
                  "[client]")
 {
     start_and_lose(2);
@@ -259,7 +255,7 @@ TEST_CASE_METHOD(GapFixture,
     CHECK(requester.count<CallRequest>() == 1);
 }
 
-TEST_CASE_METHOD(GapFixture, "What nobody answers is asked for three times (F3)", "[client]")
+TEST_CASE_METHOD(GapFixture, "What nobody answers is asked for three times", "[client]")
 {
     start_and_lose(2);
     for (int i = 0; i < 3; ++i) {
@@ -282,7 +278,7 @@ TEST_CASE_METHOD(GapFixture, "What nobody answers is asked for three times (F3)"
     CHECK(heard.data[0].value.status == status::Bad_Timeout);
 }
 
-TEST_CASE_METHOD(GapFixture, "What a broken connection has left undone is asked for again (F3)",
+TEST_CASE_METHOD(GapFixture, "What a broken connection has left undone is asked for again",
                  "[client]")
 {
     requester.info.operation_limits.max_nodes_per_read = 1;
@@ -308,8 +304,7 @@ TEST_CASE_METHOD(GapFixture, "What a broken connection has left undone is asked 
     CHECK(requester.count<ReadRequest>() == 0);
 }
 
-TEST_CASE_METHOD(GapFixture, "However much is lost, values are asked for once a second (F3)",
-                 "[client]")
+TEST_CASE_METHOD(GapFixture, "However much is lost, values are asked for once a second", "[client]")
 {
     start(2);
     publish(message(1));
@@ -327,7 +322,7 @@ TEST_CASE_METHOD(GapFixture, "However much is lost, values are asked for once a 
     CHECK(calls <= 6);
 }
 
-TEST_CASE_METHOD(GapFixture, "Handlers may remove what is read again (F3)", "[client]")
+TEST_CASE_METHOD(GapFixture, "Handlers may remove what is read again", "[client]")
 {
     auto handlers = heard.handlers();
     handlers.on_data = [this](std::span<const client::DataChange> changes) {
@@ -350,7 +345,7 @@ TEST_CASE_METHOD(GapFixture, "Handlers may remove what is read again (F3)", "[cl
     CHECK(requester.count<DeleteSubscriptionsRequest>() == 1);
 }
 
-TEST_CASE_METHOD(PuppetFixture, "An answer to an old Publish request is heard (F3)", "[client]")
+TEST_CASE_METHOD(PuppetFixture, "An answer to an old Publish request is heard", "[client]")
 {
     start();
     publish(message(1)); // keep-alives come every 10 s

@@ -214,7 +214,7 @@ TEST_CASE_METHOD(TypeServer, "Enumerations of older servers have names, too")
     CHECK(types->find(type_id(test::types::Mode))->values.size() == 3);
 }
 
-TEST_CASE_METHOD(TypeServer, "Types of namespace 0 are known without asking (C2)",
+TEST_CASE_METHOD(TypeServer, "Types of namespace 0 are known without asking",
                  "[unit:Base Info Client Type Pre-Knowledge]")
 {
     const auto types = cache.types();

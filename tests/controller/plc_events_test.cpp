@@ -109,7 +109,7 @@ TEST_CASE("what happens is raised at its variable, below a notifier",
     queue->close();
 }
 
-TEST_CASE("A8: the thread that scans neither allocates nor frees for its events")
+TEST_CASE("the thread that scans neither allocates nor frees for its events")
 {
     PlcConfig config = waves();
     config.events[0].message = std::string(200, '!'); // longer than what fits a string itself
@@ -143,7 +143,7 @@ TEST_CASE("A8: the thread that scans neither allocates nor frees for its events"
     queue->close();
 }
 
-TEST_CASE("A8: a running task neither allocates nor frees, whatever clients do")
+TEST_CASE("a running task neither allocates nor frees, whatever clients do")
 {
     PlcConfig config = waves();
     PlcVariable& recipe = config.variables.emplace_back();

@@ -438,7 +438,7 @@ TEST_CASE("a broken configuration is refused with the place and the reason")
     }
 }
 
-TEST_CASE("a task has its priority even if who starts it gives way (G8)")
+TEST_CASE("a task has its priority even if who starts it gives way")
 {
     const auto plc = std::move(Plc::create(PlcConfig{}).value());
     const StoppedClock clock;
@@ -482,7 +482,7 @@ TEST_CASE("a task says what priority the system granted")
     }
 }
 
-TEST_CASE("a task scans until it is stopped, and can start again (F9)")
+TEST_CASE("a task scans until it is stopped, and can start again")
 {
     PlcConfig config;
     config.variables = {variable("Count", BuiltInType::UInt32)};

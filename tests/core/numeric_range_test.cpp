@@ -81,7 +81,7 @@ TEST_CASE("a range of an array is an array", "[core][numeric_range]")
     CHECK(read_error(vector(), "0,0") == status::Bad_IndexRangeNoData);
 }
 
-TEST_CASE("a range of all that may be is not empty where a size has 32 bits (E6)",
+TEST_CASE("a range of all that may be is not empty where a size has 32 bits",
           "[core][numeric_range]")
 {
     constexpr std::string_view all = "0:4294967295";
@@ -121,8 +121,7 @@ TEST_CASE("a range of a text is a part of it", "[core][numeric_range]")
     CHECK(*read_range(texts(), range("1")) == Variant{Array<String>{"be"}});
 }
 
-TEST_CASE("a range of a String counts characters and cuts none in two (C6)",
-          "[core][numeric_range]")
+TEST_CASE("a range of a String counts characters and cuts none in two", "[core][numeric_range]")
 {
     const Variant text{"Grüße €😀"};
     struct Cut {
@@ -144,7 +143,7 @@ TEST_CASE("a range of a String counts characters and cuts none in two (C6)",
           Variant{ByteString{std::as_bytes(std::span{"\xBC", 1})}});
 }
 
-TEST_CASE("bytes that are no UTF-8 belong to the character before (C6)", "[core][numeric_range]")
+TEST_CASE("bytes that are no UTF-8 belong to the character before", "[core][numeric_range]")
 {
     const Variant text{"\x80\x80o\xBFk\xC3"};
     CHECK(*read_range(text, range("0")) == Variant{"\x80\x80"});
@@ -153,7 +152,7 @@ TEST_CASE("bytes that are no UTF-8 belong to the character before (C6)", "[core]
     CHECK(read_error(text, "4") == status::Bad_IndexRangeNoData);
 }
 
-TEST_CASE("a part of a String is replaced by as many characters (C6)", "[core][numeric_range]")
+TEST_CASE("a part of a String is replaced by as many characters", "[core][numeric_range]")
 {
     Variant text{"Grüße"};
     CHECK(write(text, "2:3", Variant{"Ü€"}).is_good());

@@ -233,7 +233,7 @@ TEST_CASE("a password travels with the session's nonce", "[crypto][secret]")
             const auto back = crypto::decrypt_secret(used, own().key, *cipher, nonce);
             REQUIRE(back);
             CHECK(copy_of(back->span()) == password);
-            // D5: the same blob in another session.
+            // The same blob in another session.
             CHECK(error_of(crypto::decrypt_secret(used, own().key, *cipher, random_bytes(32, 8))) ==
                   status::Bad_SecurityChecksFailed);
         }

@@ -153,7 +153,7 @@ TEST_CASE("a moved file keeps its form and another one its place", "[crypto][sto
 
 TEST_CASE("names are harmless whatever a certificate says", "[crypto][store][hostile]")
 {
-    // ATTACKS G1.
+    // tests/attacks.txt, G1.
     StoreFixture fixture;
     for (const std::string& name :
          {std::string{"../../../else/where"}, std::string{"/etc/passwd"}, std::string{"a\\b:c*d?"},

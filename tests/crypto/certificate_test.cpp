@@ -151,7 +151,7 @@ TEST_CASE("a chain is split where its certificates end", "[crypto][certificate]"
     }
 }
 
-TEST_CASE("G6: a certificate that is known is not parsed once more", "[crypto][certificate]")
+TEST_CASE("a certificate that is known is not parsed once more", "[crypto][certificate]")
 {
     const Issued root = issue(authority("root"), key_number(2));
     const Issued signed_leaf = issue({}, key_number(1), &root);
@@ -216,7 +216,7 @@ TEST_CASE("chains are limited in length and size", "[crypto][certificate][hostil
 
 TEST_CASE("DER lengths that wrap, lie or have no end are refused", "[crypto][certificate][hostile]")
 {
-    // ATTACKS C1.
+    // tests/attacks.txt, C1.
     for (const char* head : {"3084fffffffa", "30847fffffff", "3088ffffffffffffffff", "3080",
                              "3085000000000a", "308400000000", "3083ffffff", "3082ffff", "30ff",
                              "30", "3000", "0500", "a003020102", "00000000"}) {
@@ -233,7 +233,7 @@ TEST_CASE("DER lengths that wrap, lie or have no end are refused", "[crypto][cer
 
 TEST_CASE("keys that mean nothing are refused", "[crypto][certificate][hostile]")
 {
-    // ATTACKS C3.
+    // tests/attacks.txt, C3.
     const std::string odd = random_modulus(2048, true);
     CHECK(Certificate::parse(der_with_public_key(odd, "10001")));
     CHECK_FALSE(Certificate::parse(der_with_public_key(random_modulus(2048, false), "10001")));
@@ -245,7 +245,7 @@ TEST_CASE("keys that mean nothing are refused", "[crypto][certificate][hostile]"
 
 TEST_CASE("names in certificates are data", "[crypto][certificate][hostile]")
 {
-    // ATTACKS G1: they never become file names; the thumbprint does.
+    // tests/attacks.txt, G1: they never become file names; the thumbprint does.
     CertificateOptions options;
     options.common_name = std::string{"../../x\0y\n\x1b[2J", 14};
     const Issued odd = issue(options, key_number(1));

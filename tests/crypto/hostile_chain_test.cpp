@@ -43,7 +43,7 @@ std::vector<Issued> authorities_in_line(std::size_t count)
 
 TEST_CASE("a loop of issuers ends before a signature is verified", "[crypto][validation][hostile]")
 {
-    // ATTACKS C2: A signed by B, B signed by A.
+    // tests/attacks.txt, C2: A signed by B, B signed by A.
     Judge judge;
     const Issued first_a = issue(authority("A"), key_number(2));
     const Issued b = issue(authority("B"), key_number(3), &first_a);
@@ -87,7 +87,7 @@ TEST_CASE("who issues itself is a root only if it signs itself", "[crypto][valid
 
 TEST_CASE("long chains are refused", "[crypto][validation][hostile]")
 {
-    // ATTACKS C2: 50 deep; as many as may be sent are accepted.
+    // tests/attacks.txt, C2: 50 deep; as many as may be sent are accepted.
     Judge judge;
     const std::vector<Issued> line = authorities_in_line(50);
     judge.trusts(line.front());
@@ -118,7 +118,7 @@ TEST_CASE("long chains are refused", "[crypto][validation][hostile]")
 
 TEST_CASE("giant certificates are refused by their size", "[crypto][validation][hostile]")
 {
-    // ATTACKS C2.
+    // tests/attacks.txt, C2.
     Judge judge;
     CertificateChain chain{self_signed().certificate};
     for (int i = 0; i < 9; ++i) {
@@ -200,7 +200,7 @@ TEST_CASE("signatures are verified a limited number of times", "[crypto][validat
 TEST_CASE("keys that are too large or mean nothing are refused unread",
           "[crypto][validation][hostile]")
 {
-    // ATTACKS C3.
+    // tests/attacks.txt, C3.
     const std::string odd = random_modulus(2048, true);
     CHECK(Certificate::parse(der_with_public_key(odd, "10001")));
     CHECK_FALSE(Certificate::parse(der_with_public_key(random_modulus(16'384, true), "10001")));
@@ -219,7 +219,7 @@ TEST_CASE("keys that are too large or mean nothing are refused unread",
 
 TEST_CASE("who takes a trusted name is not trusted", "[crypto][validation][hostile]")
 {
-    // ATTACKS C10.
+    // tests/attacks.txt, C10.
     Judge judge;
     const Family family;
     family.introduce_to(judge);
@@ -254,7 +254,7 @@ TEST_CASE("who takes a trusted name is not trusted", "[crypto][validation][hosti
 
 TEST_CASE("an application's certificate is no CA's", "[crypto][validation][hostile]")
 {
-    // ATTACKS C10.
+    // tests/attacks.txt, C10.
     Judge judge;
     const Issued application = self_signed([](auto& o) { o.key_usage += ",keyCertSign"; });
     judge.trusts(application);

@@ -149,7 +149,7 @@ TEST_CASE("a revocation list with flipped bits is not believed", "[crypto][revoc
     }
 }
 
-TEST_CASE("a revocation list whose algorithm is not the signed one is not believed (F5)",
+TEST_CASE("a revocation list whose algorithm is not the signed one is not believed",
           "[crypto][revocation][hostile]")
 {
     const RevocationList list = revoke(root(), revoking_leaf());

@@ -178,7 +178,7 @@ TEST_CASE("a folder's bytes are limited", "[crypto][store][hostile]")
 
 TEST_CASE("strangers do not fill the disk", "[crypto][store][hostile]")
 {
-    // ATTACKS G2.
+    // tests/attacks.txt, G2.
     const auto limits = GENERATE(crypto::nj501_store_limits(), crypto::rd81opc96_store_limits());
     StoreFixture fixture{limits};
     REQUIRE(limits.max_rejected == 32);
@@ -226,8 +226,7 @@ TEST_CASE("strangers wear out neither disk nor log", "[crypto][store][hostile]")
     CHECK(fixture.count("rejected/certs") == limit + 2);
 }
 
-TEST_CASE("strangers of one network leave others a place in rejected (D4)",
-          "[crypto][store][hostile]")
+TEST_CASE("strangers of one network leave others a place in rejected", "[crypto][store][hostile]")
 {
     StoreFixture fixture;
     const std::size_t limit = StoreLimits{}.max_rejected_per_minute;

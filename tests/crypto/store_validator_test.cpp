@@ -97,7 +97,7 @@ TEST_CASE("a trusted certificate that is refused for another reason is not rejec
     CHECK(gate.stores.log.lines.empty()); // the refusal is the caller's to log
 }
 
-TEST_CASE("what a setting lets pass is logged and told (C3)", "[crypto][store]")
+TEST_CASE("what a setting lets pass is logged and told", "[crypto][store]")
 {
     crypto::ValidationSettings settings;
     settings.suppress_validity_period = true;

@@ -129,7 +129,7 @@ TEST_CASE("Table 100: URI", "[crypto][validation]")
         static_cast<void>(show(names));
         CHECK_FALSE(judge.refusal);
     }
-    // ATTACKS C10.
+    // tests/attacks.txt, C10.
     for (const char* names : {"URI:urn:plc:x", "URI:urn:pl", "URI:urn:evil:urn:plc", "URI:URN:PLC",
                               "URI:urn:plc:x,URI:urn:other", "DNS:urn:plc", ""}) {
         INFO(names);

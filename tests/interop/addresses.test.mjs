@@ -1,4 +1,4 @@
-// The controller by address instead of by name (C3): node-opcua's client and the program busbar, encrypted, over IPv4
+// The controller by address instead of by name: node-opcua's client and the program busbar, encrypted, over IPv4
 // and IPv6. busbar trusts the controller's certificate and lets every step of its check pass or fail by itself.
 import assert from "node:assert/strict";
 import { X509Certificate } from "node:crypto";

@@ -200,7 +200,7 @@ TEST_CASE_METHOD(NodeSetFixture, "What the address space has no place for is kep
     CHECK(write_nodeset(space, std::vector<std::uint16_t>{9}).error() == status::Bad_NotFound);
 }
 
-TEST_CASE_METHOD(NodeSetFixture, "B9: texts of a file in further locales", "[B9]")
+TEST_CASE_METHOD(NodeSetFixture, "texts of a file in further locales")
 {
     const auto texts = [](const std::string& inner) {
         return std::vector<NodeSetSource>{

@@ -46,7 +46,7 @@ constexpr auto name = AttributeId::DisplayName;
 
 } // namespace
 
-TEST_CASE_METHOD(Oven, "B9: an attribute has a text for each locale (Part 4, 5.11.4.1)", "[B9]")
+TEST_CASE_METHOD(Oven, "an attribute has a text for each locale (Part 4, 5.11.4.1)")
 {
     CHECK(texts(name) == Texts{LocalizedText{"Oven"}});
     REQUIRE(set(name, "de", "Ofen") == status::Good);
@@ -75,7 +75,7 @@ TEST_CASE_METHOD(Oven, "B9: an attribute has a text for each locale (Part 4, 5.1
     CHECK(space.set_text(node, name, Variant{1}).error() == status::Bad_TypeMismatch);
 }
 
-TEST_CASE_METHOD(Oven, "B9: the locale that fits best is told (Part 4, 5.4 and 5.7.3)", "[B9]")
+TEST_CASE_METHOD(Oven, "the locale that fits best is told (Part 4, 5.4 and 5.7.3)")
 {
     REQUIRE(set(name, "de", "Ofen") == status::Good);
     REQUIRE(set(name, "pt-BR", "Forno") == status::Good);
@@ -91,7 +91,7 @@ TEST_CASE_METHOD(Oven, "B9: the locale that fits best is told (Part 4, 5.4 and 5
     CHECK(name_in({"d", "d-DE", "-", "deu"}).text == "Oven");
 }
 
-TEST_CASE_METHOD(Oven, "B9: a value that is a text has locales, and is new as a whole", "[B9]")
+TEST_CASE_METHOD(Oven, "a value that is a text has locales, and is new as a whole")
 {
     constexpr auto value = AttributeId::Value;
     CHECK(set(value, "en", "on") == status::Good);
@@ -116,7 +116,7 @@ TEST_CASE_METHOD(Oven, "B9: a value that is a text has locales, and is new as a 
     CHECK(set(value, "en", "x") == status::Bad_TypeMismatch);
 }
 
-TEST_CASE_METHOD(Oven, "B9: texts go with their node, and constant nodes have them too", "[B9]")
+TEST_CASE_METHOD(Oven, "texts go with their node, and constant nodes have them too")
 {
     REQUIRE(set(name, "de", "Ofen") == status::Good);
     const NodeIndex oven = node;

@@ -27,7 +27,7 @@
 
 namespace allocation_failure_test {
 
-/// D3: a loop that takes peers with the k-th of its allocations failing, for k = 1, 2, ... until it
+/// A loop that takes peers with the k-th of its allocations failing, for k = 1, 2, ... until it
 /// goes well. Server and peers have one thread: the peers do their part in work that is posted.
 using namespace busbar;
 using asio::ip::tcp;
@@ -232,7 +232,7 @@ private:
 
 } // namespace
 
-TEST_CASE("D3: a loop that nothing else happens to takes peers again", "[net]")
+TEST_CASE("a loop that nothing else happens to takes peers again", "[net]")
 {
     const std::size_t most = GENERATE(1U, 4U, 16U);
     for (std::size_t k = 1; k <= 40; ++k) {
@@ -245,7 +245,7 @@ TEST_CASE("D3: a loop that nothing else happens to takes peers again", "[net]")
     }
 }
 
-TEST_CASE("D3: a loop that is told to stop without memory stops once there is some", "[net]")
+TEST_CASE("a loop that is told to stop without memory stops once there is some", "[net]")
 {
     const std::size_t most = GENERATE(1U, 4U, 16U);
     for (std::size_t k = 1; k <= 8; ++k) {
@@ -258,7 +258,7 @@ TEST_CASE("D3: a loop that is told to stop without memory stops once there is so
     }
 }
 
-TEST_CASE("D3: a loop takes peers again after an allocation that fails", "[net]")
+TEST_CASE("a loop takes peers again after an allocation that fails", "[net]")
 {
     const std::size_t most = GENERATE(1U, 2U, 5U, 20U, 100U);
     Loop loop;

@@ -105,8 +105,7 @@ tcp::socket connect(asio::io_context& context, std::uint16_t port)
 // The sanitizer of undefined behaviour opens a pipe to look at the type of an object, and takes one
 // for invalid that it could not look at.
 #ifndef BUSBAR_SANITIZES_UNDEFINED
-TEST_CASE("a listener without descriptors says so once and goes on when there are some (D10)",
-          "[net]")
+TEST_CASE("a listener without descriptors says so once and goes on when there are some", "[net]")
 {
     asio::io_context context;
     Lines log;
@@ -224,7 +223,7 @@ TEST_CASE("a listener without an address takes peers at every one of the machine
     CHECK(log.lines.empty());
 }
 
-TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]")
+TEST_CASE("a peer that there is no place for gets an Error message", "[net]")
 {
     Narrow narrow;
     narrow.run();
@@ -250,7 +249,7 @@ TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]
     CHECK_FALSE(error->reason.empty());
 }
 
-TEST_CASE("D3: a listener accepts again whatever its handler threw", "[net]")
+TEST_CASE("a listener accepts again whatever its handler threw", "[net]")
 {
     asio::io_context context;
     Lines log;
@@ -272,7 +271,7 @@ TEST_CASE("D3: a listener accepts again whatever its handler threw", "[net]")
     listener->close();
 }
 
-TEST_CASE("A1: a handler of SIGHUP that throws does not keep the next from it", "[net]")
+TEST_CASE("a handler of SIGHUP that throws does not keep the next from it", "[net]")
 {
     Narrow narrow;
     std::atomic<int> calls{0};
@@ -290,7 +289,7 @@ TEST_CASE("A1: a handler of SIGHUP that throws does not keep the next from it", 
     CHECK(calls == 2);
 }
 
-TEST_CASE("SIGHUP calls the handler each time (D6)", "[net]")
+TEST_CASE("SIGHUP calls the handler each time", "[net]")
 {
     Narrow narrow;
     std::atomic<int> calls{0};

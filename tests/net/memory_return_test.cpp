@@ -33,7 +33,7 @@ struct Watched {
 
 } // namespace
 
-TEST_CASE("E9: what a flood took is given back, once", "[memory_return]")
+TEST_CASE("what a flood took is given back, once", "[memory_return]")
 {
     Watched server;
     CHECK_FALSE(server.look()); // all of it is in use
@@ -58,7 +58,7 @@ TEST_CASE("E9: what a flood took is given back, once", "[memory_return]")
     CHECK(server.look());
 }
 
-TEST_CASE("E9: memory is looked at some time after something happened only", "[memory_return]")
+TEST_CASE("memory is looked at some time after something happened only", "[memory_return]")
 {
     MemoryReturn memory_return;
     const net::detail::ProcessMemory flooded{100 * mega, 80 * mega};
@@ -73,7 +73,7 @@ TEST_CASE("E9: memory is looked at some time after something happened only", "[m
     CHECK(memory_return.next_deadline() == no_deadline);
 }
 
-TEST_CASE("E9: free memory can be given back at any time", "[memory_return]")
+TEST_CASE("free memory can be given back at any time", "[memory_return]")
 {
     static_cast<void>(net::detail::process_memory());
     net::detail::return_free_memory();

@@ -331,7 +331,7 @@ TEST_CASE("what waits is bounded in number and time", "[net][reverse]")
     }
 }
 
-TEST_CASE("A6: a spare connection is kept for long, and the newest is used first", "[net][reverse]")
+TEST_CASE("a spare connection is kept for long, and the newest is used first", "[net][reverse]")
 {
     const net::ReverseListenerLimits limits;
     CHECK(limits.hold_time >= 1h);

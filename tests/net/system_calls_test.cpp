@@ -106,7 +106,7 @@ ssize_t writev(int descriptor, const iovec* parts, int count)
 
 } // extern "C"
 
-TEST_CASE("G4: a request of one value takes four system calls of a server", "[net]")
+TEST_CASE("a request of one value takes four system calls of a server", "[net]")
 {
     is_client = true;
     test::Machine machine;

@@ -26,7 +26,7 @@ TEST_CASE("a worker does one job after the other, on its own thread")
     CHECK(done == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
 }
 
-TEST_CASE("A1: a worker goes on after a job that throws, and tells the log")
+TEST_CASE("a worker goes on after a job that throws, and tells the log")
 {
     harness::LogBook log;
     net::WorkerThread worker{64, &log};

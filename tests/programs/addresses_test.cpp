@@ -29,7 +29,7 @@ ControllerConfig at(const std::string& address, const Names& host_names = {})
 
 } // namespace
 
-TEST_CASE("endpoints and certificate follow the address and host_names (C3)")
+TEST_CASE("endpoints and certificate follow the address and host_names")
 {
     struct Row {
         ControllerConfig config;
@@ -59,7 +59,7 @@ TEST_CASE("endpoints and certificate follow the address and host_names (C3)")
     CHECK_FALSE(machine_name().empty());
 }
 
-TEST_CASE("who listens to every address is known by those of the interfaces (C3)")
+TEST_CASE("who listens to every address is known by those of the interfaces")
 {
     const Names usual{"127.0.0.1", "::1", "10.0.0.7", "169.254.3.4", "2001:db8::7", "fe80::7"};
     const auto known = [](const std::string& address, const Names& interfaces) {
@@ -77,7 +77,7 @@ TEST_CASE("who listens to every address is known by those of the interfaces (C3)
           Names{"line3", "2001:DB8::7", "169.254.3.4", "fe80::7", "localhost", "127.0.0.1"});
 }
 
-TEST_CASE("a machine with very many addresses makes some of them known (C3)")
+TEST_CASE("a machine with very many addresses makes some of them known")
 {
     Names many;
     for (int i = 0; i < 200; ++i) {
@@ -91,7 +91,7 @@ TEST_CASE("a machine with very many addresses makes some of them known (C3)")
     }
 }
 
-TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
+TEST_CASE("a certificate that lacks a name says so, and can be made anew")
 {
     const test::TemporaryFolder folder;
     ControllerConfig config = at("127.0.0.1");
@@ -120,7 +120,7 @@ TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
     CHECK(std::find(names.begin(), names.end(), "192.0.2.7") != names.end());
 }
 
-TEST_CASE("start-up lines name the endpoint and the other hosts (C3)")
+TEST_CASE("start-up lines name the endpoint and the other hosts")
 {
     ControllerConfig config = at("2001:db8::7");
     config.server.endpoint_url = "opc.tcp://[2001:db8::7]:4840";
@@ -130,7 +130,7 @@ TEST_CASE("start-up lines name the endpoint and the other hosts (C3)")
     CHECK(text.find("clients may also use: line3, plc.example\n") != std::string::npos);
 }
 
-TEST_CASE("start-up lines say what has the PLC's scans begin in time (G8)")
+TEST_CASE("start-up lines say what has the PLC's scans begin in time")
 {
     ControllerConfig config = at("127.0.0.1");
     const auto holds = [&](int granted, const std::string& line) {

@@ -98,7 +98,7 @@ TEST_CASE("a status is explained, with what can be done")
     CHECK(number.find("0x8FFF0000") != std::string::npos);
 }
 
-TEST_CASE("a server is told from a node (E13)")
+TEST_CASE("a server is told from a node")
 {
     for (const char* url : {"opc.tcp://host", "http://host", "localhost:4840", "192.0.2.1:4840",
                             "[::1]:4840", "plc-7.example:4840/line", "host:48611x"}) {
@@ -121,7 +121,7 @@ TEST_CASE("a server is told from a node (E13)")
     }
 }
 
-TEST_CASE("a misspelt word has a nearest one, a strange word has none (E13)")
+TEST_CASE("a misspelt word has a nearest one, a strange word has none")
 {
     const std::vector<std::string> words{"read", "browse", "cert", "subscribe"};
     CHECK(nearest("raed", words) == "read");

@@ -135,7 +135,7 @@ urls = ["opc.tcp://scada:4841", "opc.tcp://[::1]:4842"]
           std::vector<std::string>{"opc.tcp://scada:4841", "opc.tcp://[::1]:4842"});
 }
 
-TEST_CASE("B13: servers of the network are configured", "[B13]")
+TEST_CASE("servers of the network are configured")
 {
     const auto config = parse(R"([discovery]
 [[discovery.server]]
@@ -168,7 +168,7 @@ TEST_CASE("audit events are raised where the file says so")
     CHECK(parse("[server]\nauditing = true").server.is_auditing);
 }
 
-TEST_CASE("B9: locales are languages with or without a country", "[B9]")
+TEST_CASE("locales are languages with or without a country")
 {
     CHECK(parse("").server.locale_ids == std::vector<std::string>{"en"});
     CHECK(parse("[server]\nlocales = [\"de-AT\", \"en\", \"es-419\"]").server.locale_ids ==
@@ -238,7 +238,7 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
     }
 }
 
-TEST_CASE("values without sense are refused with line, found, expected and remedy (D10)")
+TEST_CASE("values without sense are refused with line, found, expected and remedy")
 {
     const std::string twice = "[[plc.variable]]\nname = \"Running\"\ntype = \"Boolean\"\n";
     struct Row {
@@ -321,7 +321,7 @@ TEST_CASE("texts that toml++ cannot cope with are refused with their line")
                       Catch::Contains("plant.toml:4: found no TOML"));
 }
 
-TEST_CASE("a configuration that cannot be read says why (D10)")
+TEST_CASE("a configuration that cannot be read says why")
 {
     const auto complaint_of = [](const std::string& path) -> std::string {
         try {
@@ -338,7 +338,7 @@ TEST_CASE("a configuration that cannot be read says why (D10)")
     CHECK(complaint_of("/dev/zero").find("expected a configuration") != std::string::npos);
 }
 
-TEST_CASE("a variable goes through the limits, or is refused (C4)")
+TEST_CASE("a variable goes through the limits, or is refused")
 {
     const auto array = [](const std::string& more) {
         return "[[plc.variable]]\nname = \"A\"\ntype = \"Double\"\n" + more;
@@ -365,7 +365,7 @@ TEST_CASE("a variable goes through the limits, or is refused (C4)")
           std::string::npos);
 }
 
-TEST_CASE("what holds messages grows with them (C4)")
+TEST_CASE("what holds messages grows with them")
 {
     const ControllerConfig config = parse("[limits]\nmessage_size = 67108864");
     CHECK(config.server.limits.max_assembly >= std::size_t{2} * 67'108'864);
@@ -373,7 +373,7 @@ TEST_CASE("what holds messages grows with them (C4)")
     CHECK(config.server.limits.transport.max_chunk_count * std::uint64_t{65'535} > 67'108'864);
 }
 
-TEST_CASE("waiting Writes and connections of an address have keys (C5, C7)")
+TEST_CASE("waiting Writes and connections of an address have keys")
 {
     const ControllerConfig config =
         parse("[limits]\nconnections_per_address = 100\n[plc]\nwaiting_writes = 5000");

@@ -28,7 +28,7 @@ account() {
         "$(printf '%s' "$2" | "$controller" --hash-password)"
 }
 
-# D8: without a file. Nobody sees a password where there is no terminal.
+# Without a file. Without a terminal no password is shown.
 refused "expected a first start on a terminal" --port 0
 [ -e busbar-certificates/operator.password ] && fail "a password that nobody has seen"
 # start_on_terminal: in a terminal of its own; what it shows goes to log.
@@ -44,7 +44,7 @@ start_on_terminal() {
 start_on_terminal
 password=$(sed -n 's/.*user "operator", password "\([^"]*\)": shown this once.*/\1/p' log)
 [ ${#password} -eq 23 ] || fail "a password of 23 characters"
-grep -q -F -e "$password" errors && fail "the password is in the log (D8)"
+grep -q -F -e "$password" errors && fail "the password is in the log"
 [ "$(stat -c %a busbar-certificates/operator.password)" = 600 ] || fail "others may read the hash"
 grep -q -F -e "$password" busbar-certificates/operator.password && fail "the password is stored"
 echo "$password" > secret
@@ -53,18 +53,18 @@ run 4 read i=2258 --url "$url" $login --trust
 mv busbar-certificates/rejected/certs/* busbar-certificates/trusted/certs/
 run 0 read i=2258 --url "$url" $login --trust
 tr -d '\r' < log | grep -q -E '^  plc: the task runs at (real-time priority 10|ordinary priority, .*LimitRTPRIO=10)$' ||
-    fail "no word of the task's priority (G8)"
-# Who closes the terminal ends it (D6).
+    fail "no word of the task's priority"
+# Closing the terminal ends it.
 kill -KILL $terminal
 await ended
 start_on_terminal
-logged 'password "' && fail "the password is shown again (D8)"
+logged 'password "' && fail "the password is shown again"
 run 0 read i=2258 --url "$url" $login --trust
 kill "$pid"
 await ended
 pid=""
 
-# E14: which limit costs how much memory.
+# The memory that each limit costs.
 limits() {
     timeout 30 "$controller" "$@" > out 2> log < /dev/null || fail "busbar-controller $*: $?"
     grep -q '^limit .*key in \[limits\] .*memory' out || fail "no columns: $*"
@@ -79,7 +79,7 @@ limits --config limits.toml --print-limits
 grep -q '^max_sessions  *7  *sessions ' out || fail "the limit of --config"
 refused "none/limits.toml" --print-limits none/limits.toml
 
-# C3: what clients get follows the address and the URL that they used.
+# Endpoints follow the address and the URL that clients used.
 cat > plain.toml << END
 [server]
 address = "127.0.0.1"
@@ -91,12 +91,12 @@ policy = "None"
 anonymous = "write"
 END
 serve --config plain.toml
-case $url in opc.tcp://127.0.0.1:*) ;; *) fail "the URL $url (C3)" ;; esac
-logged 'clients may also use: plc.example' || fail "the names of the configuration (C3)"
+case $url in opc.tcp://127.0.0.1:*) ;; *) fail "the URL $url" ;; esac
+logged 'clients may also use: plc.example' || fail "the names of the configuration"
 run 0 discover "$url"
-grep -q -F "opc.tcp://127.0.0.1:" out || fail "an endpoint by address (C3)"
+grep -q -F "opc.tcp://127.0.0.1:" out || fail "an endpoint by address"
 run 0 discover "opc.tcp://localhost:${url##*:}"
-grep -q -F "opc.tcp://localhost:" out || fail "an endpoint by name (C3)"
+grep -q -F "opc.tcp://localhost:" out || fail "an endpoint by name"
 # The key of a first start is made before anybody can connect.
 cat > secure.toml << END
 [server]
@@ -126,12 +126,12 @@ stop
 if [ -s /proc/net/if_inet6 ]; then
     sed 's/^address = .*/address = "::1"/' plain.toml > six.toml
     serve --config six.toml
-    case $url in "opc.tcp://[::1]:"*) ;; *) fail "the URL $url (C3)" ;; esac
+    case $url in "opc.tcp://[::1]:"*) ;; *) fail "the URL $url" ;; esac
     run 0 read i=2258 --url "$url" --insecure
     stop
 fi
 
-# D6: whoever reads the log goes, the controller stays.
+# The log's reader ends, the controller keeps running.
 mkfifo pipe
 "$controller" --config plain.toml > pipe 2>&1 < /dev/null &
 pid=$!
@@ -140,10 +140,10 @@ url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
 run 0 read i=2258 --url "$url" --insecure
 timeout 30 "$busbar" read i=2258 --url "$url" --user nobody --password-file secret > out 2>&1
 run 0 read i=2258 --url "$url" --insecure
-ended && fail "the log's reader went, and the controller too (D6)"
+ended && fail "the log's reader went, and the controller too"
 stop
 
-# D6: SIGHUP reads the users again; a broken file changes nothing.
+# SIGHUP reads the users again; a broken file changes nothing.
 { cat plain.toml; account anna first-password; } > users.toml
 serve --config users.toml
 echo second-password > secret
@@ -157,14 +157,14 @@ echo 'acess = "read"' >> users.toml
 kill -HUP "$pid"
 await logged 'users.toml:12: found "acess", expected one of: .*; nothing was changed'
 run 0 read i=2258 --url "$url" $login
-grep -q scrypt log && fail "a hash in the log (D6)"
+grep -q scrypt log && fail "a hash in the log"
 stop
 
-# E10: hashes cost what the file says, of which nothing else has to make sense yet.
+# Hashes cost what the file says; the rest of the file need not be valid yet.
 { cat plain.toml; printf 'password_hash = "pbkdf2"\npassword_iterations = 10000\n'; } > small.toml
 { cat small.toml; printf '[[users.account]]\nname = "anna"\npassword = ""\n'; } > begun.toml
 hash=$(printf 'third-password' | "$controller" --hash-password --config begun.toml)
-case $hash in '$pbkdf2-sha256$10000$'*) ;; *) fail "the hash $hash (E10)" ;; esac
+case $hash in '$pbkdf2-sha256$10000$'*) ;; *) fail "the hash $hash" ;; esac
 { cat small.toml; printf '[[users.account]]\nname = "anna"\npassword = "%s"\n' "$hash"; } > users.toml
 serve --config users.toml
 echo third-password > secret
@@ -172,12 +172,12 @@ run 0 read i=2258 --url "$url" $login
 echo second-password > secret
 run 4 read i=2258 --url "$url" $login
 limits --print-limits users.toml
-grep -q '^MemoryAssumptions::password_cost  *2048 B  *2.0 KiB' out || fail "the memory of a login (E10)"
+grep -q '^MemoryAssumptions::password_cost  *2048 B  *2.0 KiB' out || fail "the memory of a login"
 stop
 sed 's/"pbkdf2"/"bcrypt"/' small.toml > wrong.toml
 refused 'wrong.toml:9: password_hash: found ' --hash-password --config wrong.toml
 
-# D10: what is refused is told with its reason.
+# A refusal is reported with its reason.
 refused "/nowhere: the file cannot be read: No such file or directory" --config /nowhere
 refused "$work: found a directory, expected a file" --config "$work"
 echo '[server]' > nobody.toml

@@ -45,7 +45,7 @@ std::vector<RemoteNode> structure_with_encoding()
 
 } // namespace
 
-TEST_CASE("encodings that only their DataTypes tell of are exported (C7)")
+TEST_CASE("encodings that only their DataTypes tell of are exported")
 {
     std::vector<RemoteNode> nodes = structure_with_encoding();
     adopt_orphans(nodes);
@@ -62,7 +62,7 @@ TEST_CASE("encodings that only their DataTypes tell of are exported (C7)")
     CHECK(text->find("\"i=38\"") != std::string::npos); // HasEncoding
 }
 
-TEST_CASE("a node that tells of its parent gets no other (C7)")
+TEST_CASE("a node that tells of its parent gets no other")
 {
     std::vector<RemoteNode> nodes = structure_with_encoding();
     nodes[0].references.push_back(reference(id::HasEncoding, false, NodeId{1, 1}));

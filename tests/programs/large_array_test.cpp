@@ -11,7 +11,7 @@
 
 namespace large_array_test {
 
-// C4: an array that is larger than the default limits, whole and in parts, between programs.
+// An array that is larger than the default limits, whole and in parts, between programs.
 
 using namespace busbar;
 using namespace busbar::test;
@@ -137,7 +137,7 @@ Array<std::int32_t> sevens(std::size_t count)
 
 } // namespace
 
-TEST_CASE("300,000 elements go whole and in parts between a controller and its users (C4)")
+TEST_CASE("300,000 elements go whole and in parts between a controller and its users")
 {
     const Plant plant{"array_length = 300000", element_count};
     User user{plant, element_count};
@@ -154,7 +154,7 @@ TEST_CASE("300,000 elements go whole and in parts between a controller and its u
     CHECK(user.read("299999").value == Variant{Array<std::int32_t>{2'099'993}});
 }
 
-TEST_CASE("busbar reads 300,000 elements whole, and reads and writes parts of them (C4)",
+TEST_CASE("busbar reads 300,000 elements whole, and reads and writes parts of them",
           "[unit:Attribute Client Read by Index]"
           "[unit:Attribute Client Write by Index]")
 {
@@ -175,7 +175,7 @@ TEST_CASE("busbar reads 300,000 elements whole, and reads and writes parts of th
     CHECK(shown.output.find("... 299900 more elements") != std::string::npos);
 }
 
-TEST_CASE("what limits refuse is told with the key to raise (C4)")
+TEST_CASE("what limits refuse is told with the key to raise")
 {
     const Plant plant{"array_length = 1000\nmessage_size = 8192", 1'000};
     const auto written = [&](const std::string& value) {

@@ -213,7 +213,7 @@ TEST_CASE("passwords cost memory only where there are some")
     CHECK(words_of(describe_limits(config), row)[3] == "32.0");
 }
 
-TEST_CASE("memory is one number from which the limits come (D9)")
+TEST_CASE("memory is one number from which the limits come")
 {
     const auto total = [](const product::ControllerConfig& config) {
         return product::worst_case_of(config).total();

@@ -88,7 +88,7 @@ struct Plant {
 
 } // namespace
 
-TEST_CASE("the first account has a password of its own, and keeps it (D8)")
+TEST_CASE("the first account has a password of its own, and keeps it")
 {
     const test::TemporaryFolder folder;
     const std::string certificates = folder.path.string() + "/pki";
@@ -118,7 +118,7 @@ TEST_CASE("the first account has a password of its own, and keeps it (D8)")
     CHECK(other.password->text() != password);
 }
 
-TEST_CASE("E10: what new hashes cost is configured")
+TEST_CASE("what new hashes cost is configured")
 {
     const auto cost = [](const std::string& users) {
         return parse_config("[users]\n" + users, "plant.toml").users.password_rules.cost;
@@ -137,7 +137,7 @@ TEST_CASE("E10: what new hashes cost is configured")
     CHECK(users.password_rules.max_users == 20);
 }
 
-TEST_CASE("E10: a cost without sense is refused with its line")
+TEST_CASE("a cost without sense is refused with its line")
 {
     struct Row {
         std::string users;
@@ -167,7 +167,7 @@ TEST_CASE("E10: a cost without sense is refused with its line")
     }
 }
 
-TEST_CASE("E10: accounts of either scheme log in, whatever new hashes cost")
+TEST_CASE("accounts of either scheme log in, whatever new hashes cost")
 {
     test::SeededRandom random;
     const auto with = [&](const crypto::PasswordCost& cost) {
@@ -187,7 +187,7 @@ TEST_CASE("E10: accounts of either scheme log in, whatever new hashes cost")
     }
 }
 
-TEST_CASE("E10: the code of a setup costs what passwords do")
+TEST_CASE("the code of a setup costs what passwords do")
 {
     Plant plant;
     test::SeededRandom random;
@@ -207,7 +207,7 @@ TEST_CASE("E10: the code of a setup costs what passwords do")
     CHECK(crypto::cost_of(plant.admission->passwords().password_hash("setup")) == cheap);
 }
 
-TEST_CASE("a first account whose file is damaged lets nobody in (D8)")
+TEST_CASE("a first account whose file is damaged lets nobody in")
 {
     const test::TemporaryFolder folder;
     write(folder.path.string() + "/operator.password", "operator");
@@ -216,7 +216,7 @@ TEST_CASE("a first account whose file is damaged lets nobody in (D8)")
           }).find("operator.password: found no hash of a password, expected") != std::string::npos);
 }
 
-TEST_CASE("B1: accounts have roles, by themselves those of their access")
+TEST_CASE("accounts have roles, by themselves those of their access")
 {
     struct Row {
         std::string text;
@@ -244,7 +244,7 @@ TEST_CASE("B1: accounts have roles, by themselves those of their access")
                     "Observer, Operator") != std::string::npos);
 }
 
-TEST_CASE("users are read again (D6)")
+TEST_CASE("users are read again")
 {
     Plant plant;
     CHECK(plant.lets_in("anna", "first password"));
@@ -266,7 +266,7 @@ TEST_CASE("users are read again (D6)")
     CHECK(plant.lets_in("bert", "third password"));
 }
 
-TEST_CASE("a broken file changes nothing, and its line is told (D6)")
+TEST_CASE("a broken file changes nothing, and its line is told")
 {
     Plant plant;
     const std::string good = "[users]\nanonymous = \"read\"\n";

@@ -44,7 +44,7 @@ struct BrokenAccess final : server::AccessControl {
 
 } // namespace
 
-TEST_CASE("A1: a request whose AccessControl throws answers Bad_InternalError")
+TEST_CASE("a request whose AccessControl throws answers Bad_InternalError")
 {
     BrokenAccess access;
     MethodFixture fixture{ServerFixture::insecure_config(), &access};
@@ -62,7 +62,7 @@ TEST_CASE("A1: a request whose AccessControl throws answers Bad_InternalError")
     CHECK(use(client) == status::Good);
 }
 
-TEST_CASE("A1: what a request made before its AccessControl threw is gone again")
+TEST_CASE("what a request made before its AccessControl threw is gone again")
 {
     BrokenAccess access;
     MethodFixture fixture{ServerFixture::insecure_config(), &access};
@@ -99,7 +99,7 @@ TEST_CASE("A1: what a request made before its AccessControl threw is gone again"
     CHECK(client.status_of<CreateMonitoredItemsResponse>(create) != status::Bad_InternalError);
 }
 
-TEST_CASE("A1: what throws in one turn of a request is its answer, though others follow")
+TEST_CASE("what throws in one turn of a request is its answer, though others follow")
 {
     BrokenAccess access;
     MethodFixture fixture{ServerFixture::insecure_config(), &access};
@@ -122,7 +122,7 @@ TEST_CASE("A1: what throws in one turn of a request is its answer, though others
     CHECK(use(client) == status::Good);
 }
 
-TEST_CASE("A1: what throws in a later turn of a Read is its answer")
+TEST_CASE("what throws in a later turn of a Read is its answer")
 {
     BrokenAccess access;
     MethodFixture fixture{ServerFixture::insecure_config(), &access};
@@ -145,7 +145,7 @@ TEST_CASE("A1: what throws in a later turn of a Read is its answer")
     CHECK(use(client) == status::Good);
 }
 
-TEST_CASE("A1: nodes that a request added before its AccessControl threw are gone again")
+TEST_CASE("nodes that a request added before its AccessControl threw are gone again")
 {
     BrokenAccess access;
     server::ServerConfig config = ServerFixture::insecure_config();

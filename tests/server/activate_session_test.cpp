@@ -303,7 +303,7 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
     }
 }
 
-TEST_CASE_METHOD(Working, "D1: what waits before a session is activated is little")
+TEST_CASE_METHOD(Working, "what waits before a session is activated is little")
 {
     auto client = fixture.connect(encrypt);
     REQUIRE(client.create_session());
@@ -375,7 +375,7 @@ struct Crowded {
 
 } // namespace
 
-TEST_CASE_METHOD(Crowded, "D4: who has logged in before does not wait behind strangers")
+TEST_CASE_METHOD(Crowded, "who has logged in before does not wait behind strangers")
 {
     auto good = connect("192.0.2.1");
     const auto first = send(good, true);
@@ -395,7 +395,7 @@ TEST_CASE_METHOD(Crowded, "D4: who has logged in before does not wait behind str
     CHECK(fixture.log.text.find("place for a login") != std::string::npos);
 }
 
-TEST_CASE_METHOD(Crowded, "D4: of strangers those who ask for most are refused and wait longest")
+TEST_CASE_METHOD(Crowded, "of strangers those who ask for most are refused and wait longest")
 {
     TestClient& greedy = strangers[0];
     for (int i = 0; i < 4; ++i) {
@@ -415,7 +415,7 @@ TEST_CASE_METHOD(Crowded, "D4: of strangers those who ask for most are refused a
     CHECK(strangers[3].take_activate(third) == status::Good);
 }
 
-TEST_CASE_METHOD(Crowded, "D4: strangers are not starved by those who are known")
+TEST_CASE_METHOD(Crowded, "strangers are not starved by those who are known")
 {
     std::deque<TestClient> known;
     for (int i = 0; i < 5; ++i) {

@@ -3,7 +3,7 @@
 
 namespace allocation_failure_test {
 
-/// D3: each service with the k-th of its allocations failing, for k = 1, 2, ... until it goes
+/// Each service with the k-th of its allocations failing, for k = 1, 2, ... until it goes
 /// through. Whatever fails ends the request with Bad_OutOfMemory, or its connection, and leaves
 /// nothing behind: another session is served at once, and the same request succeeds.
 using namespace busbar;
@@ -245,7 +245,7 @@ StatusCode fail_from(std::size_t k, bool other_waits)
 
 } // namespace
 
-TEST_CASE("D3: an allocation that fails while a channel is opened ends its connection")
+TEST_CASE("an allocation that fails while a channel is opened ends its connection")
 {
     const bool has_worker = GENERATE(false, true);
     const channel::SecuritySetting security =
@@ -254,19 +254,19 @@ TEST_CASE("D3: an allocation that fails while a channel is opened ends its conne
         "opening", [&](std::size_t k) { return fail_opening(security, has_worker, k); }, next);
 }
 
-TEST_CASE("D3: an allocation that fails while the server calls a client ends the call")
+TEST_CASE("an allocation that fails while the server calls a client ends the call")
 {
     check_failing_worlds("ReverseHello", fail_reverse_hello);
 }
 
-TEST_CASE("D3: an allocation that fails while there is no place for a client is told")
+TEST_CASE("an allocation that fails while there is no place for a client is told")
 {
     const bool is_one_idle = GENERATE(false, true);
     check_failing_worlds("connecting",
                          [&](std::size_t k) { return fail_without_place(is_one_idle, k); });
 }
 
-TEST_CASE("D3: an allocation that fails while a channel is renewed ends its connection")
+TEST_CASE("an allocation that fails while a channel is renewed ends its connection")
 {
     const bool has_worker = GENERATE(false, true);
     const channel::SecuritySetting security =
@@ -275,7 +275,7 @@ TEST_CASE("D3: an allocation that fails while a channel is renewed ends its conn
         "renewal", [&](std::size_t k) { return fail_renewal(security, has_worker, k); }, next);
 }
 
-TEST_CASE("D3: an allocation that fails ends one request")
+TEST_CASE("an allocation that fails ends one request")
 {
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.service)
@@ -286,7 +286,7 @@ TEST_CASE("D3: an allocation that fails ends one request")
     }
 }
 
-TEST_CASE("D3: a server without memory for a while lives")
+TEST_CASE("a server without memory for a while lives")
 {
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.service)
@@ -298,7 +298,7 @@ TEST_CASE("D3: a server without memory for a while lives")
     }
 }
 
-TEST_CASE("E9: a request that finds no memory any more is told so, whoever has the buffer")
+TEST_CASE("a request that finds no memory any more is told so, whoever has the buffer")
 {
     const bool other_waits = GENERATE(false, true);
     bool is_told = false;

@@ -4,7 +4,7 @@
 
 namespace announced_change_failure_test {
 
-/// D3: a change that items are to be told of where there is no memory for a moment.
+/// A change that is to be reported to items while there is no memory.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -41,7 +41,7 @@ bool fail_once(std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: a change is told to all items, or to none where there was no memory")
+TEST_CASE("a change is told to all items, or to none where there was no memory")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U);
     check_failing_worlds("a change", [&](std::size_t k) { return fail_once(k, most); });

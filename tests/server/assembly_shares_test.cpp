@@ -59,7 +59,7 @@ struct AssemblyShares : ServerFixture {
 
 } // namespace
 
-TEST_CASE("D4: unfinished messages of a few end nobody else's requests")
+TEST_CASE("unfinished messages of a few end nobody else's requests")
 {
     AssemblyShares fixture;
     auto good = fixture.log_in();
@@ -79,7 +79,7 @@ TEST_CASE("D4: unfinished messages of a few end nobody else's requests")
           std::string::npos);
 }
 
-TEST_CASE("D4: of unfinished messages those of the greediest network are given up")
+TEST_CASE("of unfinished messages those of the greediest network are given up")
 {
     AssemblyShares fixture;
     std::list<TestClient> many; // each holds less than the one
@@ -98,7 +98,7 @@ TEST_CASE("D4: of unfinished messages those of the greediest network are given u
     CHECK_FALSE(many.back().is_closed());
 }
 
-TEST_CASE("D4: strangers hold no more than the messages that they may send")
+TEST_CASE("strangers hold no more than the messages that they may send")
 {
     AssemblyShares fixture;
     auto stranger = fixture.connect({}, client_identity(), "192.0.2.66");

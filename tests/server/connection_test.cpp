@@ -95,7 +95,7 @@ TEST_CASE("connections are limited, and the oldest without a session gives way")
     CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
-TEST_CASE("D4: at the limit of an address its oldest connection without a session gives way")
+TEST_CASE("at the limit of an address its oldest connection without a session gives way")
 {
     auto config = ServerFixture::insecure_config();
     config.limits.max_connections_per_address = 3;
@@ -116,7 +116,7 @@ TEST_CASE("D4: at the limit of an address its oldest connection without a sessio
     CHECK(next.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
-TEST_CASE("D4: sixty silent sockets keep nobody behind their address out")
+TEST_CASE("sixty silent sockets keep nobody behind their address out")
 {
     ServerFixture fixture;
     std::deque<server::Connection> silent;
@@ -133,7 +133,7 @@ TEST_CASE("D4: sixty silent sockets keep nobody behind their address out")
     CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
-TEST_CASE("D4: at the limit of all the network with most connections without a session gives way")
+TEST_CASE("at the limit of all the network with most connections without a session gives way")
 {
     auto config = ServerFixture::insecure_config();
     config.limits.max_connections = 4;
@@ -184,7 +184,7 @@ TEST_CASE("a server connects to a client that listens", "[unit:Protocol Reverse 
     CHECK(connection.output()[0] == std::byte{'R'});
 }
 
-TEST_CASE("A6: a connection to a client waits for it as long as it has no use for it")
+TEST_CASE("a connection to a client waits for it as long as it has no use for it")
 {
     ServerFixture fixture;
     auto connection = fixture.server.connect("192.0.2.1", fixture.now).value();

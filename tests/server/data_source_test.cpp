@@ -377,7 +377,7 @@ TEST_CASE_METHOD(Fixture, "a write takes the same way; a read-only source refuse
     CHECK(call.result(2) == status::Good);
 }
 
-TEST_CASE("a source that the server keeps hears the end and then ends (A3)")
+TEST_CASE("a source that the server keeps hears the end and then ends")
 {
     struct Parting final : DataSource {
         Parting(Waker*& waker, int& ends) : waker_{waker}, ends_{ends} {}

@@ -57,7 +57,7 @@ Bytes parameters(const Bytes& value)
 
 } // namespace
 
-TEST_CASE("D1: what stands in an additionalHeader is read over and never built")
+TEST_CASE("what stands in an additionalHeader is read over and never built")
 {
     ServerFixture fixture;
     auto client = fixture.connect();
@@ -76,7 +76,7 @@ TEST_CASE("D1: what stands in an additionalHeader is read over and never built")
     CHECK(taken_by(AdditionalParametersType::binary_encoding_id) <= unknown + 1'000);
 }
 
-TEST_CASE("D1: an additionalHeader that is none is no request")
+TEST_CASE("an additionalHeader that is none is no request")
 {
     ServerFixture fixture;
     auto client = fixture.connect();
@@ -95,7 +95,7 @@ TEST_CASE("D1: an additionalHeader that is none is no request")
     CHECK(client.take<GetEndpointsResponse>(request).error() == status::Bad_DecodingError);
 }
 
-TEST_CASE("D1: who has no session sends no large message")
+TEST_CASE("who has no session sends no large message")
 {
     ServerFixture fixture;
     const std::size_t most = server::ServerLimits{}.max_sessionless_message;
@@ -123,7 +123,7 @@ TEST_CASE("D1: who has no session sends no large message")
     }
 }
 
-TEST_CASE("D1: what a message becomes is bounded by its size")
+TEST_CASE("what a message becomes is bounded by its size")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();

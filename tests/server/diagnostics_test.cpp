@@ -157,7 +157,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session is described as its client descr
     CHECK(session.publish_count.total_count == 3);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "B10: nobody reads a password in a session's EndpointUrl")
+TEST_CASE_METHOD(DiagnosticsFixture, "nobody reads a password in a session's EndpointUrl")
 {
     const auto [given, shown] = GENERATE(table<const char*, const char*>({
         {"opc.tcp://joe:secret@localhost:4840/a@b", "opc.tcp://localhost:4840/a@b"},
@@ -295,7 +295,7 @@ TEST_CASE("sampling intervals are counted where there are only a few",
     CHECK(any.array<Entry>(free, node).empty());
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "B1: security diagnostics are for SecurityAdmin")
+TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for SecurityAdmin")
 {
     // Whose RolePermissions lack Browse does not know of the node.
     TestClient anonymous = log_in();
@@ -321,7 +321,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "B1: security diagnostics are for SecurityA
     CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "B7: a session is its creator's, whoever has it later")
+TEST_CASE_METHOD(DiagnosticsFixture, "a session is its creator's, whoever has it later")
 {
     TestClient client = log_in_as("operator");
     REQUIRE(client.activate(client.user("admin", "admin-secret")) == status::Good);
@@ -340,7 +340,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "B7: a session is its creator's, whoever ha
     CHECK(later[0].client_user_id_history[7] == "admin");
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "B7: Views are counted")
+TEST_CASE_METHOD(DiagnosticsFixture, "Views are counted")
 {
     TestClient client = log_in();
     constexpr std::uint32_t views =
@@ -377,7 +377,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "diagnostics are switched off and begin ane
         CHECK(read(client, node).status == status::Bad_NotReadable);
     }
     CHECK(enable(client, true) == status::Good);
-    CHECK(number(reader, all_sessions) == 2); // B7: no fewer than there are
+    CHECK(number(reader, all_sessions) == 2); // no fewer than there are
     CHECK(number(reader, current_sessions) == 2);
     for (const auto& session : array<SessionDiagnosticsDataType>(client, sessions_array)) {
         CHECK(session.read_count.total_count <= 2);

@@ -318,8 +318,7 @@ TEST_CASE_METHOD(EventFixture, "fields that no response can take give way to a r
     CHECK(events[0].event_fields[1] == Variant{event.message});
 }
 
-TEST_CASE_METHOD(EventFixture,
-                 "B12: the end of the server is an event, of the time where it stands",
+TEST_CASE_METHOD(EventFixture, "the end of the server is an event, of the time where it stands",
                  "[unit:Base Info System Status][unit:Base Info LocalTime Events]")
 {
     monitor(client, id, event_request(selecting({"EventType", "SystemState", "LocalTime"})));
@@ -333,7 +332,7 @@ TEST_CASE_METHOD(EventFixture,
     CHECK(time->get_if<TimeZoneDataType>() != nullptr);
 }
 
-TEST_CASE_METHOD(EventFixture, "A9: events do not wait for data that never ends")
+TEST_CASE_METHOD(EventFixture, "events do not wait for data that never ends")
 {
     auto request = subscription_request();
     request.max_notifications_per_publish = GENERATE(1U, 3U);

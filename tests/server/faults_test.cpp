@@ -117,7 +117,7 @@ using Codes = std::vector<StatusCode>;
 
 } // namespace
 
-TEST_CASE_METHOD(SourceFixture, "A1: what DataSource::read throws is its items' answer")
+TEST_CASE_METHOD(SourceFixture, "what DataSource::read throws is its items' answer")
 {
     TestClient client = log_in();
     source.broken = GENERATE(Where::Read, Where::ReadLate);
@@ -129,7 +129,7 @@ TEST_CASE_METHOD(SourceFixture, "A1: what DataSource::read throws is its items' 
     CHECK(read(client, {level, bus}) == Codes{status::Good, status::Good});
 }
 
-TEST_CASE_METHOD(SourceFixture, "A1: what DataSource::write throws is the Write's answer")
+TEST_CASE_METHOD(SourceFixture, "what DataSource::write throws is the Write's answer")
 {
     TestClient client = log_in();
     source.broken = Where::Write;
@@ -139,7 +139,7 @@ TEST_CASE_METHOD(SourceFixture, "A1: what DataSource::write throws is the Write'
     CHECK(write(client, bus) == status::Good);
 }
 
-TEST_CASE_METHOD(SourceFixture, "A1: a sample that throws ends neither sampling nor the others")
+TEST_CASE_METHOD(SourceFixture, "a sample that throws ends neither sampling nor the others")
 {
     TestClient client = log_in();
     const auto subscription = subscribe(client);
@@ -163,7 +163,7 @@ TEST_CASE_METHOD(SourceFixture, "A1: a sample that throws ends neither sampling 
     CHECK(next_data(client, 100ms).size() + next_data(client, 100ms).size() > 0);
 }
 
-TEST_CASE_METHOD(SourceFixture, "A1: what a source throws when it is told things is logged")
+TEST_CASE_METHOD(SourceFixture, "what a source throws when it is told things is logged")
 {
     TestClient client = log_in();
     const auto subscription = subscribe(client);
@@ -180,7 +180,7 @@ TEST_CASE_METHOD(SourceFixture, "A1: what a source throws when it is told things
     CHECK(has_told("DataSource::attach"));
 }
 
-TEST_CASE("A1: a Method that throws answers Bad_InternalError, the others of the Call as ever")
+TEST_CASE("a Method that throws answers Bad_InternalError, the others of the Call as ever")
 {
     MethodFixture fixture;
     const NodeId broken = fixture.add("Broken", {}, {}, [](server::MethodCall) { throw_if(true); });
@@ -197,7 +197,7 @@ TEST_CASE("A1: a Method that throws answers Bad_InternalError, the others of the
     CHECK(fixture.log.text.find("MethodTable::Function threw: bus error") != std::string::npos);
 }
 
-TEST_CASE("A1: a login whose UserStore throws answers Bad_InternalError, and is no wrong guess")
+TEST_CASE("a login whose UserStore throws answers Bad_InternalError, and is no wrong guess")
 {
     ServerFixture fixture;
     TestClient client = fixture.connect("Basic256Sha256", MessageSecurityMode::Sign);
@@ -221,7 +221,7 @@ TEST_CASE("A1: a login whose UserStore throws answers Bad_InternalError, and is 
     CHECK(use(other) == status::Good);
 }
 
-TEST_CASE("A1: a log that throws loses its lines and nothing else")
+TEST_CASE("a log that throws loses its lines and nothing else")
 {
     ServerFixture fixture;
     fixture.log.is_broken = true;
@@ -246,7 +246,7 @@ struct CountingTimer final : server::detail::Timer {
 
 } // namespace
 
-TEST_CASE("A1: a timer that throws leaves the others to the next call")
+TEST_CASE("a timer that throws leaves the others to the next call")
 {
     server::detail::TimerQueue queue;
     CountingTimer timers[4];
@@ -266,7 +266,7 @@ TEST_CASE("A1: a timer that throws leaves the others to the next call")
     CHECK(queue.next_deadline() == no_deadline);
 }
 
-TEST_CASE("A1: who raises an event is not told what the Waker throws, and the event is there")
+TEST_CASE("who raises an event is not told what the Waker throws, and the event is there")
 {
     struct BrokenWaker final : server::Waker {
         void wake() override { throw_if(true); }
@@ -280,7 +280,7 @@ TEST_CASE("A1: who raises an event is not told what the Waker throws, and the ev
     queue.close(); // which waits for those who raise
 }
 
-TEST_CASE_METHOD(AttributeFixture, "A1: an answer that throws leaves the others to the next call")
+TEST_CASE_METHOD(AttributeFixture, "an answer that throws leaves the others to the next call")
 {
     struct ThrowingOwner final : server::detail::SourceCallOwner {
         void call_completed() override { throw_if(true); }
@@ -308,7 +308,7 @@ TEST_CASE_METHOD(AttributeFixture, "A1: an answer that throws leaves the others 
     CHECK(owner.completed == 1);
 }
 
-TEST_CASE("A1: a PLC task that publishes a scan is not told what the Waker throws")
+TEST_CASE("a PLC task that publishes a scan is not told what the Waker throws")
 {
     struct BrokenWaker final : server::Waker {
         void wake() override
@@ -344,7 +344,7 @@ public:
 
 } // namespace
 
-TEST_CASE("A1: a worker that throws ends the connection that it was to work for")
+TEST_CASE("a worker that throws ends the connection that it was to work for")
 {
     SilentWaker waker;
     BrokenWorker worker;

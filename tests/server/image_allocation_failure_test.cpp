@@ -4,7 +4,7 @@
 
 namespace image_allocation_failure_test {
 
-/// D3: what is counted and paid for the items of a process image, where there is no memory.
+/// Counts and charges for the items of a process image when there is no memory.
 using namespace busbar;
 using namespace busbar::server::detail;
 using namespace busbar::test;
@@ -87,18 +87,18 @@ bool fail_to_take_back(std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: items that are taken from a watch find no memory for their places")
+TEST_CASE("items that are taken from a watch find no memory for their places")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("sample", [&](std::size_t k) { return fail_to_take_back(k, most); });
 }
 
-TEST_CASE("D3: an item that finds no memory in the watch of an image is not counted or paid for")
+TEST_CASE("an item that finds no memory in the watch of an image is not counted or paid for")
 {
     check_failing_worlds("ImageWatch::add", fail_to_watch);
 }
 
-TEST_CASE("D3: the next item of a variable that the watch knows finds no memory")
+TEST_CASE("the next item of a variable that the watch knows finds no memory")
 {
     Watched world;
     REQUIRE(world.add());
@@ -132,7 +132,7 @@ TEST_CASE("a variable that has an item again is no waste")
     }
 }
 
-TEST_CASE("D3: an image whose new items were taken back is let go before they are sampled")
+TEST_CASE("an image whose new items were taken back is let go before they are sampled")
 {
     TestWaker waker;
     LargeArray array{max_memory};

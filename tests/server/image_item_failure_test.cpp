@@ -8,7 +8,7 @@
 
 namespace image_item_failure_test {
 
-/// D3: items of a process image with the k-th allocation of a request failing: the same request
+/// Items of a process image with the k-th allocation of a request failing: the same request
 /// goes through afterwards and does what it says, and when the items are gone nothing is counted.
 using namespace busbar;
 using namespace busbar::test;
@@ -304,7 +304,7 @@ bool fail_once(const Row& row, std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: items of an image that find no memory once do what they are asked to next time")
+TEST_CASE("items of an image that find no memory once do what they are asked to next time")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     for (const Row& row : rows) {

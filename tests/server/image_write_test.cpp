@@ -234,7 +234,7 @@ TEST_CASE("what one scan applies is limited, and so are the calls that wait")
     CHECK_FALSE(f.write(three).owner->done);
 }
 
-TEST_CASE("the calls that wait are limited in number and in bytes (C5)")
+TEST_CASE("the calls that wait are limited in number and in bytes")
 {
     const DataValue one = of(std::int16_t{1});
     ImageFixture many;

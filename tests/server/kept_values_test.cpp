@@ -79,7 +79,7 @@ ExtensionObject still_encoded(const T& value)
 
 } // namespace
 
-TEST_CASE_METHOD(KeptValues, "B4: status and source timestamp are written with the value")
+TEST_CASE_METHOD(KeptValues, "status and source timestamp are written with the value")
 {
     const NodeId level = add_kept("level", 1, id::Int32,
                                   model::Access::ReadWrite | model::Access::StatusWrite |
@@ -91,7 +91,7 @@ TEST_CASE_METHOD(KeptValues, "B4: status and source timestamp are written with t
     CHECK(read(level) == DataValue{Variant{8}, status::Good, wall_clock.time});
 }
 
-TEST_CASE_METHOD(KeptValues, "B5: a value that is written has the time when it was")
+TEST_CASE_METHOD(KeptValues, "a value that is written has the time when it was")
 {
     const NodeId level = add_kept("level", 1, id::Int32);
     CHECK(read(level).source_timestamp.is_null());
@@ -108,8 +108,7 @@ TEST_CASE_METHOD(KeptValues, "B5: a value that is written has the time when it w
     CHECK(read(level) == DataValue{Variant{3}, status::Good, then});
 }
 
-TEST_CASE_METHOD(KeptValues,
-                 "B5: StatusValueTimestamp reports an equal value that is written again")
+TEST_CASE_METHOD(KeptValues, "StatusValueTimestamp reports an equal value that is written again")
 {
     const NodeId level = add_kept("level", 1, id::Int32);
     const std::uint32_t id = subscribe(client);
@@ -125,7 +124,7 @@ TEST_CASE_METHOD(KeptValues,
     CHECK(next_data(client, 100ms).size() == (has_timestamp ? 1 : 0));
 }
 
-TEST_CASE_METHOD(KeptValues, "B3: a percent deadband goes by an EURange that is still encoded")
+TEST_CASE_METHOD(KeptValues, "a percent deadband goes by an EURange that is still encoded")
 {
     if (!has_data_access()) {
         return;
@@ -154,7 +153,7 @@ TEST_CASE_METHOD(KeptValues, "B3: a percent deadband goes by an EURange that is 
     CHECK(next_data(client, 100ms).size() == 1);
 }
 
-TEST_CASE_METHOD(KeptValues, "B12: MultiStateDiscrete has the values that EnumStrings names")
+TEST_CASE_METHOD(KeptValues, "MultiStateDiscrete has the values that EnumStrings names")
 {
     if (!has_data_access()) {
         return;
@@ -175,7 +174,7 @@ TEST_CASE_METHOD(KeptValues, "B12: MultiStateDiscrete has the values that EnumSt
     CHECK(write(state, DataValue{Variant{std::uint32_t{0}}}) == status::Bad_OutOfRange);
 }
 
-TEST_CASE_METHOD(KeptValues, "B12: ValueAsText follows a MultiStateValueDiscrete that is written")
+TEST_CASE_METHOD(KeptValues, "ValueAsText follows a MultiStateValueDiscrete that is written")
 {
     if (!has_data_access()) {
         return;
@@ -207,7 +206,7 @@ TEST_CASE_METHOD(KeptValues, "B12: ValueAsText follows a MultiStateValueDiscrete
     CHECK(as_text() == Variant{LocalizedText{"four"}});
 }
 
-TEST_CASE_METHOD(KeptValues, "B12: what an IndexRange names is written as an array")
+TEST_CASE_METHOD(KeptValues, "what an IndexRange names is written as an array")
 {
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
@@ -220,7 +219,7 @@ TEST_CASE_METHOD(KeptValues, "B12: what an IndexRange names is written as an arr
     CHECK(read(list).value == Variant{Array<std::int32_t>{1, 9, 3}});
 }
 
-TEST_CASE_METHOD(KeptValues, "B12: a structure cannot be replaced by nothing")
+TEST_CASE_METHOD(KeptValues, "a structure cannot be replaced by nothing")
 {
     const NodeId range = add_kept("range", ExtensionObject::from(Range{1, 2}), id::Range);
     CHECK(write(range, DataValue{Variant{ExtensionObject{}}}) == status::Bad_TypeMismatch);
@@ -229,7 +228,7 @@ TEST_CASE_METHOD(KeptValues, "B12: a structure cannot be replaced by nothing")
     CHECK(write(any, DataValue{Variant{ExtensionObject{}}}) == status::Good);
 }
 
-TEST_CASE_METHOD(KeptValues, "B12: who has subscribed to State learns that the server stops")
+TEST_CASE_METHOD(KeptValues, "who has subscribed to State learns that the server stops")
 {
     const std::uint32_t id = subscribe(client);
     monitor(client, id, item_request(NodeId{0, id::Server_ServerStatus_State}));
@@ -246,7 +245,7 @@ TEST_CASE_METHOD(KeptValues, "B12: who has subscribed to State learns that the s
     CHECK(client.is_closed());
 }
 
-TEST_CASE_METHOD(KeptValues, "B11: a client nonce serves one session")
+TEST_CASE_METHOD(KeptValues, "a client nonce serves one session")
 {
     TestClient other = connect("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
     const CreateSessionRequest request = other.create_request();

@@ -126,7 +126,7 @@ struct LargeReadFixture : Source, ServerFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(LargeReadFixture, "G2: a large Read takes the memory of the one before")
+TEST_CASE_METHOD(LargeReadFixture, "a large Read takes the memory of the one before")
 {
     const Cost first = read();
     const Cost second = read();

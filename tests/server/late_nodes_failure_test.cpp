@@ -3,7 +3,7 @@
 
 namespace late_nodes_failure_test {
 
-/// D3: fields of diagnostics that are added when a client looks for them, where there is no memory
+/// Fields of diagnostics that are added when a client looks for them, when there is no memory
 /// for a moment.
 using namespace busbar;
 using namespace busbar::test;
@@ -51,7 +51,7 @@ bool fail_once(std::uint32_t array, std::size_t fields, std::size_t k, std::size
 
 } // namespace
 
-TEST_CASE("D3: a Browse that found no memory for fields of diagnostics adds them the next time")
+TEST_CASE("a Browse that found no memory for fields of diagnostics adds them the next time")
 {
     const auto [array, fields] = GENERATE(table<std::uint32_t, std::size_t>({
         {id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray, 43U},

@@ -75,7 +75,7 @@ struct Locales : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(Locales, "B9: a session reads and browses in its locale (Part 4, 5.4)", "[B9]")
+TEST_CASE_METHOD(Locales, "a session reads and browses in its locale (Part 4, 5.4)")
 {
     auto german = in({"de-CH", "en"});
     auto other = in({"fr"});
@@ -102,7 +102,7 @@ TEST_CASE_METHOD(Locales, "B9: a session reads and browses in its locale (Part 4
     CHECK(read(other, display_name_attribute).text == "Zustand");
 }
 
-TEST_CASE_METHOD(Locales, "B9: a locale has 32 bytes at most, a longer one is left out", "[B9]")
+TEST_CASE_METHOD(Locales, "a locale has 32 bytes at most, a longer one is left out")
 {
     const std::string longest = "de-CH-1901-" + std::string(21, 'x');
     REQUIRE(longest.size() == 32);
@@ -112,7 +112,7 @@ TEST_CASE_METHOD(Locales, "B9: a locale has 32 bytes at most, a longer one is le
     CHECK(read(client, display_name_attribute) == LocalizedText{"State"});
 }
 
-TEST_CASE_METHOD(Locales, "B9: a Write replaces the text of its locale (Part 4, 5.11.4.1)", "[B9]")
+TEST_CASE_METHOD(Locales, "a Write replaces the text of its locale (Part 4, 5.11.4.1)")
 {
     auto english = in({"en"});
     auto german = in({"de"});
@@ -130,7 +130,7 @@ TEST_CASE_METHOD(Locales, "B9: a Write replaces the text of its locale (Part 4, 
     }
 }
 
-TEST_CASE_METHOD(Locales, "B9: LocaleIdArray has the locales of the address space", "[B9]")
+TEST_CASE_METHOD(Locales, "LocaleIdArray has the locales of the address space")
 {
     ReadRequest request;
     request.nodes_to_read.resize(1);
@@ -144,8 +144,7 @@ TEST_CASE_METHOD(Locales, "B9: LocaleIdArray has the locales of the address spac
     CHECK(*locales == Array<String>{"en", "de"});
 }
 
-TEST_CASE_METHOD(Locales, "B9: an item tells of its client's locale, with its session or without",
-                 "[B9]")
+TEST_CASE_METHOD(Locales, "an item tells of its client's locale, with its session or without")
 {
     auto german = in({"de"});
     const std::uint32_t subscription = subscribe(german);

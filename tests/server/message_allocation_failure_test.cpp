@@ -8,8 +8,8 @@
 
 namespace message_allocation_failure_test {
 
-/// D3: the NotificationMessages of a Subscription, where there is no memory to make or to send one:
-/// each Notification comes once and in order, at the latest when it is asked for again.
+/// The NotificationMessages of a Subscription when there is no memory to create or to send one:
+/// each Notification arrives once and in order, at the latest when it is requested again.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -124,7 +124,7 @@ bool fail_once(std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: what found no memory for its message comes with the next one, all and once")
+TEST_CASE("what found no memory for its message comes with the next one, all and once")
 {
     const std::size_t most = GENERATE(1U, 4U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("Publish", [&](std::size_t k) { return fail_once(k, most); });

@@ -345,7 +345,7 @@ TEST_CASE_METHOD(Fixture, "Executable and UserExecutable tell who may call")
     CHECK(executable(client, sum) == pair(false, false));
 }
 
-TEST_CASE_METHOD(Fixture, "A7: a Method is found from the Object, not among all who have it")
+TEST_CASE_METHOD(Fixture, "a Method is found from the Object, not among all who have it")
 {
     const auto has_component = NodeId{0, id::HasComponent};
     const auto type = space().add_object_type(named("Type", space().find(id::BaseObjectType)));

@@ -233,7 +233,7 @@ TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namesp
     CHECK(property("urn:late", "StaticNodeIdTypes") == Variant{Array<std::int32_t>{0}});
     CHECK(property("urn:late", "StaticNumericNodeIdRange") == Variant{Array<String>{"1:99"}});
     CHECK(server.describe_namespace(99, metadata).error() == status::Bad_NotFound);
-    // B12: those of files.
+    // The metadata of files.
     model::NodeSetModel model;
     model.uri = server.address_space().namespace_uri(index);
     model.version = "2.1";

@@ -242,7 +242,7 @@ TEST_CASE_METHOD(ItemFixture, "modes: disabled has no queue, sampling does not r
     CHECK(data[0].value == DataValue{Variant{5}});
 }
 
-TEST_CASE("the links of an item are limited (C7)")
+TEST_CASE("the links of an item are limited")
 {
     server::SubscriptionLimits limits;
     limits.max_triggering_links = 2;

@@ -93,7 +93,7 @@ struct Crawl : DiagnosticsFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(Crawl, "B6: no Variable below Objects is Good with Null")
+TEST_CASE_METHOD(Crawl, "no Variable below Objects is Good with Null")
 {
     const auto variables = all_of(NodeClass::Variable);
     CHECK(variables.size() > 30);
@@ -104,7 +104,7 @@ TEST_CASE_METHOD(Crawl, "B6: no Variable below Objects is Good with Null")
     }
 }
 
-TEST_CASE_METHOD(Crawl, "B6: every Method below Objects can be called")
+TEST_CASE_METHOD(Crawl, "every Method below Objects can be called")
 {
     for (const model::NodeIndex method : all_of(NodeClass::Method)) {
         INFO(text(method));
@@ -118,7 +118,7 @@ TEST_CASE_METHOD(Crawl, "B6: every Method below Objects can be called")
     }
 }
 
-TEST_CASE_METHOD(Crawl, "B6: what is below Objects has the mandatory children of its type")
+TEST_CASE_METHOD(Crawl, "what is below Objects has the mandatory children of its type")
 {
     std::size_t checked = 0;
     for (const model::NodeIndex node : nodes) {
@@ -143,7 +143,7 @@ TEST_CASE_METHOD(Crawl, "B6: what is below Objects has the mandatory children of
     CHECK((checked > 20 || space.node_count() < 500));
 }
 
-TEST_CASE_METHOD(Crawl, "B12: the folder of ModellingRules has those that there are")
+TEST_CASE_METHOD(Crawl, "the folder of ModellingRules has those that there are")
 {
     const model::NodeIndex folder = space.find(id::Server_ServerCapabilities_ModellingRules);
     const auto rules = children_of(folder);
@@ -157,7 +157,7 @@ TEST_CASE_METHOD(Crawl, "B12: the folder of ModellingRules has those that there 
     }
 }
 
-TEST_CASE_METHOD(Crawl, "B12: the Server object tells when it is back after an end that is none",
+TEST_CASE_METHOD(Crawl, "the Server object tells when it is back after an end that is none",
                  "[unit:Base Info Estimated Return Time]")
 {
     const auto back = [&] { return read(admin, id::Server_EstimatedReturnTime).value; };
@@ -167,7 +167,7 @@ TEST_CASE_METHOD(Crawl, "B12: the Server object tells when it is back after an e
     CHECK(back() == Variant{DateTime{}}); // nobody knows
 }
 
-TEST_CASE_METHOD(Crawl, "B12: the Server object tells what time it is where it stands",
+TEST_CASE_METHOD(Crawl, "the Server object tells what time it is where it stands",
                  "[unit:Base Info LocalTime]")
 {
     const DataValue uris = read(admin, id::Server_UrisVersion);
@@ -185,7 +185,7 @@ TEST_CASE_METHOD(Crawl, "B12: the Server object tells what time it is where it s
     CHECK(read(admin, id::Server_UrisVersion).value != uris.value);
 }
 
-TEST_CASE_METHOD(Crawl, "B1: settings of security are for administrators")
+TEST_CASE_METHOD(Crawl, "settings of security are for administrators")
 {
     auto anonymous = log_in();
     auto user = log_in_as("operator");

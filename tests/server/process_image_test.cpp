@@ -23,7 +23,7 @@ TEST_CASE("a layout refuses what an image cannot have")
     CHECK(add(BuiltInType::Int16, {65536, 65536}) == status::Bad_OutOfMemory);
     CHECK(add(BuiltInType::Byte, {65536, 65536, 65536, 65536}) == status::Bad_OutOfMemory);
     CHECK(add(BuiltInType::String, {}, UINT32_MAX) == status::Bad_OutOfMemory);
-    // What wraps where a size has 32 bits (E6).
+    // Sizes that wrap around in 32 bits.
     CHECK(add(BuiltInType::Int16, {65537, 65537}) == status::Bad_OutOfMemory);
     CHECK(add(BuiltInType::Double, {0x2000'0001}) == status::Bad_OutOfMemory);
     CHECK(add(BuiltInType::String, {2}, 0x7FFF'FFFC) == status::Bad_OutOfMemory);

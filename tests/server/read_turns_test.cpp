@@ -10,7 +10,7 @@ using namespace busbar;
 using namespace std::chrono_literals;
 using busbar::test::AttributeFixture;
 
-TEST_CASE_METHOD(AttributeFixture, "D2: a Read looks nodes up as far as its turn goes")
+TEST_CASE_METHOD(AttributeFixture, "a Read looks nodes up as far as its turn goes")
 {
     const NodeId level = add("Level", id::Int32, 5);
     const NodeId name = NodeId{0, id::ObjectsFolder};
@@ -48,7 +48,7 @@ TEST_CASE_METHOD(AttributeFixture, "D2: a Read looks nodes up as far as its turn
     CHECK(values[1'999].status == status::Bad_Timeout);
 }
 
-TEST_CASE_METHOD(AttributeFixture, "D2: a Read sees that what it looked up is gone")
+TEST_CASE_METHOD(AttributeFixture, "a Read sees that what it looked up is gone")
 {
     const NodeId level = add("Level", id::Int32, 5);
     const ReadRequest request = read_request({read_value_id(level), read_value_id(level)});
@@ -98,7 +98,7 @@ TEST_CASE_METHOD(AttributeFixture, "a Write refuses a node of a source that is n
     CHECK(job.result(2) == status::Bad_NotWritable);
 }
 
-TEST_CASE_METHOD(AttributeFixture, "D2: of a value that a range cuts all counts in a turn")
+TEST_CASE_METHOD(AttributeFixture, "of a value that a range cuts all counts in a turn")
 {
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};

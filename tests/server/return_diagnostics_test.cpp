@@ -78,9 +78,8 @@ struct DiagnosticsOfRequests : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(DiagnosticsOfRequests,
-                 "B12: diagnostics only for who asks, where something is wrong",
-                 "[B12][unit:Base Services Diagnostics]")
+TEST_CASE_METHOD(DiagnosticsOfRequests, "diagnostics only for who asks, where something is wrong",
+                 "[unit:Base Services Diagnostics]")
 {
     const NodeId state{0, id::Server_ServerStatus_State};
     auto response = ask<ReadResponse>(client, read_of({state, nowhere, state, nowhere}), 0);
@@ -102,8 +101,7 @@ TEST_CASE_METHOD(DiagnosticsOfRequests,
     CHECK(response.response_header.string_table.size() == 2);
 }
 
-TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: only administrators get additional information",
-                 "[B12]")
+TEST_CASE_METHOD(DiagnosticsOfRequests, "only administrators get additional information")
 {
     const auto info_of = [&](TestClient& asker) {
         return ask<ReadResponse>(asker, read_of({nowhere})).diagnostic_infos.front();
@@ -114,7 +112,7 @@ TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: only administrators get additional
     CHECK_FALSE(info_of(client).additional_info);
 }
 
-TEST_CASE("B12: additional information is bounded, however much there is", "[B12]")
+TEST_CASE("additional information is bounded, however much there is")
 {
     using server::detail::ReturnDiagnostics;
     ReturnDiagnostics diagnostics{all_bits};
@@ -133,7 +131,7 @@ TEST_CASE("B12: additional information is bounded, however much there is", "[B12
     CHECK(diagnostics.string_table().size() == 4);
 }
 
-TEST_CASE("B12: the text of a StatusCode is its name in words", "[B12]")
+TEST_CASE("the text of a StatusCode is its name in words")
 {
     using server::detail::ReturnDiagnostics;
     const auto words = [](StatusCode status) {
@@ -148,7 +146,7 @@ TEST_CASE("B12: the text of a StatusCode is its name in words", "[B12]")
     CHECK(words(status::Bad_NoEntryExists) == "No Entry Exists");
 }
 
-TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: every service tells of its operations", "[B12]")
+TEST_CASE_METHOD(DiagnosticsOfRequests, "every service tells of its operations")
 {
     check_all<ReadResponse>(client, read_of({nowhere, nowhere}), status::Bad_NodeIdUnknown);
     WriteRequest write;
@@ -201,7 +199,7 @@ TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: every service tells of its operati
     check_all<DeleteSubscriptionsResponse>(client, end, status::Bad_SubscriptionIdInvalid);
 }
 
-TEST_CASE("B12: NodeManagement tells of its operations", "[B12]")
+TEST_CASE("NodeManagement tells of its operations")
 {
     using Requests = DiagnosticsOfRequests;
     server::ServerConfig config = ServerFixture::insecure_config();
@@ -227,8 +225,7 @@ TEST_CASE("B12: NodeManagement tells of its operations", "[B12]")
     Requests::check_all<DeleteNodesResponse>(admin, delete_nodes, status::Bad_NodeIdUnknown);
 }
 
-TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: acknowledgements and links have diagnostics, too",
-                 "[B12]")
+TEST_CASE_METHOD(DiagnosticsOfRequests, "acknowledgements and links have diagnostics, too")
 {
     const std::uint32_t subscription = subscribe(client);
     PublishRequest publish_request;
@@ -258,7 +255,7 @@ TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: acknowledgements and links have di
           "Bad_MonitoredItemIdInvalid");
 }
 
-TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: a ServiceFault says what it is about", "[B12]")
+TEST_CASE_METHOD(DiagnosticsOfRequests, "a ServiceFault says what it is about")
 {
     const auto fault_of = [&](TestClient& asker, auto request, std::uint32_t bits) {
         request.request_header.return_diagnostics = bits;

@@ -9,7 +9,7 @@
 
 namespace scan_allocation_failure_test {
 
-/// D3: a scan of a process image that finds no memory when items are sampled: no other follows it,
+/// A scan of a process image that finds no memory when items are sampled: no other follows it,
 /// and still each item has its value soon after.
 using namespace busbar;
 using namespace busbar::test;
@@ -154,21 +154,21 @@ bool fail_first_sample(std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: the first value comes when a new item has found no memory for it")
+TEST_CASE("the first value comes when a new item has found no memory for it")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U);
     check_failing_worlds("CreateMonitoredItems",
                          [&](std::size_t k) { return fail_first_sample(k, most); });
 }
 
-TEST_CASE("D3: the last value comes when a scan has found no memory")
+TEST_CASE("the last value comes when a scan has found no memory")
 {
     const double interval = GENERATE(0.0, 50.0); // each scan, or at times
     const std::size_t most = GENERATE(1U, 1'000'000U);
     check_failing_worlds("a scan", [&](std::size_t k) { return fail_once(interval, k, most); });
 }
 
-TEST_CASE("D3: a value that there is no memory for keeps those behind it from nothing")
+TEST_CASE("a value that there is no memory for keeps those behind it from nothing")
 {
     ScanWorld world{GENERATE(0.0, 50.0)};
     const String last{"a second text that does not fit into a small string"};

@@ -168,7 +168,7 @@ TEST_CASE("every live value has the type and rank of its node")
     CHECK(checked > 35);
 }
 
-TEST_CASE("B8: one operation more than MaxNodesPerRead and MaxNodesPerWrite is one too many")
+TEST_CASE("one operation more than MaxNodesPerRead and MaxNodesPerWrite is one too many")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();

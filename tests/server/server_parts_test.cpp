@@ -134,7 +134,7 @@ TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be t
         where = "application_uri";
         reason = "is empty";
     }
-    SECTION("B8: operations below arrays")
+    SECTION("operations below arrays")
     {
         config.limits.operations.max_monitored_items_per_call = 65'536;
         where = "limits.operations.max_monitored_items_per_call";

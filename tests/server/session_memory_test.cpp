@@ -63,14 +63,14 @@ public:
 
 } // namespace
 
-TEST_CASE_METHOD(ManyClients, "E9: a session holds nothing of what it was sent and has sent")
+TEST_CASE_METHOD(ManyClients, "a session holds nothing of what it was sent and has sent")
 {
     for (TestClient& client : clients) {
         CHECK(ask(client, large_read(), true) < 1'000);
     }
 }
 
-TEST_CASE_METHOD(ManyClients, "E9: answers that wait for their peers lie in memory of their size")
+TEST_CASE_METHOD(ManyClients, "answers that wait for their peers lie in memory of their size")
 {
     std::size_t held = 0;
     std::size_t waiting = 0;
@@ -82,7 +82,7 @@ TEST_CASE_METHOD(ManyClients, "E9: answers that wait for their peers lie in memo
     CHECK(held < 10 * 1'000);
 }
 
-TEST_CASE_METHOD(ManyClients, "E9: requests that wait take what they are")
+TEST_CASE_METHOD(ManyClients, "requests that wait take what they are")
 {
     for (TestClient& client : clients) {
         CreateSubscriptionRequest subscription;

@@ -125,7 +125,7 @@ constexpr std::uint32_t subscriptions_array =
 
 } // namespace
 
-TEST_CASE_METHOD(ArraysFixture, "B7: the arrays have their elements as Variables", "[B7]")
+TEST_CASE_METHOD(ArraysFixture, "the arrays have their elements as Variables")
 {
     const auto sessions = elements(admin, sessions_array);
     REQUIRE(sessions.size() == 2);
@@ -158,8 +158,7 @@ TEST_CASE_METHOD(ArraysFixture, "B7: the arrays have their elements as Variables
     CHECK(object->get_if<SubscriptionDiagnosticsDataType>()->subscription_id == first);
 }
 
-TEST_CASE_METHOD(ArraysFixture, "B7: a Subscription is in the array of whichever session it has",
-                 "[B7]")
+TEST_CASE_METHOD(ArraysFixture, "a Subscription is in the array of whichever session it has")
 {
     const std::uint32_t first = subscribe(client);
     const std::uint32_t second = subscribe(client);
@@ -190,7 +189,7 @@ TEST_CASE_METHOD(ArraysFixture, "B7: a Subscription is in the array of whichever
     CHECK(read(admin, element).status == status::Bad_NodeIdUnknown);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "E9: fields of diagnostics are nodes once they are looked for")
+TEST_CASE_METHOD(DiagnosticsFixture, "fields of diagnostics are nodes once they are looked for")
 {
     TestClient client = log_in();
     const std::uint32_t id = subscribe(client);
@@ -252,8 +251,7 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session's diagnostics can be monitored u
     CHECK(data[0].value.status == status::Bad_NodeIdUnknown);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture,
-                 "B2: a continuation point lives on when others connect and leave")
+TEST_CASE_METHOD(DiagnosticsFixture, "a continuation point lives on when others connect and leave")
 {
     TestClient client = log_in();
     BrowseRequest request;

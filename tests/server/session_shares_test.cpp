@@ -51,7 +51,7 @@ struct SessionShares : ServerFixture {
 
 } // namespace
 
-TEST_CASE("D4: sessions without a channel give way, the oldest of the greediest first")
+TEST_CASE("sessions without a channel give way, the oldest of the greediest first")
 {
     SessionShares fixture{few(6, 6)};
     auto modest = fixture.leave_behind(1, "192.0.2.9");
@@ -68,7 +68,7 @@ TEST_CASE("D4: sessions without a channel give way, the oldest of the greediest 
     CHECK_FALSE(fixture.log_has("from 192.0.2.9, without"));
 }
 
-TEST_CASE("D4: whoever has as many sessions takes no place of others")
+TEST_CASE("whoever has as many sessions takes no place of others")
 {
     SessionShares fixture{few(4, 4)};
     auto gone = fixture.leave_behind(2, greedy_address);
@@ -82,7 +82,7 @@ TEST_CASE("D4: whoever has as many sessions takes no place of others")
     CHECK(gone[1].activate(TestClient::anonymous()) == status::Good);
 }
 
-TEST_CASE("D4: of sessions that were never activated the greediest network's go first")
+TEST_CASE("of sessions that were never activated the greediest network's go first")
 {
     SessionShares fixture{few(4, 4)};
     auto good = fixture.connect();
@@ -97,7 +97,7 @@ TEST_CASE("D4: of sessions that were never activated the greediest network's go 
     CHECK(good.activate(TestClient::anonymous()) == status::Good);
 }
 
-TEST_CASE("D4: a user has a share of the sessions, over all channels")
+TEST_CASE("a user has a share of the sessions, over all channels")
 {
     SessionShares fixture{few(10, 2)};
     auto first = fixture.log_in();

@@ -94,7 +94,7 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
         request.client_certificate = {};
         CHECK(client.create_session(request).error() == status::Bad_SecurityChecksFailed);
     }
-    SECTION("more behind the certificate, or less of it (G6)")
+    SECTION("more behind the certificate, or less of it")
     {
         const auto leaf = client_identity().certificates.front().der();
         std::vector<std::byte> sent{leaf.begin(), leaf.end()};
@@ -108,7 +108,7 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
         request.client_description.application_uri = "urn:busbar:test:client2";
         CHECK(client.create_session(request).error() == status::Bad_CertificateUriInvalid);
     }
-    SECTION("B11: another server")
+    SECTION("another server")
     {
         request.server_uri = "urn:busbar:test:server2";
         CHECK(client.create_session(request).error() == status::Bad_ServerUriInvalid);
@@ -116,7 +116,7 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
     CHECK(fixture.server.session_count() == 0);
 }
 
-TEST_CASE("a certificate comes with issuers in CreateSession, or without them (G6)")
+TEST_CASE("a certificate comes with issuers in CreateSession, or without them")
 {
     ServerFixture fixture;
     auto client = fixture.connect(sign);

@@ -8,8 +8,7 @@
 
 namespace subscription_allocation_failure_test {
 
-/// D3: what is counted of Subscriptions and their items, and what is timed for them, where there is
-/// no memory to end them with.
+/// Counts and timers of Subscriptions and their items when there is no memory to end them.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -266,7 +265,7 @@ struct SteadyTimer final : server::detail::Timer {
 
 } // namespace
 
-TEST_CASE("D3: an allocation that fails while items are removed leaves every count right")
+TEST_CASE("an allocation that fails while items are removed leaves every count right")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     for (const Row& row : rows) {
@@ -278,20 +277,20 @@ TEST_CASE("D3: an allocation that fails while items are removed leaves every cou
     }
 }
 
-TEST_CASE("D3: an item of events that found no memory when it was enabled is so the next time")
+TEST_CASE("an item of events that found no memory when it was enabled is so the next time")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("SetMonitoringMode",
                          [&](std::size_t k) { return fail_to_enable_events(k, most); });
 }
 
-TEST_CASE("D3: a session that found no memory for its end is as it was")
+TEST_CASE("a session that found no memory for its end is as it was")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("CloseSession", [&](std::size_t k) { return fail_to_close(k, most); });
 }
 
-TEST_CASE("D3: a Subscription whose client could not be told of its end ends later")
+TEST_CASE("a Subscription whose client could not be told of its end ends later")
 {
     FailureFixture world{false, FailureFixture::config()};
     world.client = world.log_in_as("operator");
@@ -323,7 +322,7 @@ TEST_CASE("D3: a Subscription whose client could not be told of its end ends lat
     CHECK(change->status == status::Bad_Timeout);
 }
 
-TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
+TEST_CASE("a timer that expires can be set again whatever memory there is")
 {
     constexpr std::size_t most_others = 8;
     for (std::size_t others = 0; others <= most_others; ++others) {
@@ -351,7 +350,7 @@ TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
     }
 }
 
-TEST_CASE("D3: what finds no memory in the queue of an event item is neither counted nor paid for")
+TEST_CASE("what finds no memory in the queue of an event item is neither counted nor paid for")
 {
     using Queue = server::detail::EventItemQueue;
     constexpr std::size_t all = 1U << 20U;
@@ -384,7 +383,7 @@ TEST_CASE("D3: what finds no memory in the queue of an event item is neither cou
     }
 }
 
-TEST_CASE("D3: an item whose new sampling interval finds no memory is counted at the old one")
+TEST_CASE("an item whose new sampling interval finds no memory is counted at the old one")
 {
     server::detail::SamplingIntervals intervals{true};
     const server::detail::SamplingIntervals::Use use{false, 100ms};

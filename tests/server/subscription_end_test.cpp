@@ -65,7 +65,7 @@ struct EndFixture : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(EndFixture, "D2: the items of a Subscription that is deleted go a few at a time")
+TEST_CASE_METHOD(EndFixture, "the items of a Subscription that is deleted go a few at a time")
 {
     settle();
     REQUIRE(server.monitored_item_count() == many);
@@ -85,7 +85,7 @@ TEST_CASE_METHOD(EndFixture, "D2: the items of a Subscription that is deleted go
     CHECK(server.monitored_item_count() == 0);
 }
 
-TEST_CASE_METHOD(EndFixture, "D2: so do those of one whose lifetime is over")
+TEST_CASE_METHOD(EndFixture, "so do those of one whose lifetime is over")
 {
     settle();
     CloseSessionRequest request;
@@ -101,7 +101,7 @@ TEST_CASE_METHOD(EndFixture, "D2: so do those of one whose lifetime is over")
     CHECK(server.monitored_item_count() == 0);
 }
 
-TEST_CASE("D2: items that are about to go take no room from new ones")
+TEST_CASE("items that are about to go take no room from new ones")
 {
     server::SubscriptionLimits limits = SubscriptionFixture::small_limits();
     SECTION("in their number")
@@ -123,7 +123,7 @@ TEST_CASE("D2: items that are about to go take no room from new ones")
     CHECK(fixture.create(fixture.client, other, 1) == 0);
 }
 
-TEST_CASE_METHOD(EndFixture, "D2: nobody hears of items whose Subscription is deleted")
+TEST_CASE_METHOD(EndFixture, "nobody hears of items whose Subscription is deleted")
 {
     settle();
     TestClient other = log_in();

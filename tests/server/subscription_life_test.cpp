@@ -112,7 +112,7 @@ TEST_CASE("what clients leave behind is limited")
     for (std::size_t i = 0; i < 10; ++i) {
         auto client = fixture.log_in();
         const auto made = client.call<CreateSubscriptionResponse>(fixture.subscription_request());
-        CHECK(made); // the oldest give way (D4)
+        CHECK(made); // the oldest give way
         CHECK(fixture.server.subscription_count() == std::min<std::size_t>(i + 1, 5));
         CHECK(close(client, false) == status::Good);
     }
@@ -219,7 +219,7 @@ TEST_CASE("the highest priority is served first, then the one that waits longest
     CHECK(response->subscription_id == ids[1]);
 }
 
-TEST_CASE("a Subscription that always has more to send leaves the others their turn (F1)")
+TEST_CASE("a Subscription that always has more to send leaves the others their turn")
 {
     SubscriptionFixture fixture;
     auto client = fixture.log_in();

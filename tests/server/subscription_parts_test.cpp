@@ -95,7 +95,7 @@ TEST_CASE("Subscriptions that lost their session live on until somebody deletes 
     CHECK(parts.all.item_count() == 0);
 }
 
-TEST_CASE("A2: all items of a variable share one copy of it, which is charged")
+TEST_CASE("all items of a variable share one copy of it, which is charged")
 {
     constexpr std::size_t max_memory = 8U << 20U;
     LargeArray array{max_memory};
@@ -117,7 +117,7 @@ TEST_CASE("A2: all items of a variable share one copy of it, which is charged")
     CHECK(array.parts.all.memory().left() == max_memory);
 }
 
-TEST_CASE("A2: a variable that nobody can pay a copy of is looked at each time")
+TEST_CASE("a variable that nobody can pay a copy of is looked at each time")
 {
     LargeArray array{512U << 10U};
     array.parts.add_item(1, array.curve, "7");

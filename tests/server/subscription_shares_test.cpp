@@ -75,7 +75,7 @@ struct SharesFixture : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE("D4: Subscriptions that were left behind keep nobody out, the oldest go first")
+TEST_CASE("Subscriptions that were left behind keep nobody out, the oldest go first")
 {
     SharesFixture fixture{few()};
     const auto left = fixture.leave_behind(10);
@@ -94,7 +94,7 @@ TEST_CASE("D4: Subscriptions that were left behind keep nobody out, the oldest g
                              "way to an anonymous user from 192.0.2.1") == 1);
 }
 
-TEST_CASE("D4: a user who has little keeps it")
+TEST_CASE("a user who has little keeps it")
 {
     SharesFixture fixture{few()};
     auto modest = fixture.log_in();
@@ -108,7 +108,7 @@ TEST_CASE("D4: a user who has little keeps it")
     CHECK(fixture.is_there(kept));
 }
 
-TEST_CASE("D4: a user has a share of the Subscriptions, over all sessions and addresses")
+TEST_CASE("a user has a share of the Subscriptions, over all sessions and addresses")
 {
     auto limits = few();
     limits.max_subscriptions_per_user = 4;
@@ -144,7 +144,7 @@ TEST_CASE("D4: a user has a share of the Subscriptions, over all sessions and ad
     }
 }
 
-TEST_CASE("D4: a session without a channel gives way last, and is told")
+TEST_CASE("a session without a channel gives way last, and is told")
 {
     SharesFixture fixture{few()};
     auto greedy = std::make_unique<TestClient>(fixture.log_in_from(greedy_address));
@@ -174,7 +174,7 @@ TEST_CASE("D4: a session without a channel gives way last, and is told")
     CHECK(fixture.try_to_subscribe(client) == status::Bad_TooManySubscriptions);
 }
 
-TEST_CASE("D4: items of Subscriptions that were left behind give way to others'")
+TEST_CASE("items of Subscriptions that were left behind give way to others'")
 {
     auto limits = few();
     limits.max_items = 40;
@@ -194,7 +194,7 @@ TEST_CASE("D4: items of Subscriptions that were left behind give way to others'"
           status::Bad_TooManyMonitoredItems);
 }
 
-TEST_CASE("D4: a user has a share of the items")
+TEST_CASE("a user has a share of the items")
 {
     auto limits = few();
     limits.max_items_per_user = 3;

@@ -6,9 +6,8 @@
 
 namespace timer_allocation_failure_test {
 
-/// D3: what a server does by itself, when its time has come, with the k-th of its allocations
-/// failing, for k = 1, 2, ... until nothing fails. Others are served meanwhile, and what had to be
-/// done is done soon after.
+/// Timed work of a server with the k-th of its allocations failing, for k = 1, 2, ... until nothing
+/// fails. Others are served meanwhile, and the work is done soon after.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -197,12 +196,12 @@ bool fail_two_logins(std::size_t k)
 
 } // namespace
 
-TEST_CASE("D3: of logins that a worker has checked one alone ends where there is no memory")
+TEST_CASE("of logins that a worker has checked one alone ends where there is no memory")
 {
     check_failing_worlds("two logins", fail_two_logins);
 }
 
-TEST_CASE("D3: an allocation that fails keeps a server from nothing that it does in time")
+TEST_CASE("an allocation that fails keeps a server from nothing that it does in time")
 {
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.name)
@@ -212,7 +211,7 @@ TEST_CASE("D3: an allocation that fails keeps a server from nothing that it does
     }
 }
 
-TEST_CASE("D3: what finds no memory when it is due is tried again, but not at once")
+TEST_CASE("what finds no memory when it is due is tried again, but not at once")
 {
     FailureFixture world;
     watch_values(world);
@@ -223,7 +222,7 @@ TEST_CASE("D3: what finds no memory when it is due is tried again, but not at on
     CHECK(world.server.session_count() == 0);
 }
 
-TEST_CASE("D3: that events were lost is told when there is memory again")
+TEST_CASE("that events were lost is told when there is memory again")
 {
     FailureFixture world;
     watch_events(world);
@@ -235,7 +234,7 @@ TEST_CASE("D3: that events were lost is told when there is memory again")
     CHECK(count_events(world) == 1);
 }
 
-TEST_CASE("D3: a session without Subscriptions ends without memory")
+TEST_CASE("a session without Subscriptions ends without memory")
 {
     FailureFixture world;
     end_without_memory(world);

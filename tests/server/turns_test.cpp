@@ -48,7 +48,7 @@ std::size_t take_answers(TestClient& client, TimePoint now)
 
 } // namespace
 
-TEST_CASE("D2: a connection that asks for much waits for its next turn")
+TEST_CASE("a connection that asks for much waits for its next turn")
 {
     constexpr std::size_t requests = 20;
     ServerFixture fixture;
@@ -98,7 +98,7 @@ TEST_CASE("what a request was decoded to is paid for while it waits for its turn
     CHECK(client.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
-TEST_CASE("D2: what waits for its turn ends with its session")
+TEST_CASE("what waits for its turn ends with its session")
 {
     ServerFixture fixture;
     auto greedy = fixture.log_in();
@@ -115,7 +115,7 @@ TEST_CASE("D2: what waits for its turn ends with its session")
     CHECK(fixture.server.session_count() == 0);
 }
 
-TEST_CASE("D2: a connection that goes away takes its turns with it")
+TEST_CASE("a connection that goes away takes its turns with it")
 {
     ServerFixture fixture;
     auto good = fixture.log_in();
@@ -144,7 +144,7 @@ std::size_t take_turns(TestClient& client, TimePoint now)
 
 } // namespace
 
-TEST_CASE("D2: MonitoredItems are made, changed and deleted in turns")
+TEST_CASE("MonitoredItems are made, changed and deleted in turns")
 {
     constexpr std::size_t items = 1'000;
     ServerFixture fixture;
@@ -187,7 +187,7 @@ TEST_CASE("D2: MonitoredItems are made, changed and deleted in turns")
     }
 }
 
-TEST_CASE("D2: a Subscription that ends between turns ends what is done to its items")
+TEST_CASE("a Subscription that ends between turns ends what is done to its items")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();
@@ -229,7 +229,7 @@ ReadRequest read_of(const NodeId& node, std::size_t count)
 
 } // namespace
 
-TEST_CASE("D2: a Read of many structures is answered in turns")
+TEST_CASE("a Read of many structures is answered in turns")
 {
     constexpr std::size_t count = 10'000;
     ServerFixture fixture;
@@ -247,7 +247,7 @@ TEST_CASE("D2: a Read of many structures is answered in turns")
     CHECK(answer->results[count / 10 - 1].value.get_if<ExtensionObject>() != nullptr);
 }
 
-TEST_CASE("D2: a Write of many values is carried out in turns")
+TEST_CASE("a Write of many values is carried out in turns")
 {
     constexpr std::size_t count = 10'000;
     SubscriptionFixture fixture;
@@ -283,7 +283,7 @@ TEST_CASE("D2: a Write of many values is carried out in turns")
     CHECK((expected.is_bad() || turns > 2));
 }
 
-TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile")
+TEST_CASE("a Read that goes on asks no source for what was removed meanwhile")
 {
     SubscriptionFixture fixture;
     const NodeId level = fixture.add_variable("level", 7);

@@ -4,7 +4,7 @@
 
 namespace user_change_failure_test {
 
-/// D3: a session that is given to another user where there is no memory for a moment.
+/// A session that changes to another user while there is no memory.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -89,13 +89,13 @@ bool fail_expiry(std::size_t k, std::size_t most)
 
 } // namespace
 
-TEST_CASE("D3: who a session was given to in the end reads by that user's rights only")
+TEST_CASE("who a session was given to in the end reads by that user's rights only")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("ActivateSession", [&](std::size_t k) { return fail_once(k, most); });
 }
 
-TEST_CASE("D3: nothing is read any more by the rights of a user whose time is over")
+TEST_CASE("nothing is read any more by the rights of a user whose time is over")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("the end of a user", [&](std::size_t k) { return fail_expiry(k, most); });

@@ -31,7 +31,7 @@ struct TurnsFixture : ViewFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")
+TEST_CASE_METHOD(ViewFixture, "a Browse says the same in however many turns")
 {
     add_children(400);
     BrowseDescription instances = description(NodeId{0, id::BaseDataVariableType});
@@ -65,7 +65,7 @@ TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns"
     }
 }
 
-TEST_CASE_METHOD(TurnsFixture, "D2: what a Browse has found outlasts the nodes that it found")
+TEST_CASE_METHOD(TurnsFixture, "what a Browse has found outlasts the nodes that it found")
 {
     add_children(100);
     for (int i = 0; i < 100; ++i) { // a block of their own each, which goes with them
@@ -89,8 +89,7 @@ TEST_CASE_METHOD(TurnsFixture, "D2: what a Browse has found outlasts the nodes t
     CHECK(last->node_id.node_id == found);
 }
 
-TEST_CASE_METHOD(TurnsFixture,
-                 "D2: what a Browse finds when it begins again outlasts its nodes, too")
+TEST_CASE_METHOD(TurnsFixture, "what a Browse finds when it begins again outlasts its nodes, too")
 {
     const std::string long_name = "a name that is too long to lie anywhere but in its own memory ";
     const auto add = [&](int i) { return add_int32(long_name + std::to_string(i), folder); };
@@ -121,7 +120,7 @@ TEST_CASE_METHOD(TurnsFixture,
     CHECK(names(response.results[0]) == before);
 }
 
-TEST_CASE_METHOD(TurnsFixture, "D2: a node that changes between two turns is browsed as it is then")
+TEST_CASE_METHOD(TurnsFixture, "a node that changes between two turns is browsed as it is then")
 {
     add_children(100);
     begin();
@@ -133,7 +132,7 @@ TEST_CASE_METHOD(TurnsFixture, "D2: a node that changes between two turns is bro
     CHECK(view.references_left == 200'000 - 101);
 }
 
-TEST_CASE_METHOD(ViewFixture, "D2: a browse path goes on where its turn ended")
+TEST_CASE_METHOD(ViewFixture, "a browse path goes on where its turn ended")
 {
     constexpr int count = 20;
     add_hub(count);
@@ -184,7 +183,7 @@ TEST_CASE_METHOD(ViewFixture, "D2: a browse path goes on where its turn ended")
     }
 }
 
-TEST_CASE_METHOD(ViewFixture, "D2: a browse path whose targets all go away matches nothing")
+TEST_CASE_METHOD(ViewFixture, "a browse path whose targets all go away matches nothing")
 {
     add_hub(2);
     add_folder("leaf", space.find(node("same0")));

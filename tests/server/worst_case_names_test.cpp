@@ -198,7 +198,7 @@ TEST_CASE("what a worker for channels copies is counted for each connection")
               (transport.receive_buffer_size + 2 * std::uint64_t{transport.send_buffer_size}));
 }
 
-TEST_CASE("small limits fit a machine of 16 MiB with passwords whose hashes take no memory (E10)")
+TEST_CASE("small limits fit a machine of 16 MiB with passwords whose hashes take no memory")
 {
     const server::ServerLimits limits = server::small_controller_limits();
     const auto total = [&](std::size_t checks, const crypto::PasswordCost& cost) {
@@ -236,7 +236,7 @@ TEST_CASE("hashing a password takes exactly what is said")
     CHECK_FALSE(fits(crypto::memory_of({}) - 1));
 }
 
-TEST_CASE("limits for a machine's memory are as large as it allows (D9)")
+TEST_CASE("limits for a machine's memory are as large as it allows")
 {
     constexpr std::uint64_t mega = 1'000'000;
     std::uint64_t before = 0;
