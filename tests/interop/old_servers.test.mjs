@@ -30,7 +30,7 @@ async function good(client, words) {
   return json;
 }
 
-describe("a server with one connection (C1)", () => {
+describe("a server with one connection", () => {
   async function throughGate(settings, options, check) {
     const gate = await startGate(peer.port, settings);
     try {
@@ -63,7 +63,7 @@ describe("a server with one connection (C1)", () => {
   });
 });
 
-describe("a server without DataTypeDefinition (C2)", () => {
+describe("a server without DataTypeDefinition", () => {
   const valueOf = async (node) => (await good(clientOf(peer), ["read", node]))[0].value;
 
   test("structures of namespace 0 are known", async () => {

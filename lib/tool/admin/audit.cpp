@@ -118,8 +118,8 @@ void add_audit(CLI::App& admin, Run& run)
 {
     Group group{admin, run, nullptr, ""};
     auto* command =
-        group.add("audit", "Shows who did what at the server as it happens, until Ctrl+C.", 0,
-                  "URL", audit::follow, Connection::Endurance::Lasting);
+        group.add("audit", "Shows the actions of users at the server as they happen, until Ctrl+C.",
+                  0, "URL", audit::follow, Connection::Endurance::Lasting);
     add_stream_options(*command, group.arguments().end);
 }
 

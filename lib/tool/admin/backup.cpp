@@ -239,7 +239,7 @@ void add_backup(CLI::App& admin, Run& run)
                            "Replaces what a controller has by a backup, whole or not at all.", 1,
                            "FILE", backup::restore)))
         ->add_option("--command", arguments.backup.command_file,
-                     "a RestoreCommand.ini, whose OpcuaSPF says whether certificates, users, roles "
+                     "a RestoreCommand.ini; its OpcuaSPF says whether certificates, users, roles "
                      "and security settings are restored")
         ->excludes("--without-security-profile");
     chooses(group.add("verify", "Compares what a controller has with a backup.", 1, "FILE",

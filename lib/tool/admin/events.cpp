@@ -132,7 +132,7 @@ void check_code(const std::string& code)
     const auto read = std::from_chars(code.data(), end, number, 16);
     constexpr std::size_t digits = 8;
     if (!code.empty() && (code.size() != digits || read.ec != std::errc{} || read.ptr != end)) {
-        throw Failure{Exit::Usage, safe(code) + ": is no event code",
+        throw Failure{Exit::Usage, safe(code) + ": is not an event code",
                       "expected eight hexadecimal digits such as 35D00000"};
     }
 }

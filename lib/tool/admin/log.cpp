@@ -32,7 +32,7 @@ controller::ExecutionLogFilter filter_of(const LogChoice& choice)
         std::uint16_t code = 0;
         const auto read = std::from_chars(choice.code.data(), end, code); // "0100" is no octal
         if (read.ec != std::errc{} || read.ptr != end) {
-            throw Failure{Exit::Usage, safe(choice.code) + ": is no log code",
+            throw Failure{Exit::Usage, safe(choice.code) + ": is not a log code",
                           "expected digits such as 0005"};
         }
         filter.code = code;

@@ -106,8 +106,9 @@ std::vector<Variant> call_on_file(Connection& connection, const NodeId& node,
 {
     const NodeId found = find_method(connection, node, method);
     if (found.is_null()) {
-        throw Failure{status::Bad_NotFound, safe(path) + ": " + method,
-                      "it is no file or folder of that kind, or this user may not do that with it"};
+        throw Failure{
+            status::Bad_NotFound, safe(path) + ": " + method,
+            "it is not a file or folder of that kind, or this user may not do that with it"};
     }
     return call(connection, node, found, inputs, safe(path) + ": " + method);
 }

@@ -141,7 +141,7 @@ void add_roles(CLI::App& admin, Run& run)
 {
     using namespace roles;
     Group group{admin, run, "role", "Which roles users have."};
-    group.add("list", "Lists roles and whom rules give them to.", 0, "URL", list);
+    group.add("list", "Lists roles and the rules that assign them.", 0, "URL", list);
     group.add("grant", "Gives a user a role.", 2, "USER ROLE", grant);
     group.add("revoke", "Takes a role from a user.", 2, "USER ROLE", revoke);
 }

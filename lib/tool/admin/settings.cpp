@@ -220,7 +220,8 @@ void add_settings(CLI::App& admin, Run& run)
     using namespace settings;
     Group group{admin, run, "setting", "What a controller is set to."};
     group
-        .add_any("list", "Lists settings, or those whose names begin like this.", "URL PART", list)
+        .add_any("list", "Lists settings, or those with names that begin with PART.", "URL PART",
+                 list)
         ->add_flag("--changed", group.arguments().only_changed,
                    "only those that were changed online");
     group.add_any("set", "Changes settings: all of them, or none.", "URL NAME VALUE", set);

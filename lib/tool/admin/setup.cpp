@@ -92,7 +92,7 @@ void add_setup(CLI::App& admin, Run& run)
         "NAME", set_up);
     command->add_option("--new-password-file", arguments.new_password_file,
                         "its first line is the password; asked for on a terminal otherwise");
-    command->add_option("--description", arguments.description, "who it is");
+    command->add_option("--description", arguments.description, "a description of the user");
 }
 
 } // namespace busbar::tool::admin

@@ -376,7 +376,7 @@ Exit export_one(Context& context, Connection& connection, const AdminArguments& 
 void add_trust(CLI::App& admin, Run& run)
 {
     using namespace trust_lists;
-    Group group{admin, run, "trust", "Whom the server trusts."};
+    Group group{admin, run, "trust", "The certificates that the server trusts."};
     auto& arguments = group.arguments();
     auto* listed = group.add(
         "list", "Lists certificates, trusted, issuers and rejected, and revocation lists (crl).", 0,

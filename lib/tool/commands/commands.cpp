@@ -7,8 +7,8 @@ namespace {
 constexpr const char* footer =
     "Nodes are written i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or\n"
     "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840 or host:4840.\n"
-    "`busbar COMMAND --help` has the options of a command; those above may stand\n"
-    "behind it too. Values that begin with - are to stand behind --.\n"
+    "`busbar COMMAND --help` has the options of a command; those above may also\n"
+    "follow it. Values that begin with - must come after --.\n"
     "\n"
     "Exit codes: 0 good, 1 refused by the server or the disk, 2 usage,\n"
     "3 not connected, 4 security or login, 5 some of the nodes failed,\n"

@@ -17,12 +17,12 @@ namespace {
 /// No key of a keyboard, and in no value that anybody writes.
 constexpr char mark = '\x1f';
 
-/// "abc is no thing, perhaps abd is meant; there are ..."
+/// "abc is not a thing, perhaps abd is meant; there are ..."
 std::string unknown(const std::string& text, const std::string& thing,
                     const std::vector<std::string>& names)
 {
     const std::string meant = nearest(text, names);
-    return text + " is no " + thing + (meant.empty() ? "" : ", perhaps " + meant + " is meant") +
+    return text + " is not a " + thing + (meant.empty() ? "" : ", perhaps " + meant + " is meant") +
            "; there are " + joined(names);
 }
 

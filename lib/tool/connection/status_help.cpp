@@ -48,7 +48,7 @@ constexpr std::array connection{
     Row{status::Bad_TooManySessions,
         {"the server has no session left", "close other clients, or try again in a minute"}},
     Row{status::Bad_NoCommunication,
-        {"the server does not reach the device behind it", "check the device and its cable"}},
+        {"the server does not reach its device", "check the device and its cable"}},
     Row{status::Bad_RequestInterrupted, {"it was interrupted", ""}},
 };
 
@@ -99,18 +99,19 @@ constexpr std::array nodes{
     Row{status::Bad_NodeIdUnknown,
         {"the server has no such node", "look for it with `busbar browse`"}},
     Row{status::Bad_NodeIdInvalid,
-        {"this is no node id", "write i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or a path "
-                               "such as /Objects/2:Machine; a server, opc.tcp://host:4840, "
-                               "comes before all nodes"}},
+        {"this is not a node id", "write i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or a path "
+                                  "such as /Objects/2:Machine; a server, opc.tcp://host:4840, "
+                                  "comes before all nodes"}},
     Row{status::Bad_BrowseNameInvalid,
-        {"this is no browse path", "write /Objects/2:Machine/2:Speed, with the names' namespaces"}},
+        {"this is not a browse path",
+         "write /Objects/2:Machine/2:Speed, with the names' namespaces"}},
     Row{status::Bad_NoMatch,
         {"no node lies at this path", "look with `busbar browse`; names need their namespace"}},
     Row{status::Bad_TooManyMatches,
         {"more than one node lies at this path",
          "give the names their namespace, or use a node id"}},
     Row{status::Bad_AttributeIdInvalid, {"the node has no such attribute", ""}},
-    Row{status::Bad_IndexRangeInvalid, {"this is no index range", "write 3, 0:9 or 1,0:2"}},
+    Row{status::Bad_IndexRangeInvalid, {"this is not an index range", "write 3, 0:9 or 1,0:2"}},
     Row{status::Bad_IndexRangeNoData, {"the value has nothing in this range", ""}},
     Row{status::Bad_NotReadable, {"the value may not be read", ""}},
     Row{status::Bad_NotWritable, {"the value may not be written", ""}},

@@ -59,7 +59,7 @@ std::string found_in(std::string_view url)
         return "names no host";
     }
     if (colon == std::string_view::npos) {
-        return "is no URL";
+        return "is not a URL";
     }
     return "its port is \"" + std::string{authority.substr(colon + 1)} +
            "\" and no number from 1 to 65535";

@@ -57,7 +57,7 @@ Failure unknown_option(const CLI::App& command, const std::string& word)
     return {Exit::Usage, name + ": no option of `" + full_name(command) + "`",
             meant.empty() ? "`" + full_name(command) +
                                 " --help` has its options; text that begins "
-                                "with - is to stand behind --"
+                                "with - must come after --"
                           : "did you mean " + meant + "?"};
 }
 

@@ -146,7 +146,7 @@ void add_check(CLI::App& project, Run& run)
     add_offline(project, run, "check", "Lists what is wrong with a project, and how full it is.", 1,
                 1, "FILE", check_project, arguments)
         ->add_option("--program", arguments->program,
-                     "a PLC's declarations, of whose variables all labels must be")
+                     "declarations of a PLC; every label must be one of their variables")
         ->type_name("PROGRAM");
 }
 

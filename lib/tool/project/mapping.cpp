@@ -251,7 +251,8 @@ void add_mapping(CLI::App& project, Run& run)
     auto* array =
         add_offline(project, run, "array", "Sets the dimensions that an array is mapped with.", 3,
                     6, "FILE NODE RANK [DIM]...", specify_array, arguments);
-    array->add_option("--part", arguments->part, "of a node that is no array itself");
+    array->add_option("--part", arguments->part,
+                      "the array within the value, if the node itself is not an array");
     array->add_option("--first", arguments->label, "the label of the first element");
     auto* csv =
         add_offline(project, run, "csv", "Prints the mapping as a table, or takes it from one.", 1,

@@ -184,7 +184,7 @@ says 'Major fault  00000001 Controller Major Fault: CPU watchdog'
 chief 0 --json admin events "$url" --code 95d00000 --last 1
 says '"code":"95D00000","name":"OPC UA Server Started","level":"Information"'
 chief 2 admin events "$url" --code 95D0
-says 'is no event code'
+says 'is not an event code'
 as op 0 admin file list "$url" EventLog
 says 'events.log'
 shut_down
