@@ -99,6 +99,25 @@ void XmlValueReader::read(const Element& xml, ExtensionObject& value, unsigned d
                                          ByteString{std::span{bytes}});
 }
 
+/// A file may make one type of another many times over, so that few bytes of a value ask for the
+/// same type very often.
+const XmlValueReader::Structure& XmlValueReader::structure_of(const DataType& type)
+{
+    const auto [known, is_new] = structures_.try_emplace(&type);
+    Structure& structure = known->second;
+    if (is_new) {
+        structure.kind = types_.kind(type.id);
+        structure.is_union = types_.is_union(type.id);
+        structure.fields = types_.fields(type.id);
+        structure.forms.reserve(structure.fields.size());
+        for (const Field* field : structure.fields) {
+            structure.forms.push_back(types_.form(*field));
+            structure.has_optional = structure.has_optional || field->is_optional;
+        }
+    }
+    return structure;
+}
+
 void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml,
                                       const DataType& type, unsigned depth)
 {
@@ -106,14 +125,15 @@ void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml
         fail(xml, "structures less deep");
         return;
     }
-    if (types_.kind(type.id) == Kind::OptionSetStructure) {
-        // It has only the fields of OptionSet; the Definition names the bits (Part 3, 8.40).
+    const Structure& structure = structure_of(type);
+    if (structure.kind == Kind::OptionSetStructure) {
+        // Its only fields are those of OptionSet; the Definition names the bits (Part 3, 8.40).
         ByteString value = read_child<ByteString>(xml, "Value", depth);
         encode(writer, value);
         encode(writer, read_child<ByteString>(xml, "ValidBits", depth));
         return;
     }
-    const auto fields = types_.fields(type.id);
+    const auto& fields = structure.fields;
     const std::size_t count = fields.size() + 1;
     if (count > fields_left_) {
         fields_left_ = 0;
@@ -121,23 +141,22 @@ void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml
         return;
     }
     fields_left_ -= count;
-    if (types_.is_union(type.id)) {
-        encode_union(writer, xml, fields, depth);
+    if (structure.is_union) {
+        encode_union(writer, xml, structure, depth);
         return;
     }
-    const bool has_optional = std::any_of(fields.begin(), fields.end(),
-                                          [](const Field* field) { return field->is_optional; });
-    const std::uint32_t mask = has_optional ? encoding_mask(xml, fields) : 0;
-    if (has_optional) {
+    const std::uint32_t mask = structure.has_optional ? encoding_mask(xml, fields) : 0;
+    if (structure.has_optional) {
         encode(writer, mask);
     }
     const FieldElements elements{xml};
     std::uint32_t bit = 1;
-    for (const Field* field : fields) {
-        const bool is_there = !field->is_optional || (mask & bit) != 0;
-        bit <<= field->is_optional ? 1U : 0U;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        const Field& field = *fields[i];
+        const bool is_there = !field.is_optional || (mask & bit) != 0;
+        bit <<= field.is_optional ? 1U : 0U;
         if (is_there) {
-            encode_field(writer, elements.find(field->name), *field, depth);
+            encode_field(writer, elements.find(field.name), field, structure.forms[i], depth);
         }
     }
 }
@@ -171,9 +190,10 @@ std::uint32_t XmlValueReader::encoding_mask(const Element& xml,
 
 /// Encodes the <SwitchField> and the field it names (Part 6, 5.2.8 and 5.3.7); without it the one
 /// present field.
-void XmlValueReader::encode_union(binary::Writer& writer, const Element& xml,
-                                  const std::vector<const Field*>& fields, unsigned depth)
+void XmlValueReader::encode_union(binary::Writer& writer, const Element& xml, const Structure& type,
+                                  unsigned depth)
 {
+    const auto& fields = type.fields;
     std::uint32_t chosen = 0;
     if (xml.child("SwitchField") != nullptr) {
         chosen = read_child<std::uint32_t>(xml, "SwitchField", depth);
@@ -190,20 +210,20 @@ void XmlValueReader::encode_union(binary::Writer& writer, const Element& xml,
     encode(writer, chosen);
     if (chosen != 0) {
         const Field& field = *fields[chosen - 1];
-        encode_field(writer, xml.child(field.name), field, depth);
+        encode_field(writer, xml.child(field.name), field, type.forms[chosen - 1], depth);
     }
 }
 
 void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, const Field& field,
-                                  unsigned depth)
+                                  const FieldForm& form, unsigned depth)
 {
     if (field.value_rank < 0) {
         if (is_absent(found)) {
             const Element absent{field.name, "",    {}, found == nullptr ? 0 : found->line,
                                  true,       false, {}};
-            encode_scalar(writer, absent, field, depth);
+            encode_scalar(writer, absent, field, form, depth);
         } else {
-            encode_scalar(writer, *found, field, depth);
+            encode_scalar(writer, *found, field, form, depth);
         }
         return;
     }
@@ -211,7 +231,7 @@ void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, 
         if (is_absent(found)) {
             writer.number(std::int32_t{-1});
         } else {
-            encode_matrix(writer, *found, field, depth);
+            encode_matrix(writer, *found, field, form, depth);
         }
         return;
     }
@@ -221,13 +241,13 @@ void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, 
     }
     writer.length(found->children.size());
     for (const Element& child : found->children) {
-        encode_scalar(writer, child, field, depth);
+        encode_scalar(writer, child, field, form, depth);
     }
 }
 
 /// Encodes the dimensions as an array of Int32 and the elements (Part 6, 5.2.5).
 void XmlValueReader::encode_matrix(binary::Writer& writer, const Element& xml, const Field& field,
-                                   unsigned depth)
+                                   const FieldForm& form, unsigned depth)
 {
     const Element* const sizes = xml.child("Dimensions");
     const Element* const elements = xml.child("Elements");
@@ -249,14 +269,13 @@ void XmlValueReader::encode_matrix(binary::Writer& writer, const Element& xml, c
         return;
     }
     for (const Element& child : elements->children) {
-        encode_scalar(writer, child, field, depth);
+        encode_scalar(writer, child, field, form, depth);
     }
 }
 
 void XmlValueReader::encode_scalar(binary::Writer& writer, const Element& xml, const Field& field,
-                                   unsigned depth)
+                                   const FieldForm& form, unsigned depth)
 {
-    const FieldForm form = types_.form(field);
     switch (form.form) {
     case FieldForm::Class::Unknown:
         fail(xml, "a field whose DataType is known");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
@@ -72,18 +73,28 @@ private:
     void read(const Element& xml, Variant& value, unsigned depth);
     [[nodiscard]] std::uint16_t mapped(const Element& xml, std::uint16_t namespace_index);
 
+    /// What is asked of a DataType again with each structure.
+    struct Structure {
+        Kind kind{Kind::Unknown};
+        bool is_union{false};
+        bool has_optional{false};
+        std::vector<const Field*> fields;
+        std::vector<FieldForm> forms; // of the fields
+    };
+
     // Structures (structure_reader.cpp)
+    [[nodiscard]] const Structure& structure_of(const DataType& type);
     [[nodiscard]] const DataType* structure_type(const Element& xml, const Element& structure);
     void encode_structure(binary::Writer& writer, const Element& xml, const DataType& type,
                           unsigned depth);
-    void encode_union(binary::Writer& writer, const Element& xml,
-                      const std::vector<const Field*>& fields, unsigned depth);
-    void encode_field(binary::Writer& writer, const Element* found, const Field& field,
+    void encode_union(binary::Writer& writer, const Element& xml, const Structure& type,
                       unsigned depth);
+    void encode_field(binary::Writer& writer, const Element* found, const Field& field,
+                      const FieldForm& form, unsigned depth);
     void encode_matrix(binary::Writer& writer, const Element& xml, const Field& field,
-                       unsigned depth);
+                       const FieldForm& form, unsigned depth);
     void encode_scalar(binary::Writer& writer, const Element& xml, const Field& field,
-                       unsigned depth);
+                       const FieldForm& form, unsigned depth);
     void encode_built_in(binary::Writer& writer, const Element& xml, BuiltInType type,
                          unsigned depth);
     void encode_enumeration(binary::Writer& writer, const Element& xml, const NodeId& type);
@@ -93,6 +104,7 @@ private:
     const DataTypeTable& types_;
     const std::vector<std::uint16_t>& namespaces_;
     std::size_t& fields_left_;
+    std::unordered_map<const DataType*, Structure> structures_;
     std::string error_;
     std::uint32_t error_line_{0};
 };
