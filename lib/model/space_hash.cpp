@@ -1,5 +1,6 @@
 #include "space_hash.hpp"
 
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -18,14 +19,14 @@ std::uint64_t mixed(std::uint64_t value)
     return value ^ value >> 29U;
 }
 
-/// FNV-1a.
-std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed = 0)
+std::uint64_t hash_of(std::string_view text)
 {
-    std::uint64_t hash = 0xCBF2'9CE4'8422'2325U ^ seed;
-    for (const std::byte byte : bytes) {
-        hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x0000'0100'0000'01B3U;
-    }
-    return mixed(hash);
+    return mixed(std::hash<std::string_view>{}(text));
+}
+
+std::uint64_t hash_of(std::span<const std::byte> bytes)
+{
+    return hash_of(std::string_view{reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 /// Hashes values with namespace indices that depend on the URIs alone.
@@ -35,29 +36,42 @@ public:
     {
         for (std::size_t i = 1; i < map_.size(); ++i) {
             const std::string_view uri = space.namespace_uri(static_cast<std::uint16_t>(i));
-            map_[i] = static_cast<std::uint16_t>(hash_of(std::as_bytes(std::span{uri})) | 1U);
+            map_[i] = static_cast<std::uint16_t>(hash_of(uri) | 1U);
         }
     }
 
     [[nodiscard]] std::uint64_t of(NodeIndex node)
     {
-        std::uint64_t hash = of_id(node);
+        // All attributes in a row are encoded and hashed faster than each of them.
+        binary::VectorSink sink;
+        binary::Writer writer{sink};
         for (std::uint32_t id = 1; id <= static_cast<std::uint32_t>(AttributeId::AccessLevelEx);
              ++id) {
             if (id == static_cast<std::uint32_t>(AttributeId::Value)) {
-                hash = mixed(hash + of(space_.value(node)) + id);
-            } else if (auto attribute = space_.attribute(node, AttributeId{id})) {
-                hash = mixed(hash + of(std::move(*attribute)) + id);
+                continue;
+            }
+            if (auto attribute = space_.attribute(node, AttributeId{id})) {
+                writer.number(id);
+                encode(writer, mapped(std::move(*attribute)));
             }
         }
-        return hash ^ references(node) ^ further_texts(node);
+        const std::uint64_t hash = writer.ok() ? hash_of(sink.take(writer.written())) : 0;
+        // A value may be too deep to be encoded.
+        return mixed(of_id(node) + hash + 3 * of(space_.value(node))) ^ references(node) ^
+               further_texts(node);
     }
 
 private:
+    [[nodiscard]] Variant mapped(Variant value) const
+    {
+        if (map_.size() > 1) {
+            map_namespaces(value, map_);
+        }
+        return value;
+    }
     [[nodiscard]] std::uint64_t of(Variant value) const
     {
-        map_namespaces(value, map_);
-        const auto bytes = binary::to_bytes(value);
+        const auto bytes = binary::to_bytes(mapped(std::move(value)));
         return bytes ? hash_of(*bytes) : 0;
     }
     /// Each reference asks for it again.
