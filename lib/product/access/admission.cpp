@@ -25,7 +25,6 @@ bool needs_certificates(const ControllerConfig& config)
 std::string changed_kind(const UserConfig& before, const UserConfig& after)
 {
     const std::pair<const char*, bool> kinds[] = {
-        {"anonymous users", before.anonymous.has_value() != after.anonymous.has_value()},
         {"accounts", before.accounts.empty() != after.accounts.empty()},
         {"users with certificates", before.certified.has_value() != after.certified.has_value()},
         {"users with tokens", before.tokens.has_value() != after.tokens.has_value()}};
@@ -76,7 +75,7 @@ crypto::CertificateValidator& Admission::clients()
 void Admission::add_users()
 {
     server::PasswordUsers& passwords = users_.passwords();
-    passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(AccountAccess::Read)));
+    let_anonymous_in(config_.anonymous);
     for (const Account& account : config_.accounts) {
         if (!passwords.set(account.name, account.password_hash,
                            {.access_level_mask = mask_of(account.access),
@@ -95,6 +94,12 @@ void Admission::add_users()
             users_.set_role_access(role, mask_of(access));
         }
     }
+}
+
+void Admission::let_anonymous_in(std::optional<AccountAccess> access)
+{
+    config_.anonymous = access;
+    users_.passwords().set_anonymous_access(mask_of(access.value_or(AccountAccess::Read)));
 }
 
 void Admission::check_users(const UserConfig& users, const std::string& file) const

@@ -26,8 +26,10 @@ public:
     {
         return config_.certified ? &user_store_ : nullptr;
     }
-    /// Throws a ConfigError that begins with `file` if kinds of user came or went: endpoints offer
-    /// those since the start.
+    /// From now on; nothing: endpoints let in no anonymous users. Their sessions are the caller's.
+    void let_anonymous_in(std::optional<AccountAccess> access);
+    /// Throws a ConfigError that begins with `file` if kinds of user came or went, but anonymous
+    /// ones: endpoints offer those since the start.
     void check_users(const UserConfig& users, const std::string& file) const;
     /// Lets in whom `users` names from now on, and nobody else; after check_users().
     void replace_users(const UserConfig& users);

@@ -18,6 +18,7 @@ server::ServerConfig LiveConfig::next(const ControllerConfig& config) const
 {
     ControllerConfig offered;
     offered.users = started_.users;
+    offered.users.anonymous = config.users.anonymous;
     offered.server.endpoints = config.server.endpoints;
     offer_users(offered);
     administered_.offer_passwords(offered.server.endpoints);

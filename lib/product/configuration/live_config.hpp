@@ -9,12 +9,13 @@
 
 namespace busbar::product {
 
-/// Puts of a configuration in force in a server that runs what can be: its name, the endpoints and
-/// the limits, but those of buffers that connections and the server have already.
+/// Puts of a configuration in force in a server that runs what can be: its name, the endpoints,
+/// whether they offer anonymous users, and the limits, but those of buffers that connections and
+/// the server have already.
 class LiveConfig {
 public:
-    /// All must outlive it. `started` is what the server was made with, whose users are those that
-    /// endpoints offer.
+    /// All must outlive it. `started` is what the server was made with, whose other users are those
+    /// that endpoints offer.
     LiveConfig(server::Server& server, const Administered& administered,
                const ControllerConfig& started, LogSink& log);
 

@@ -195,8 +195,8 @@ bool is_live(std::string_view name)
     if (const LimitKey* const limit = find_limit(name)) {
         return limit->is_live;
     }
-    return name == "endpoint" || name == "server.name" || name == "machine.mode" ||
-           name.starts_with("limits.subscriptions.sa") ||
+    return name == "endpoint" || name == "users.anonymous" || name == "server.name" ||
+           name == "machine.mode" || name.starts_with("limits.subscriptions.sa") ||
            name == "limits.subscriptions.overload_percent";
 }
 

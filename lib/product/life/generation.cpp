@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/server/running_server.hpp>
 
 #include "product/configuration/reload.hpp"
 #include "product/machine/machine_items.hpp"
@@ -315,6 +316,13 @@ std::vector<administration::TemporaryFileTransfer> Generation::programs(const Re
 void Generation::apply(const ControllerConfig& next)
 {
     live_.apply(next);
+    if (next.users.anonymous != admission_.user_config().anonymous) {
+        admission_.let_anonymous_in(next.users.anonymous);
+        static_cast<void>(
+            server::RunningServer{server_}.end_sessions([](const server::UserIdentity& user) {
+                return user.token_type == UserTokenType::Anonymous;
+            }));
+    }
     if (around_.machine != nullptr && next.machine.mode != config_.machine.mode) {
         config_.machine.mode = next.machine.mode;
         around_.machine->change_mode(next.machine.mode);

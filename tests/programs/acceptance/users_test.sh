@@ -53,11 +53,27 @@ run 4 --user ABCD --password-file good --trust admin status "$url"
 
 entry variables 3-2-6: anonymous
 run 4 --trust read "$url" i=2259
+one_step # at once, and after a start
 chief 0 admin setting set "$url" users.anonymous read
-cycle_when_due
+says_not 'restart'
 run 0 --trust read --value "$url" "$(node Speed)"
 run 4 --trust write "$url" "$(node Speed)" 5
+step_ends
+cycle_when_due
+run 0 --trust read --value "$url" "$(node Speed)"
+one_step
+chief 0 admin setting set "$url" users.anonymous write
+run 0 --trust write "$url" "$(node Speed)" 5
+# Who is in goes with the right to be.
+timeout 60 "$busbar" --trust subscribe "$url" "$(node Speed)" > stream 2>&1 < /dev/null &
+stream=$!
+await grep -q '  5$' stream
 chief 0 admin setting set "$url" users.anonymous no
+says_not 'restart'
+run 4 --trust read "$url" i=2259
+await grep -q 'Bad_' stream
+kill "$stream" 2> /dev/null
+step_ends
 cycle_when_due
 run 4 --trust read "$url" i=2259
 
