@@ -40,6 +40,17 @@ std::vector<ReferenceDescription> children(Connection& connection, const NodeId&
     return {references.begin(), references.end()};
 }
 
+/// What helps where it is the server that lacks something; else empty.
+std::string_view hint_at_server(StatusCode status)
+{
+    if (status == status::Bad_CertificateChainIncomplete) {
+        return "add the CA that signed it first: busbar admin trust add --issuer FILE...";
+    }
+    return status == status::Bad_CertificateRevocationUnknown
+               ? "add the CA's revocation list: busbar admin trust add --issuer FILE.crl"
+               : "";
+}
+
 } // namespace
 
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
@@ -56,8 +67,12 @@ std::vector<Variant> call(Connection& connection, const NodeId& object, const No
                       "with the role SecurityAdmin"};
     }
     if (result.status_code.is_bad()) {
-        throw refused_by_server(result.status_code, what, result.additional_info,
-                                operand_of(object, method));
+        auto failure = refused_by_server(result.status_code, what, result.additional_info,
+                                         operand_of(object, method));
+        if (const auto hint = hint_at_server(result.status_code); !hint.empty()) {
+            failure.hint = hint;
+        }
+        throw std::move(failure);
     }
     return {result.output_arguments.begin(), result.output_arguments.end()};
 }

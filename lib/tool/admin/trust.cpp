@@ -206,14 +206,8 @@ void add_certificates(const Additions& additions, bool are_issuers, TrustListDat
 void trust(Connection& connection, const TrustListNodes& nodes,
            const crypto::Certificate& certificate)
 {
-    with_hint(
-        [&] {
-            return call(connection, nodes.object, nodes.add,
-                        {Variant{ByteString{certificate.der()}}, Variant{true}},
-                        "trusting the certificate");
-        },
-        status::Bad_CertificateChainIncomplete,
-        "add the CA that signed it first: busbar admin trust add --issuer FILE...");
+    call(connection, nodes.object, nodes.add,
+         {Variant{ByteString{certificate.der()}}, Variant{true}}, "trusting the certificate");
 }
 
 /// All of it or nothing. Returns those that are trusted no more because they are revoked.
@@ -228,9 +222,7 @@ std::vector<crypto::Certificate> add_together(Connection& connection, const Trus
         add_revocations(file, revocations, lists);
         std::ranges::move(take_out_revoked(revocations, lists), std::back_inserter(revoked));
     }
-    with_hint([&] { write_trust_list(connection, nodes, lists, "adding to the trust list"); },
-              status::Bad_CertificateChainIncomplete,
-              "add the CA that signed it first: busbar admin trust add --issuer FILE...");
+    write_trust_list(connection, nodes, lists, "adding to the trust list");
     return revoked;
 }
 

@@ -111,5 +111,23 @@ step_ends
 is_refused below BadCertificateUntrusted
 chief 0 admin trust list "$url"
 [ "$(grep -c '^issuers crl .*CN=works' out)" -eq 1 ] || fail "a CA has two revocation lists"
+
+# What a CA signed for the server itself is taken once the server has the CA.
+one_step
+authority town
+chief 0 admin cert request "$url" request.der
+openssl req -in request.der -inform DER -out request 2> /dev/null
+application=$(openssl req -in request -noout -text | sed -n 's/.*URI:\([^,]*\).*/\1/p')
+cat > extensions << END
+basicConstraints=critical,CA:FALSE
+keyUsage=critical,digitalSignature,nonRepudiation,keyEncipherment,dataEncipherment
+extendedKeyUsage=clientAuth,serverAuth
+subjectAltName=URI:$application,DNS:localhost,IP:127.0.0.1
+END
+sign own town 30
+openssl x509 -in own.pem -outform DER -out own.der
+chief 4 admin cert install "$url" own.der
+says 'add the CA that signed it first: busbar admin trust add --issuer FILE'
+step_ends
 shut_down
 finish
