@@ -2,6 +2,7 @@
 #include <array>
 #include <numeric>
 
+#include <busbar/channel/channel_types.hpp>
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -87,7 +88,7 @@ ValueProblem check_security(const ProjectSecurity& security)
     }
     const bool is_none = security.mode == MessageSecurityMode::None;
     if (is_none != policies.empty()) {
-        return wrong_value("[security] mode", is_none ? "None" : "another one",
+        return wrong_value("[security] mode", channel::name(security.mode),
                            is_none ? "Sign or SignAndEncrypt where there are policies"
                                    : "None where there are no policies");
     }
