@@ -11,6 +11,7 @@
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"
+#include "tool/printing/value.hpp"
 #include "tool/printing/value_lines.hpp"
 
 namespace busbar_text_test {
@@ -58,6 +59,18 @@ TEST_CASE("a table fits, and cuts what may be cut")
     CHECK(whole[1] == "ns=2;s=SomethingLong   7  a long text that is a value");
     CHECK(whole[2] == "i=1                   12  x");
     CHECK(display_width(table.lines(out, 5)[1]) == 8 + 2 + 1 + 2 + 6); // never below the least
+}
+
+TEST_CASE("a value is told with a status that is more than Good or less than certain")
+{
+    const auto shown = [](StatusCode status) {
+        return full_text_of(DataValue{Variant{17}, status, DateTime{}}, nullptr);
+    };
+    CHECK(shown(StatusCode{}) == "17");
+    CHECK(shown(StatusCode{0x0000'0480}) == "17"); // the queue has overflown
+    CHECK(shown(StatusCode{status::Good_Overload}) == "17  Good_Overload");
+    CHECK(shown(StatusCode{status::Uncertain_LastUsableValue}) == "17  Uncertain_LastUsableValue");
+    CHECK(shown(StatusCode{status::Bad_NoData}) == "Bad_NoData");
 }
 
 TEST_CASE("candidates are lines that can be pasted, ten of them")

@@ -21,6 +21,13 @@ std::string text_of(const DataValue& value, const Types& types)
     return value.status.is_bad() ? text_of(value.status) : text_of(value.value, types);
 }
 
+std::string full_text_of(const DataValue& value, const Types& types)
+{
+    const StatusCode code = value.status.code();
+    const bool is_plain = code.is_bad() || code == StatusCode{};
+    return text_of(value, types) + (is_plain ? "" : "  " + text_of(code));
+}
+
 std::string text_of(StatusCode status)
 {
     if (const std::string_view known = name(status); !known.empty()) {

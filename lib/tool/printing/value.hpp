@@ -19,6 +19,9 @@ using Types = std::shared_ptr<const binary::DynamicTypes>;
 [[nodiscard]] std::string text_of(const Variant& value, const Types& types);
 /// The value, or the name of a bad status.
 [[nodiscard]] std::string text_of(const DataValue& value, const Types& types);
+/// The same, and after a value the name of a status that is neither bad nor just Good: "17
+/// Good_Overload".
+[[nodiscard]] std::string full_text_of(const DataValue& value, const Types& types);
 /// "Bad_NodeIdUnknown", or the number if it has no name.
 [[nodiscard]] std::string text_of(StatusCode status);
 [[nodiscard]] Style style_of(StatusCode status);

@@ -29,7 +29,7 @@ void WatchedValues::show(std::size_t node, const DataValue& value)
     ValueRow& row = rows_[node];
     row.value = value;
     const Types types = connection_->types_of({row.value});
-    row.shown = text_of(row.value, types);
+    row.shown = full_text_of(row.value, types);
     ++row.changes;
     if (printing_ == Printing::Lines) {
         print(feed_.nodes()[node].text, row, types);

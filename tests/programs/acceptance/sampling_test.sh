@@ -97,6 +97,8 @@ run 0 project map cell.busbar "ns=1;i=105" Line.Count
 scan_ms=700
 again standard '' 'preset = "rd81opc96"'
 samples 105 'Good_Overload'
+run 0 --trust subscribe "$url" "$(cell 105)" --interval 200 --sampling 200 --count 3 --duration 3
+says '[0-9]  Good_Overload$'
 
 entry model 8.1: ServiceResult
 # One request may wait for a scan: of many at once some are refused.
