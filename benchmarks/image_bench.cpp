@@ -8,14 +8,17 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_task.hpp>
+
+#include "command_line/program_options.hpp"
 
 using namespace busbar;
 using namespace busbar::controller;
@@ -166,8 +169,14 @@ void measure_task(unsigned reader_count, std::uint32_t variable_count, int prior
 
 int main(int argc, char** argv)
 {
-    const unsigned long asked = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 25'000;
-    const auto variable_count = static_cast<std::uint32_t>(std::clamp(asked, 1UL, 1'000'000UL));
+    std::uint32_t variable_count = 25'000;
+    CLI::App app{"Measures what readers of a process image cost a PLC task: the time of its "
+                 "publish, and how late its scans begin, without and with busy clients."};
+    app.add_option("variables", variable_count, "Int16 variables of the image")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command_line::add_program_options(app, "busbar-image-bench");
+    CLI11_PARSE(app, argc, argv);
     std::printf("Process image of %u Int16 variables, %u processors\n", variable_count,
                 std::thread::hardware_concurrency());
 

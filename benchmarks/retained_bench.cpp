@@ -1,6 +1,5 @@
 // What it costs that a Write of RETAIN variables outlasts the end of the program: Writes through a
 // server, in turn of variables that are RETAIN and of others, each answered after a scan.
-// usage: busbar-retained-bench [FOLDER]     FOLDER is made, on the medium that is to be measured
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <busbar/client/connection.hpp>
 #include <busbar/controller/program_image.hpp>
 #include <busbar/controller/program_types.hpp>
@@ -25,6 +26,8 @@
 #include <busbar/storage/folder_storage.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "command_line/program_options.hpp"
 
 using namespace busbar;
 
@@ -249,7 +252,14 @@ double median(std::vector<double> all)
 
 int main(int argc, char** argv)
 {
-    storage::FolderStorage storage{argc > 1 ? argv[1] : "retained-bench"};
+    std::string folder = "retained-bench";
+    CLI::App app{"Measures what it costs that a Write of RETAIN variables outlasts the end of the "
+                 "program: Writes of these and of others in turn, each answered after a scan."};
+    app.add_option("folder", folder, "is made, on the medium that is to be measured")
+        ->capture_default_str();
+    command_line::add_program_options(app, "busbar-retained-bench");
+    CLI11_PARSE(app, argc, argv);
+    storage::FolderStorage storage{folder};
     if (!storage.make_folder("", FileAccess::Owner)) {
         give_up("the folder cannot be made");
     }

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "command_line/program_options.hpp"
 #include "process.hpp"
 
 namespace busbar::bench {
@@ -257,6 +258,7 @@ Expected<CommandLine, int> read_command_line(int argc, char** argv)
         Subcommand{add_startup(app, line.startup), Command::Startup},
         Subcommand{add_appendix7(app, line.seven), Command::Appendix7},
     };
+    command_line::add_program_options(app, "busbar-bench");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

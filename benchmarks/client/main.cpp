@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <busbar/types/attribute.hpp>
 
+#include "command_line/program_options.hpp"
 #include "plant.hpp"
 
 using namespace busbar;
@@ -210,7 +212,15 @@ void print(const char* what, double none, double secure, const char* unit)
 /// busbar-client-bench [part of the rounds, as 1/n]
 int main(int argc, char** argv)
 {
-    const int part = argc > 1 ? std::max(std::atoi(argv[1]), 1) : 1;
+    int part = 1;
+    CLI::App app{
+        "Measures what a client costs: each value that it reads, each notification that it "
+        "is sent, and how many requests and connections one thread has in a second."};
+    app.add_option("part", part, "one in so many of the usual rounds")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command_line::add_program_options(app, "busbar-client-bench");
+    CLI11_PARSE(app, argc, argv);
     const auto rounds = [&](int all) { return std::max(all / part, 1); };
     Plant none{false};
     Plant secure{true};

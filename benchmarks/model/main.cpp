@@ -14,6 +14,7 @@
 #include <model_bench/micro/nodes.hpp>
 #include <model_bench/standard/nodes.hpp>
 
+#include "command_line/program_options.hpp"
 #include "growth.hpp"
 #include "loads.hpp"
 #include "project.hpp"
@@ -228,6 +229,7 @@ int main(int argc, char** argv)
         ->check(CLI::Range(1, 250))
         ->capture_default_str();
     project->add_flag("--json", json, "print JSON");
+    command_line::add_program_options(app, "busbar-model-bench");
     CLI11_PARSE(app, argc, argv);
     if (project->parsed()) {
         options.open.objects = 10 * options.limited.objects;

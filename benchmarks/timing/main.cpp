@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "command_line/program_options.hpp"
 #include "open_attempts.hpp"
 #include "token_attempts.hpp"
 
@@ -19,6 +20,7 @@ int main(int argc, char** argv)
         ->capture_default_str();
     app.add_option("--seed", settings.seed, "of the order")->capture_default_str();
     app.add_option("--policy", only, "one policy instead of all");
+    command_line::add_program_options(app, "busbar-timing");
     CLI11_PARSE(app, argc, argv);
 
     std::size_t told_apart = 0;

@@ -94,6 +94,10 @@ Expected<void, Failure> run(Options options)
 int main(int argc, char** argv)
 {
     using namespace busbar::generator;
+    if (const auto text = argc == 2 ? answer(argv[1]) : std::nullopt) {
+        std::fputs(text->c_str(), stdout);
+        return 0;
+    }
     const auto options = parse_options(argc, argv);
     const auto done = options ? run(*options) : busbar::Unexpected{options.error()};
     if (!done) {

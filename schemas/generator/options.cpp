@@ -1,5 +1,6 @@
 #include "options.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -8,35 +9,96 @@
 #include <iterator>
 #include <string_view>
 
+#include <busbar/core/version.hpp>
+
+#include "command_line/manual_page.hpp"
+
 namespace busbar::generator {
 
 namespace {
 
-constexpr const char* usage =
-    "usage: busbar-generate --output FOLDER [options] NODESET2-FILE...\n"
-    "  --output FOLDER          where to write; is created\n"
-    "  --dependency FILE[,CPP-NAMESPACE,INCLUDE-PATH]\n"
-    "                           a NodeSet2 file whose code exists already; may be repeated;\n"
-    "                           \"busbar\" and \"busbar/types\" by default\n"
-    "  --namespace-uri URI      the namespace to generate; by default that of the first <Model>\n"
-    "  --cpp-namespace NAME     default: busbar\n"
-    "  --include-path PATH      how generated headers include each other; default: busbar/types\n"
-    "  --groups FILE            CSV of \"TypeName,file\" that splits the structures over files\n"
-    "  --ids FILE               CSV of \"Name,identifier,NodeClass\" with the constants' names\n"
-    "  --nodes                  emit the nodes as constant data, not the types\n"
-    "  --definitions            emit the DataTypes of namespace 0 as constant data instead\n"
-    "  --node-list FILE         with --nodes: the NodeIds to emit, one a line\n"
-    "  --features FILE          with --nodes: CSV of \"feature,number\"; these nodes and what "
-    "they\n"
-    "                           consist of are left out\n"
-    "  --feature NAME           but not those of this one; may be repeated\n"
-    "  --addition               with --feature: emit its nodes alone, to be added to the others\n"
-    "  --given NAME             with --addition: a feature that is among the others; may be "
-    "repeated\n";
+constexpr const char* arguments = "--output FOLDER [options] NODESET2-FILE...";
+
+struct Description {
+    const char* option;
+    const char* text;
+};
+
+constexpr std::array descriptions{
+    Description{"--output FOLDER", "where to write; is created"},
+    Description{"--dependency FILE[,CPP-NAMESPACE,INCLUDE-PATH]",
+                "a NodeSet2 file whose code exists already; may be repeated; \"busbar\" and "
+                "\"busbar/types\" by default"},
+    Description{"--namespace-uri URI",
+                "the namespace to generate; by default that of the first <Model>"},
+    Description{"--cpp-namespace NAME", "default: busbar"},
+    Description{"--include-path PATH",
+                "how generated headers include each other; default: busbar/types"},
+    Description{"--groups FILE", "CSV of \"TypeName,file\" that splits the structures over files"},
+    Description{"--ids FILE", "CSV of \"Name,identifier,NodeClass\" with the constants' names"},
+    Description{"--nodes", "emit the nodes as constant data, not the types"},
+    Description{"--definitions", "emit the DataTypes of namespace 0 as constant data instead"},
+    Description{"--node-list FILE", "with --nodes: the NodeIds to emit, one a line"},
+    Description{"--features FILE", "with --nodes: CSV of \"feature,number\"; these nodes and what "
+                                   "they consist of are left out"},
+    Description{"--feature NAME", "but not those of this one; may be repeated"},
+    Description{"--addition", "with --feature: emit its nodes alone, to be added to the others"},
+    Description{"--given NAME",
+                "with --addition: a feature that is among the others; may be repeated"},
+    Description{"--help", "print this and end"},
+    Description{"--version", "print the version and end"},
+};
+
+constexpr std::size_t text_column = 27;
+constexpr std::size_t width = 80;
+
+/// `text` from text_column on, in lines that end before `width`.
+std::string in_column(std::string_view text)
+{
+    std::string result;
+    while (text.size() > width - text_column) {
+        const std::size_t end = text.rfind(' ', width - text_column);
+        result += std::string{text.substr(0, end)} + "\n" + std::string(text_column, ' ');
+        text.remove_prefix(end + 1);
+    }
+    return result + std::string{text} + "\n";
+}
+
+std::string usage()
+{
+    std::string text = std::string{"usage: busbar-generate "} + arguments + "\n";
+    for (const Description& each : descriptions) {
+        std::string option = std::string{"  "} + each.option;
+        const bool is_beside = option.size() < text_column;
+        option.resize(is_beside ? text_column : option.size(), ' ');
+        text +=
+            option + (is_beside ? "" : "\n" + std::string(text_column, ' ')) + in_column(each.text);
+    }
+    return text;
+}
+
+std::string manual_page()
+{
+    command_line::ManualPage page;
+    page.program = "busbar-generate";
+    page.summary = "Makes C++ types and constant nodes of NodeSet2 files";
+    page.arguments = arguments;
+    page.sections.push_back(
+        {"DESCRIPTION",
+         page.summary + ", which describe information models of OPC UA. In a project that uses "
+                        "CMake, busbar_generate of the installed generate.cmake runs it.",
+         {},
+         false});
+    page.sections.push_back({"OPTIONS", "", {}, false});
+    for (const Description& each : descriptions) {
+        page.sections.back().entries.push_back({each.option, each.text});
+    }
+    return text_of(page, version());
+}
 
 Unexpected<Failure> wrong(const std::string& what)
 {
-    return Unexpected{what + "\n" + usage};
+    return Unexpected{what + "\n" + usage()};
 }
 
 /// "file,namespace,path" or "file".
@@ -93,6 +155,17 @@ std::string* text_option(Options& options, std::string_view name)
 }
 
 } // namespace
+
+std::optional<std::string> answer(std::string_view word)
+{
+    if (word == "--help") {
+        return usage();
+    }
+    if (word == "--version") {
+        return std::string{"busbar-generate "} + version() + "\n";
+    }
+    return word == "--print-man" ? std::optional{manual_page()} : std::nullopt;
+}
 
 Expected<Options, Failure> parse_options(int argc, char** argv)
 {

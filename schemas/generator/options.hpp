@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/core/expected.hpp>
@@ -52,6 +54,10 @@ using Failure = std::string;
 /// Writes `text` to the file `name` in the output folder, which it creates.
 [[nodiscard]] Expected<void, Failure> write_output(const Options& options, const std::string& name,
                                                    const std::string& text);
+
+/// What the program prints if `word` is all that it is given: the text of --help and --version and,
+/// for packaging, of --print-man. Nothing for any other word.
+[[nodiscard]] std::optional<std::string> answer(std::string_view word);
 
 /// The options of a command line, or the usage text with what is wrong.
 [[nodiscard]] Expected<Options, Failure> parse_options(int argc, char** argv);

@@ -31,13 +31,17 @@ constexpr std::array layers = {
     Layer{"harness",
           " core binary types crypto channel model nodes server client backend harness "},
     Layer{"controller", " core binary types crypto channel model nodes server backend controller "},
-    Layer{"product", " core binary types crypto channel model nodes server administration client "
-                     "backend storage net controller product "},
-    Layer{"tool", " core binary types crypto channel model nodes server administration client "
-                  "backend storage net controller tool "},
+    Layer{"command_line", " core command_line "},
+    Layer{"product",
+          " core command_line binary types crypto channel model nodes server administration client "
+          "backend storage net controller product "},
+    Layer{"tool",
+          " core command_line binary types crypto channel model nodes server administration client "
+          "backend storage net controller tool "},
 };
 /// These have threads, clocks and exceptions.
-constexpr std::array<std::string_view, 4> outer_layers = {"net", "controller", "product", "tool"};
+constexpr std::array<std::string_view, 5> outer_layers = {"net", "controller", "command_line",
+                                                          "product", "tool"};
 
 /// The floors of lib/server, each with those that it stands on; siblings know nothing of each
 /// other.

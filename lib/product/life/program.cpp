@@ -11,6 +11,7 @@
 #include <busbar/net/system.hpp>
 #include <busbar/product/controller.hpp>
 
+#include "command_line/program_options.hpp"
 #include "product/access/hash_password.hpp"
 #include "product/access/identity.hpp"
 #include "product/configuration/config.hpp"
@@ -41,7 +42,7 @@ int regenerate_certificate(ControllerConfig config)
 
 constexpr int usage_exit = 2;
 
-/// 0 for --help.
+/// 0 for --help and --version.
 int end_early(const CLI::App& app, const CLI::ParseError& error)
 {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
@@ -92,6 +93,7 @@ int run(int argc, char** argv, Runtime& runtime)
     app.add_flag("--forget-changes", forgets_changes,
                  "drop what was changed online, settings and a program that was sent, and end");
     prints.add_to(app);
+    command_line::add_program_options(app, "busbar-controller");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

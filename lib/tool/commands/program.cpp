@@ -5,6 +5,7 @@
 #include <exception>
 #include <sstream>
 
+#include "command_line/program_options.hpp"
 #include "commands.hpp"
 #include "tool/connection/usage.hpp"
 
@@ -38,7 +39,7 @@ int run_command(Context& context, int argc, char** argv)
 {
     Run run;
     CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
-    app.set_version_flag("--version", "busbar " BUSBAR_VERSION);
+    command_line::add_program_options(app, "busbar");
     add_command_line(app, context.options, run);
     if (argc == 1) {
         context.err.write(app.help());

@@ -76,7 +76,9 @@ std::vector<std::string> options_of(const CLI::App& app)
 {
     std::vector<std::string> names;
     for (const CLI::App* level = &app; level != nullptr; level = level->get_parent()) {
-        for (const CLI::Option* option : level->get_options()) {
+        const auto listed = level->get_options(
+            [](const CLI::Option* option) { return !option->get_group().empty(); });
+        for (const CLI::Option* option : listed) {
             for (const std::string& name : option->get_lnames()) {
                 if (std::find(names.begin(), names.end(), "--" + name) == names.end()) {
                     names.push_back("--" + name);
