@@ -35,7 +35,7 @@ port=$((20000 + $$ % 1500 * 8))
 } > commands.sh
 [ "$(wc -l < commands.sh)" -gt 3 ] || { echo "$page has no commands"; exit 1; }
 cd day
-PATH=$work/bin:$PATH XDG_DATA_HOME=$PWD/data timeout 120 sh ../commands.sh > ../out 2>&1 || {
+PATH=$work/bin:$PATH XDG_DATA_HOME=$PWD/data timeout 300 sh ../commands.sh > ../out 2>&1 || {
     cat ../out ./*.log
     exit 1
 }
