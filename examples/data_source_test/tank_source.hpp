@@ -7,8 +7,8 @@
 
 #include <busbar/server/data_source.hpp>
 
-/// A tank behind a field bus: its level is read, its set point written within 0 to 100. While the
-/// bus is down, reads wait for it.
+/// A tank behind a field bus. Its level can be read, its set point written within 0 to 100. Reads
+/// wait while the bus is down.
 class TankSource final : public busbar::server::DataSource {
 public:
     static constexpr std::uint64_t level = 0;

@@ -10,7 +10,7 @@ using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
 
-/// The tank in a server, and a client that looks at it.
+/// The tank in a server, and a client.
 class TankFixture : public BenchFixture {
 public:
     TankSource& tank{make_source<TankSource>()};

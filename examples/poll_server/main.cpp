@@ -1,4 +1,4 @@
-// A server for a machine without Asio and without exceptions: an own loop, a table of modules.
+// A server without Asio, threads and exceptions: a loop of its own, a table of modules.
 // usage: POLL_SERVER_PASSWORD=... poll-server [PORT [FOLDER]]
 #include <chrono>
 #include <csignal>
@@ -26,7 +26,7 @@ volatile std::sig_atomic_t is_to_stop = 0;
 
 constexpr const char* application_uri = "urn:example:poll-server";
 
-/// What a machine has of its own: a clock, and somewhere to write to.
+/// What every machine has: a clock, and somewhere to write to.
 class Clock final : public WallClock {
 public:
     [[nodiscard]] DateTime now() const override
@@ -62,6 +62,10 @@ int main(int argc, char** argv)
     const std::string port = argc > 1 ? argv[1] : "4840";
     const std::string folder = argc > 2 ? argv[2] : "poll_server_pki";
     const char* const password = std::getenv("POLL_SERVER_PASSWORD");
+    if (password == nullptr) {
+        std::fprintf(stderr, "usage: POLL_SERVER_PASSWORD=... poll-server [PORT [FOLDER]]\n");
+        return 2;
+    }
     Clock clock;
     Log log;
     crypto::SystemRandom random;
@@ -82,8 +86,7 @@ int main(int argc, char** argv)
         return fail_with("own certificate", identity.error().status);
     }
     server::PasswordUsers users;
-    if (const auto added = users.add("operator", password != nullptr ? password : "", random);
-        !added) {
+    if (const auto added = users.add("operator", password, random); !added) {
         return fail_with("user", added.error().status);
     }
 
@@ -115,8 +118,9 @@ int main(int argc, char** argv)
     if (!loop.listen(static_cast<std::uint16_t>(std::atoi(port.c_str())))) {
         return fail_with("port", status::Bad_ResourceUnavailable);
     }
+    std::fprintf(stderr, "ready at opc.tcp://localhost:%s\n", port.c_str());
     std::signal(SIGTERM, [](int) { is_to_stop = 1; });
-    while (loop.step(std::chrono::seconds{1})) { // in which poll() may miss a signal
+    while (loop.step(std::chrono::seconds{1})) { // no longer, as poll() may miss a signal
         if (is_to_stop != 0) {
             made->begin_shutdown(std::chrono::steady_clock::now(), "stopped by a signal");
         }

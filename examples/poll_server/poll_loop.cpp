@@ -29,8 +29,7 @@ bool would_block()
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
 }
 
-/// Who does not take his answers has no further requests read, nor has one whose requests wait for
-/// their turn.
+/// Reads no more from a peer that does not take its answers, or whose requests wait for their turn.
 short wanted_events(const busbar::server::Connection& connection)
 {
     if (!connection.output().empty()) {
@@ -93,7 +92,7 @@ bool PollLoop::step(std::chrono::milliseconds at_most)
     static_cast<void>(::poll(wanted.data(), wanted.size(), time_to_wait(at_most)));
 
     const TimePoint now = monotonic_now();
-    // The server's own work first: what is due there is late for everybody.
+    // The server's own work first: what is due there is late for all clients.
     if (server_.next_deadline() <= now) {
         server_.handle_deadline(now);
     }
@@ -109,7 +108,7 @@ bool PollLoop::step(std::chrono::milliseconds at_most)
     if (wanted.front().revents != 0) {
         accept_one(now);
     }
-    // All are looked at below, so who has changed need not be asked for.
+    // All connections are looked at below, so the names of those that changed are not needed.
     while (server_.next_changed()) {
     }
     peers_.remove_if([this](Peer& peer) {
@@ -137,7 +136,7 @@ void PollLoop::accept_one(TimePoint now)
     static_cast<void>(::inet_ntop(AF_INET6, &address.sin6_addr, text.data(), text.size()));
     auto connection = server_.connect(text.data(), now);
     if (!connection) {
-        ::close(accepted); // there is no place, and the log says so
+        ::close(accepted); // there is no room, and the log says so
         return;
     }
     peers_.push_back({accepted, *std::move(connection), false});

@@ -8,12 +8,12 @@
 
 namespace poll_server {
 
-/// A loop of one's own around a Server: sockets of the operating system and poll(), no further
-/// library, no thread, no exception. What it does with server and connections is all that any loop
-/// has to do; another system's sockets take the place of these.
+/// A loop around a Server with the sockets of the operating system and poll(): no further library,
+/// no thread, no exception. Any loop does with server and connections what this one does; on
+/// another system, replace the sockets.
 ///
-/// The server's sources answer at once and nobody calls its Waker; a loop for others makes a
-/// descriptor readable there, and calls handle_completions() then.
+/// The sources of this server answer at once, so that its Waker is never called. A loop for other
+/// sources makes a descriptor readable there, and calls handle_completions() when it wakes up.
 class PollLoop {
 public:
     /// `server` must outlive the loop.
@@ -22,9 +22,9 @@ public:
     PollLoop& operator=(const PollLoop&) = delete;
     ~PollLoop();
 
-    /// On every address of the machine; false if the port cannot be had.
+    /// Listens on every address of the machine; false if the port is not available.
     [[nodiscard]] bool listen(std::uint16_t port);
-    /// Waits until there is something to do, for that long at most, and does it. False once the
+    /// Waits until there is something to do, at most `at_most`, and does it. Returns false once the
     /// server has stopped.
     bool step(std::chrono::milliseconds at_most);
 
@@ -32,14 +32,14 @@ private:
     struct Peer {
         int socket;
         busbar::server::Connection connection;
-        /// The peer has closed it, or it broke.
+        /// The peer has closed the connection, or it broke.
         bool is_gone;
     };
 
     [[nodiscard]] int time_to_wait(std::chrono::milliseconds at_most) const;
     void accept_one(busbar::TimePoint now);
     void receive(Peer& peer, busbar::TimePoint now);
-    /// Sends what waits; false if the connection is done with.
+    /// Sends what waits; false if the connection is over.
     [[nodiscard]] bool send(Peer& peer);
 
     busbar::server::Server& server_;

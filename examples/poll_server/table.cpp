@@ -9,7 +9,7 @@ busbar::server::ModuleTable modules()
 
 busbar::model::AddressSpace address_space()
 {
-    return {}; // those that the library was built with (BUSBAR_NAMESPACE0)
+    return {}; // the nodes that the library was built with (BUSBAR_NAMESPACE0)
 }
 
 } // namespace poll_server

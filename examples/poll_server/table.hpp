@@ -5,9 +5,9 @@
 
 namespace poll_server {
 
-/// Which parts the server has beyond what every one has.
+/// The parts that the server has beyond those of every server.
 [[nodiscard]] busbar::server::ModuleTable modules();
-/// The nodes it begins with.
+/// The nodes that it begins with.
 [[nodiscard]] busbar::model::AddressSpace address_space();
 
 } // namespace poll_server

@@ -1,7 +1,7 @@
-// A controller of a PLC maker's own: all that busbar-controller does, around a runtime of his
-// instead of the simulated PLC. Here that is a tank whose level a task of its own controls; its
-// variables stay where the runtime has them. usage: vendor-runtime --config tank.toml, and all
-// other options of busbar-controller
+// The controller of a PLC maker: everything that busbar-controller does, around the maker's runtime
+// instead of the simulated PLC. Here the runtime is a tank whose level a task of its own controls;
+// variables stay where the runtime has them.
+// usage: vendor-runtime --config tank.toml, and all other options of busbar-controller
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -40,13 +40,14 @@ struct Tank {
     }
 };
 
-/// Another one takes its place at each download.
+/// Each download makes another one.
 class TankProgram final : public product::LoadedProgram {
 public:
     TankProgram(Tank& tank, product::RuntimeHost& host) : tank_{tank}, host_{host} {}
     ~TankProgram() override { TankProgram::stop(); }
 
-    /// The maker's task, here a thread; without this one the controller's own would scan.
+    /// Starts the maker's task, here a thread. Without this function the controller's own task
+    /// scans.
     bool start(const Cycle& cycle) override
     {
         ends_ = false;
@@ -64,8 +65,8 @@ public:
             task_.join();
         }
     }
-    /// What clients wrote is in the tank's memory when this begins; what is there when it ends,
-    /// they see.
+    /// What clients wrote is in the tank's memory when this begins; clients see what is there when
+    /// it ends.
     void scan(DateTime, Duration elapsed) override
     {
         const double seconds = std::chrono::duration<double>(elapsed).count();
