@@ -1,6 +1,6 @@
 #!/bin/sh
 # The commands that pages show and do not run: each is one that the programs have, with options that
-# its help has.
+# its help has. And the project that the page about its format shows is one that busbar makes.
 # usage: page_options_test.sh BUSBAR CONTROLLER PAGE...
 set -u
 busbar=$1 controller=$2
@@ -63,6 +63,10 @@ for page; do
         check "$page" "$line"
     done < "$work/commands"
 done
+format=$(dirname "$0")/../../lib/controller/project/FORMAT.md
+"$busbar" project new "$work/line.busbar" --preset rd81opc96 > "$work/errors" 2>&1
+awk '/^```text$/ { ++n; next } /^```$/ { if (n) exit } n == 1' "$format" |
+    cmp - "$work/line.busbar" || wrong "$format" "busbar project new makes another file"
 [ "$count" -gt 40 ] || wrong pages "only $count commands"
 echo "$count commands"
 [ "$failures" -eq 0 ]
