@@ -168,24 +168,24 @@ bool is_security_setting(std::string_view name)
 std::span<const Rule> rules()
 {
     static constexpr std::array all{
-        Rule{"certificates.common_name", "NJ/NX OPC UA manual 3-2-4"},
+        Rule{"certificates.common_name", "manual W588, 3-2-4"},
         Rule{"discovery.interval_s", "Part 4, 5.5.5.1"},
         Rule{"discovery.server", "Part 4, 5.5.3"},
-        Rule{"endpoint", "NJ/NX OPC UA manual 3-2-6 and 5-2-2"},
-        Rule{"limits.certificates.*", "NJ/NX OPC UA manual 1-2-2"},
+        Rule{"endpoint", "manual W588, 3-2-6 and 5-2-2"},
+        Rule{"limits.certificates.*", "manual W588, 1-2-2"},
         Rule{"limits.login*", "Part 4, 5.7.3.1"},
-        Rule{"limits.sessions", "NJ/NX OPC UA manual 1-2-2"},
+        Rule{"limits.sessions", "manual W588, 1-2-2"},
         Rule{"limits.receive_buffer_size", "Part 6, 7.1.2.3"},
         Rule{"limits.send_buffer_size", "Part 6, 7.1.2.3"},
         Rule{"limits.subscriptions.max_publishing_interval_ms", "Part 4, 5.14.2.2"},
         Rule{"limits.subscriptions.min_publishing_interval_ms", "Part 4, 5.14.2.2"},
-        Rule{"machine.execution_log*", "NJ/NX OPC UA manual 3-2-2"},
-        Rule{"machine.use", "NJ/NX OPC UA manual 3-2-2"},
+        Rule{"machine.execution_log*", "manual W588, 3-2-2"},
+        Rule{"machine.use", "manual W588, 3-2-2"},
         Rule{"server.locales", "Part 3, 8.4"},
-        Rule{"server.port", "NJ/NX OPC UA manual 3-2-2"},
-        Rule{"users.anonymous", "NJ/NX OPC UA manual 3-2-6"},
-        Rule{"users.authorities", "NJ/NX OPC UA manual 8-1"},
-        Rule{"users.passwords.*", "NJ/NX OPC UA manual 3-2-6"},
+        Rule{"server.port", "manual W588, 3-2-2"},
+        Rule{"users.anonymous", "manual W588, 3-2-6"},
+        Rule{"users.authorities", "manual W588, 8-1"},
+        Rule{"users.passwords.*", "manual W588, 3-2-6"},
     };
     return all;
 }
