@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t max_name_size = 1'024;
 constexpr std::size_t max_part_size = 255;
-/// How often a file may be another one while it is read.
+/// Number of attempts to read a file that changes while it is read.
 constexpr int max_attempts = 8;
 
 bool is_part(std::string_view part)
@@ -26,14 +26,14 @@ std::string_view text(StorageError error)
 {
     constexpr std::array texts = {
         "there is no such file",
-        "there is such a file already",
+        "a file of that name exists already",
         "it is too large",
         "there is no space left",
         "it is protected",
-        "the medium is not there",
-        "the name cannot be that of a file",
+        "the medium is missing",
+        "the name is not a valid file name",
         "the medium failed",
-        "nothing is changed any more before a restart",
+        "no further changes are accepted before a restart",
     };
     return texts[static_cast<std::size_t>(error)];
 }
@@ -85,9 +85,9 @@ Stored<std::vector<std::byte>> read_file(Storage& storage, std::string_view name
         if (!entry) {
             return not_stored(entry.error());
         }
-        // A link's own size says nothing.
+        // The size of a link itself is meaningless.
         const bool is_known = entry->kind == StorageEntry::Kind::File && entry->size < max_size;
-        // One more than it has: what fills that too is another file than the one looked at.
+        // One byte more than the file has: if that is filled too, the file has changed meanwhile.
         bytes.resize((is_known ? static_cast<std::size_t>(entry->size) : max_size) + 1);
         const auto count = storage.read(name, 0, bytes);
         if (!count) {

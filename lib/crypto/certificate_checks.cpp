@@ -42,7 +42,7 @@ std::optional<Finding> check_key_size(const Certificate& certificate, const Secu
                    std::string{another_certificate} + ", or another security policy"};
 }
 
-/// What a name extension of the leaf holds, shortened for the log.
+/// Returns the content of a name extension of the leaf, shortened for the log.
 std::string joined(const std::vector<std::string>& names)
 {
     std::string text;
@@ -54,8 +54,8 @@ std::string joined(const std::vector<std::string>& names)
 
 } // namespace
 
-/// Part 6, 6.2.2: version 3; an application and a user have an RSA key, as every policy here asks.
-/// RFC 5280, 4.2: nothing critical that is not understood.
+/// Part 6, 6.2.2: version 3; an application and a user have an RSA key, as every policy here
+/// requires. RFC 5280, 4.2: no unknown critical extension.
 std::optional<Finding> check_structure(const Validation& validation, std::size_t index)
 {
     const Certificate& certificate = validation.path[index];
@@ -65,9 +65,9 @@ std::optional<Finding> check_structure(const Validation& validation, std::size_t
     if (index == 0 && certificate.key_bits() == 0) {
         found = "its key is not an RSA key";
     } else if (X509_get_version(certificate.native()) != X509_VERSION_3) {
-        found = "it is not of X.509 version 3";
+        found = "it is not an X.509 version 3 certificate";
     } else if ((flags & EXFLAG_CRITICAL) != 0) {
-        found = "it has a critical extension that is not known here";
+        found = "it has an unknown critical extension";
     } else if ((flags & (EXFLAG_INVALID | EXFLAG_PROXY)) != 0) {
         found = "its extensions contradict each other or are malformed";
     }
@@ -78,7 +78,7 @@ std::optional<Finding> check_structure(const Validation& validation, std::size_t
 }
 
 /// Part 7, 6.6: the policies' key lengths and CertificateSignatureAlgorithm; longer digests than
-/// SHA-256 are no weaker.
+/// SHA-256 are not weaker.
 std::optional<Finding> check_policy(const Validation& validation, std::size_t index)
 {
     const SecurityPolicy* const policy = validation.context.policy;
@@ -89,7 +89,7 @@ std::optional<Finding> check_policy(const Validation& validation, std::size_t in
     if (auto finding = check_key_size(certificate, *policy, index == 0)) {
         return finding;
     }
-    // Nobody relies on how a root signed itself.
+    // The signature of a root under itself protects nothing.
     if (validation.is_at_root(index) ||
         is_rsa_with_strong_digest(certificate, policy->allows_sha1_certificates)) {
         return std::nullopt;
@@ -106,7 +106,7 @@ bool is_trusted(const Certificate& certificate, const TrustList& list)
     return std::find(list.trusted.begin(), list.trusted.end(), certificate) != list.trusted.end();
 }
 
-/// One certificate of the path will do, the leaf or a CA.
+/// One certificate of the path is enough, the leaf or a CA.
 std::optional<Finding> check_trust(const Validation& validation, std::size_t)
 {
     const bool is_good = std::any_of(

@@ -12,8 +12,8 @@ namespace busbar::crypto::detail {
 
 namespace {
 
-/// The times of files advance in steps of some milliseconds, on some disks of two seconds. A file
-/// that was written so shortly ago can be written again without a trace in its state.
+/// File times advance in steps of some milliseconds, on some disks of two seconds. A file that was
+/// written less than this ago can be written again without a change of its times.
 constexpr std::int64_t settling_seconds = 3;
 
 constexpr std::string_view unreadable = "cannot be read";
@@ -38,7 +38,7 @@ void parse(FolderFile& file, FolderContents kind, std::span<const std::byte> con
         if (auto list = RevocationList::parse_file(contents)) {
             file.object = *std::move(list);
         } else {
-            file.problem = "is no revocation list";
+            file.problem = "is not a revocation list";
         }
         return;
     }
@@ -49,7 +49,7 @@ void parse(FolderFile& file, FolderContents kind, std::span<const std::byte> con
         }
     }
     if (!certificate) {
-        file.problem = "is no certificate";
+        file.problem = "is not a certificate";
     } else if (kind == FolderContents::Certificates && holds_several_certificates(contents)) {
         file.problem = "holds several certificates; each needs a file of its own";
     } else {
@@ -117,7 +117,8 @@ FolderFile CertificateFolder::read(const StorageEntry& entry, std::size_t max_si
     return result;
 }
 
-/// Nothing for folders. `budget`: bytes that the files from here on may have together.
+/// Returns nothing for folders. `budget` is the number of bytes that the files from here on may
+/// have together.
 std::optional<FolderFile> CertificateFolder::look_at(const StorageEntry& entry,
                                                      const StoreLimits& limits, DateTime now,
                                                      std::size_t& budget) const
@@ -131,7 +132,7 @@ std::optional<FolderFile> CertificateFolder::look_at(const StorageEntry& entry,
     const std::size_t max_size = kind() == Kind::Certificate ? limits.max_certificate_file_size
                                                              : limits.max_revocation_list_file_size;
     if (entry.kind != StorageEntry::Kind::File) {
-        return useless("is no plain file; links are not followed");
+        return useless("is not a regular file; links are not followed");
     }
     if (entry.size > max_size) {
         return useless("is too large");
@@ -190,7 +191,7 @@ bool CertificateFolder::refresh(const StoreLimits& limits, DateTime now, LogSink
     }
     is_cut_ = found && found->is_cut;
     set_problem(!found && !is_missing ? unreadable
-                : is_cut_             ? "has too many files: not all are looked at"
+                : is_cut_             ? "has too many files: not all are read"
                                       : "",
                 log);
     tell_changes(files, log);

@@ -22,7 +22,7 @@ using detail::FileInList;
 using detail::FolderFile;
 using EntryKind = StoreEntry::Kind;
 
-// What the refusals call the operations.
+// The names of the operations in refusals.
 constexpr std::string_view adding = "Adding to the certificate store";
 constexpr std::string_view removing = "Removing from the certificate store";
 constexpr std::string_view moving = "Moving in the certificate store";
@@ -32,7 +32,7 @@ std::string name_of(StoreList list)
     return std::string{name(list)};
 }
 
-/// The ending that a moved file keeps, since some tools go by it.
+/// Returns the extension that a moved file keeps, since some tools rely on it.
 std::string ending_of(const FileInList& found)
 {
     constexpr std::array endings = {".der", ".pem", ".crt", ".cer", ".crl"};
@@ -49,7 +49,7 @@ std::string base_name_of(const FolderFile& file)
                                   : detail::store_file_name(*file.revocation_list());
 }
 
-/// One certificate or revocation list, with the name that its file gets.
+/// Parses one certificate or revocation list, with its future file name.
 std::optional<FolderFile> parse(std::span<const std::byte> contents)
 {
     FolderFile file;
@@ -90,8 +90,8 @@ Unexpected<Refusal> refuse_disk(StorageError error, std::string_view check, Stor
 {
     return refuse(
         {status_of(error), check,
-         "the disk did not take the change of " + name_of(list) + ": " + std::string{text(error)},
-         "", "Look after free space and rights of the store's folder"});
+         "the disk did not accept the change of " + name_of(list) + ": " + std::string{text(error)},
+         "", "Check free space and permissions of the store's folder"});
 }
 
 std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_view check,
@@ -107,7 +107,7 @@ std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_v
                    "", "Remove one that is no longer needed"};
 }
 
-/// False if another certificate is in the way; what cannot be used is replaced.
+/// Returns false if another certificate has the name; a file that cannot be used is replaced.
 bool can_write(const CertificateFolder& folder, const std::string& name)
 {
     const auto& files = folder.files();
@@ -141,7 +141,7 @@ Checked<void> move_one(const detail::StoreLists& lists, const FileInList& found,
                        home.name() + " holds another file called " + printable(name), "",
                        "Remove that one or give it another name"});
     }
-    // What lies there is of no use.
+    // The present file cannot be used.
     const auto moved = lists.storage().move(found.name(), home.path_of(name), WhenThere::Replace);
     return moved ? Checked<void>{} : Checked<void>{refuse_disk(moved.error(), moving, to)};
 }
@@ -203,7 +203,7 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
                           : parse(contents);
     if (!file) {
         return refuse({status::Bad_CertificateInvalid, adding,
-                       "neither a certificate nor a revocation list, in DER or PEM", "", ""});
+                       "neither a certificate nor a revocation list in DER or PEM", "", ""});
     }
     lists_->refresh(list, detail::read_anew);
     const EntryKind kind =
@@ -218,7 +218,7 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
     if (!saved) {
         return refuse_disk(saved.error(), adding, list);
     }
-    // What is done is done.
+    // The change is done, even if it cannot be reported.
     busbar::detail::attempt([&] { records_->added(list, *file); });
     return entry;
 }
@@ -237,7 +237,7 @@ Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbpri
     if (auto removed = remove_all(*lists_, found, removing, list); !removed) {
         return removed;
     }
-    // What is done is done.
+    // The change is done, even if it cannot be reported.
     busbar::detail::attempt([&] { records_->removed(list, file); });
     return {};
 }
@@ -266,7 +266,7 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
     if (auto removed = remove_all(*lists_, found, moving, from); !removed) {
         return removed;
     }
-    // What is done is done.
+    // The change is done, even if it cannot be reported.
     busbar::detail::attempt([&] { records_->moved(from, to, file); });
     return {};
 }

@@ -7,7 +7,7 @@
 #include "store_lists.hpp"
 #include "store_names.hpp"
 
-/// Whole lists of a store at once, as a part of a transaction.
+/// Replaces whole lists of a store, as part of a transaction.
 namespace busbar::crypto {
 
 namespace {
@@ -18,7 +18,7 @@ using EntryKind = StoreEntry::Kind;
 
 constexpr std::string_view check = "Changing the certificate store";
 
-/// What is to lie in a folder of a list.
+/// A file that a list's folder shall have.
 struct WantedFile {
     std::string thumbprint;
     std::string name;
@@ -42,7 +42,7 @@ std::vector<WantedFile> files_of(const std::vector<T>& objects, const char* endi
     return files;
 }
 
-/// One list of one kind: what it has and what it is to have.
+/// One list of one kind: its present and its future content.
 class StagedList {
 public:
     StagedList(const detail::StoreLists& lists, StoreList list, EntryKind kind,
@@ -108,7 +108,7 @@ private:
             return file.file->thumbprint() == wanted.thumbprint;
         });
     }
-    /// By another certificate that stays.
+    /// Returns whether another certificate that stays has the name.
     [[nodiscard]] bool is_taken(const WantedFile& file, const std::vector<WantedFile>& wanted) const
     {
         return std::any_of(present_.begin(), present_.end(), [&](const FileInList& other) {
@@ -119,9 +119,9 @@ private:
     [[nodiscard]] Unexpected<Refusal> refuse_storage(StorageError error) const
     {
         return refuse({status_of(error), check,
-                       "the storage did not take the change of " + std::string{name(list_)} + ": " +
-                           std::string{text(error)},
-                       "", "Look after free space and rights of the store's folder"});
+                       "the storage did not accept the change of " + std::string{name(list_)} +
+                           ": " + std::string{text(error)},
+                       "", "Check free space and permissions of the store's folder"});
     }
 
     const detail::StoreLists& lists_;

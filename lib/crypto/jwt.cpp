@@ -16,7 +16,7 @@ namespace {
 using busbar::detail::Json;
 using Kind = Json::Kind;
 
-// A token is small, and its header is read before anybody has proved anything.
+// A token is small, and its header is read before the sender has proved anything.
 constexpr busbar::detail::JsonLimits json_limits{max_jwt_size, 8, 64, 512, false};
 
 constexpr std::string_view rule_of_form = "RFC 7515, 5.2; Part 6, 6.5.2";
@@ -90,7 +90,7 @@ std::optional<Parts> split(std::string_view token)
                  token.substr(last + 1), token.substr(0, last)};
 }
 
-/// The member of the object if it is of that kind, else null.
+/// Returns the member of the object if it is of this kind, else null.
 const Json* find(const Json& object, std::string_view name, Kind kind)
 {
     const Json* found = object.find(name);
@@ -108,7 +108,7 @@ bool is_text(const Json& json)
     return json.kind == Kind::String;
 }
 
-/// The elements of a list of texts, which any other list is not.
+/// Returns the elements of a list of texts; nothing for any other list.
 std::optional<std::vector<std::string>> texts_of(const Json& object, std::string_view name)
 {
     const Json* list = find(object, name, Kind::List);
@@ -122,7 +122,7 @@ std::optional<std::vector<std::string>> texts_of(const Json& object, std::string
     return texts;
 }
 
-/// Only what says of itself that it is an access token, or nothing (RFC 8725, 3.11).
+/// Accepts only a token that declares itself an access token, or declares nothing (RFC 8725, 3.11).
 bool is_known_type(std::string type)
 {
     std::transform(type.begin(), type.end(), type.begin(),
@@ -130,7 +130,7 @@ bool is_known_type(std::string type)
     return type.empty() || type == "jwt" || type == "at+jwt" || type == "application/at+jwt";
 }
 
-/// Whether one of the keys signed the token by the algorithm that the key is for.
+/// Checks that one of the keys signed the token with the algorithm of that key.
 Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
 {
     const auto header = decode_object(parts.header);
@@ -139,7 +139,7 @@ Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
         return malformed("header or signature cannot be read");
     }
     if (header->find("crit") != nullptr || !is_known_type(text_of(*header, "typ"))) {
-        return malformed("the header asks for what is not known here");
+        return malformed("the header requires an unknown extension or type");
     }
     const std::string algorithm = text_of(*header, "alg");
     const std::string id = text_of(*header, "kid");
@@ -159,8 +159,8 @@ Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
                               : "it was signed by another key");
 }
 
-/// A NumericDate (RFC 7519, 2), whose fraction does not count; null for what is none, has an
-/// exponent or is no time of this calendar.
+/// Returns a NumericDate (RFC 7519, 2), whose fraction is ignored; null for another type, a number
+/// with an exponent, and a time outside this calendar.
 DateTime time_of(const Json& claims, std::string_view name)
 {
     constexpr std::int64_t latest = 253'402'300'799; // the end of 9999
@@ -183,20 +183,21 @@ Checked<void> check_times(const Json& claims, const JwtRules& rules, DateTime no
     };
     const DateTime expires = time_of(claims, "exp");
     if (expires.is_null()) {
-        return rejected("it has no time of expiry");
+        return rejected("it has no expiry time");
     }
     if (now.ticks >= expires.ticks + ticks(rules.clock_skew)) {
         return rejected("it expired at " + to_string(expires),
                         "If that is wrong, set the clock of this machine");
     }
     if (expires.ticks > now.ticks + ticks(rules.max_lifetime)) {
-        return rejected("it is valid until " + to_string(expires) + ", longer than is allowed");
+        return rejected("it is valid until " + to_string(expires) +
+                        ", which is longer than allowed");
     }
     for (const std::string_view name : {"nbf", "iat"}) {
         const DateTime begin = time_of(claims, name);
         if (claims.find(name) != nullptr &&
             (begin.is_null() || begin.ticks > now.ticks + ticks(rules.clock_skew))) {
-            return rejected("it counts only from " + to_string(begin) + " on",
+            return rejected("it is not valid before " + to_string(begin) + " on",
                             "If that is wrong, set the clock of this machine");
         }
     }
@@ -227,7 +228,7 @@ Checked<void> check_claims(const Json& claims, const JwtRules& rules, std::strin
                         "\"");
     }
     if (audience.empty() || !is_meant_for(claims, audience)) {
-        return rejected("it is for another audience than \"" + std::string{audience} + "\"",
+        return rejected("its audience is not \"" + std::string{audience} + "\"",
                         "Register this server with the authorization service");
     }
     const auto roles = texts_of(claims, "roles");
@@ -244,15 +245,15 @@ Checked<JwtClaims> verify_jwt(std::string_view token, const JwtRules& rules,
 {
     const auto parts = token.size() <= max_jwt_size ? split(token) : std::nullopt;
     if (!parts) {
-        return malformed("it has not three parts, or more than " + std::to_string(max_jwt_size) +
-                         " bytes");
+        return malformed("it does not have three parts, or has more than " +
+                         std::to_string(max_jwt_size) + " bytes");
     }
     if (const auto is_signed = check_signature(*parts, rules); !is_signed) {
         return refuse(is_signed.error());
     }
     const auto claims = decode_object(parts->claims);
     if (!claims) {
-        return malformed("its claims are no JSON object");
+        return malformed("its claims are not a JSON object");
     }
     const std::string_view audience = rules.audience.empty() ? application_uri : rules.audience;
     if (const auto checked = check_claims(*claims, rules, audience, now); !checked) {

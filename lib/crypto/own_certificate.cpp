@@ -30,7 +30,7 @@ Checked<OwnCertificate> make(const Files& files, const State& state, const Priva
     if (!certificate) {
         return refuse(own_certificate_refusal(
             certificate.error(),
-            "a name, address or time of the settings cannot stand in a "
+            "the settings have a name, address or time that cannot be used in a "
             "certificate",
             "Check the subject's fields, host names, addresses and the clock"));
     }
@@ -56,7 +56,7 @@ OwnCertificateStore::OwnCertificateStore(Storage& storage, LogSink* log)
 {
 }
 
-/// What did not come about is for the caller to tell, who is given the refusal.
+/// Reports success only; the caller, who gets the refusal, reports failures.
 Checked<OwnCertificate> OwnCertificateStore::told(Checked<OwnCertificate> own,
                                                   std::string_view what) const
 {
@@ -87,7 +87,7 @@ OwnCertificateStore::load(std::string_view application_uri) const
                                      files.certificate() + " and " + files.key()));
     }
     if (state.is_half_switched()) {
-        // On a disk that cannot be written the pending key does as well.
+        // On a disk that cannot be written the pending key is used instead.
         static_cast<void>(detail::finish_switch(files, state));
     }
     if (auto refused = detail::check_files(files, state)) {
@@ -117,7 +117,7 @@ Checked<OwnCertificate> OwnCertificateStore::load_or_create(const OwnCertificate
     if (state->has_pending_key && !state->pending_key) {
         return refuse(detail::broken(files.pending_key() + " cannot be read, expected an RSA key"));
     }
-    // A request may be under way for it: its certificate is to be taken in later all the same.
+    // A request may be pending for it, whose certificate shall still be accepted later.
     auto key = state->pending_key ? *state->pending_key : generate(settings.key_bits);
     return key ? told(make(files, *state, *key, settings, now), "made")
                : refuse(std::move(key).error());
@@ -132,7 +132,8 @@ Checked<OwnCertificate> OwnCertificateStore::regenerate(const OwnCertificateSett
         return refuse(state.error());
     }
     const auto key = generate(settings.key_bits);
-    return key ? told(make(files, *state, *key, settings, now), "made anew") : refuse(key.error());
+    return key ? told(make(files, *state, *key, settings, now), "created again")
+               : refuse(key.error());
 }
 
 Checked<std::vector<std::byte>>
@@ -145,7 +146,7 @@ OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settin
         return refuse(state.error());
     }
     if (which == RequestKey::Present && !state->key) {
-        return refuse(detail::broken(files.key() + " is not there or cannot be read"));
+        return refuse(detail::broken(files.key() + " is missing or cannot be read"));
     }
     const auto key = which == RequestKey::Present ? Checked<PrivateKey>{*state->key}
                                                   : generate(settings.key_bits);
@@ -155,7 +156,8 @@ OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settin
     auto request = crypto::create_signing_request(*key, settings.subject);
     if (!request) {
         return refuse(own_certificate_refusal(
-            request.error(), "a name or address of the settings cannot stand in a certificate",
+            request.error(),
+            "the settings have a name or address that cannot be used in a certificate",
             "Check the subject's fields, host names and addresses"));
     }
     if (which == RequestKey::New && !files.save_pending_key(*key)) {

@@ -38,7 +38,7 @@ Refusal unwritable(const std::string& file)
     return own_certificate_refusal(
         status::Bad_ResourceUnavailable,
         file + " or a folder beside it cannot be written or copied",
-        "Check the disk and who may write there; what was in force still is");
+        "Check the disk and its write permissions; the present certificate remains in force");
 }
 
 std::optional<Refusal> check_certificates(const CertificateChain& chain,

@@ -46,7 +46,7 @@ Refusal damaged(const std::string& what)
     return refusal(what + " cannot be read", "Export the file again");
 }
 
-/// Goes through a file once. Each function refuses, or changes what was found so far.
+/// Walks through a file once. Each function refuses, or adds to the findings.
 class Reader {
 public:
     Reader(std::string_view passphrase, const Pkcs12Limits& limits)
@@ -58,7 +58,7 @@ public:
     Checked<OwnCertificate> result() const;
 
 private:
-    /// What OpenSSL takes for the passphrase. A null one and an empty one are not the same.
+    /// Returns the passphrase for OpenSSL. A null one and an empty one differ.
     [[nodiscard]] const char* text() const
     {
         return is_null_ ? nullptr : passphrase_.empty() ? "" : passphrase_.text().data();
@@ -110,7 +110,7 @@ Checked<void> Reader::check_mac(PKCS12* file)
         (count != nullptr && ASN1_INTEGER_get_uint64(&iterations, count) != 1)) {
         return refuse(damaged("its integrity check"));
     }
-    // Twice, since an empty passphrase can be meant in two ways.
+    // Twice, since an empty passphrase can be encoded in two ways.
     for (const bool is_null : {passphrase_.empty(), false}) {
         is_null_ = is_null;
         if (auto paid = spend(iterations); !paid) {
@@ -223,7 +223,7 @@ Checked<void> Reader::add_key(const PKCS8_PRIV_KEY_INFO* info)
     auto key = PrivateKey::parse(std::as_bytes(std::span{der, bytes}));
     OPENSSL_clear_free(der, bytes);
     if (!key) {
-        return refuse(refusal("its private key is no RSA key", "Make one with an RSA key"));
+        return refuse(refusal("its private key is not an RSA key", "Make one with an RSA key"));
     }
     key_ = *std::move(key);
     return {};
@@ -257,7 +257,7 @@ Checked<OwnCertificate> Reader::result() const
     }
     CertificateChain chain = detail::chain_of(*key_, certificates_);
     if (chain.empty()) {
-        return refuse(refusal("it has no certificate of its private key",
+        return refuse(refusal("it has no certificate for its private key",
                               "Export the certificate together with its key"));
     }
     return OwnCertificate{std::move(chain), *key_};
@@ -273,7 +273,7 @@ Checked<OwnCertificate> read(std::span<const std::byte> contents, std::string_vi
     const unsigned char* at = detail::bytes_of(contents);
     const File file{d2i_PKCS12(nullptr, &at, static_cast<long>(contents.size()))};
     if (!file || at != detail::bytes_of(contents) + contents.size()) {
-        return refuse(refusal("it is no PKCS#12 file", ""));
+        return refuse(refusal("it is not a PKCS#12 file", ""));
     }
     Reader reader{passphrase, limits};
     if (const auto done = reader.read(file.get()); !done) {

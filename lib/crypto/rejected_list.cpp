@@ -104,10 +104,10 @@ void RejectedList::save(const Certificate& certificate, DateTime now, std::strin
         lists_->count(StoreList::Rejected, EntryKind::Certificate) >= limits.max_rejected;
     const bool may_replace =
         limits.when_rejected_is_full == RejectedFull::OldestOut && limits.max_rejected != 0;
-    // What was not looked at cannot be counted.
+    // Files that were not read cannot be counted.
     if (lists_->is_cut(StoreList::Rejected) || (is_full && !may_replace)) {
         tell(RecordKind::CertificateDiscarded, certificate,
-             "was discarded: rejected is full until somebody deletes a certificate there");
+             "was discarded: rejected is full; delete a certificate there to make room");
         return;
     }
     const CertificateFolder& home = lists_->home(StoreList::Rejected, EntryKind::Certificate);

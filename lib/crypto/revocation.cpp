@@ -9,7 +9,7 @@ namespace {
 
 using Lists = std::vector<const RevocationList*>;
 
-/// The lists that claim to be of `issuer`, the newest first, wherever they lie.
+/// Returns the lists that name `issuer` as theirs, the newest first, wherever they are.
 Lists lists_naming(const Certificate& issuer, const TrustList& list)
 {
     Lists found;
@@ -26,7 +26,7 @@ Lists lists_naming(const Certificate& issuer, const TrustList& list)
     return found;
 }
 
-/// Signed by the issuer and not of the future.
+/// True if the list is signed by the issuer and not from the future.
 bool is_genuine(const RevocationList& list, const Certificate& issuer, const Validation& validation)
 {
     return list.this_update() <= validation.context.now &&
@@ -41,7 +41,7 @@ std::string why_unknown(const Certificate& issuer, const Validation& validation)
     });
     const std::string of_issuer = " of its issuer, " + label_of(issuer);
     if (lists.empty()) {
-        return "there is no revocation list" + of_issuer;
+        return "there is not a revocation list" + of_issuer;
     }
     if (newest == lists.end()) {
         return "no revocation list in the name" + of_issuer +
@@ -49,9 +49,9 @@ std::string why_unknown(const Certificate& issuer, const Validation& validation)
     }
     if (!(*newest)->is_complete()) {
         return "the newest revocation list" + of_issuer +
-               ", is a delta or partial one or has a critical extension that is not known here";
+               ", is a delta or partial list, or has an unknown critical extension";
     }
-    // RFC 5280, 5.1.2.5: every list says when the next one comes; until then it is current.
+    // RFC 5280, 5.1.2.5: every list has the time of the next one; until then it is current.
     if (validation.context.now <= (*newest)->next_update()) {
         return {};
     }
@@ -59,8 +59,8 @@ std::string why_unknown(const Certificate& issuer, const Validation& validation)
            to_string((*newest)->next_update()) + ", now " + to_string(validation.context.now);
 }
 
-/// Nobody is above a root, so that nobody but its owner could revoke it: by taking it out of the
-/// trust list.
+/// A root has no issuer, so that only its owner could revoke it: by removing it from the trust
+/// list.
 const Certificate* issuer_of(const Validation& validation, std::size_t index)
 {
     return index + 1 < validation.path.size() ? &validation.path[index + 1] : nullptr;
@@ -68,8 +68,8 @@ const Certificate* issuer_of(const Validation& validation, std::size_t index)
 
 } // namespace
 
-/// The newest list counts. A delta or partial one is not passed over in favour of an older one:
-/// whoever put it there relies on it.
+/// The newest list counts. A delta or partial one is not skipped in favour of an older one: whoever
+/// installed it relies on it.
 std::optional<Finding> find_revocation_list(const Validation& validation, std::size_t index)
 {
     const Certificate* const issuer = issuer_of(validation, index);
@@ -82,8 +82,8 @@ std::optional<Finding> find_revocation_list(const Validation& validation, std::s
                    "trusted or issuers"};
 }
 
-/// Also if it is not known well enough who was revoked: what is there counts, down to the newest
-/// complete list, even if that is out of date.
+/// Checks also if the revocations are not completely known: all available lists count, down to the
+/// newest complete one, even if that is out of date.
 std::optional<Finding> check_revocation(const Validation& validation, std::size_t index)
 {
     const Certificate* const issuer = issuer_of(validation, index);

@@ -18,7 +18,7 @@ constexpr std::array folders = {"own/certs",     "own/crl",     "trusted/certs",
 constexpr const char* private_folder = "own/private";
 constexpr std::size_t max_private_files = 10'000;
 
-/// A file or folder that only its owner may use from now on.
+/// Restricts a file or folder to its owner from now on.
 void close_to_others(Storage& storage, const std::string& name, LogSink& log)
 {
     const auto closed = storage.close_to_others(name);
@@ -28,7 +28,7 @@ void close_to_others(Storage& storage, const std::string& name, LogSink& log)
     log.write(LogLevel::Warning, "certificate store",
               printable(storage.place(name)) + " was open to other users than its owner; " +
                   (closed ? "it is closed now" : "it cannot be closed") +
-                  ". If somebody may have read a private key there, make a new one");
+                  ". If a private key there may have been read, replace it");
 }
 
 void close_private_keys(Storage& storage, LogSink& log)

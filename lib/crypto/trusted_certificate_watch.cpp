@@ -18,7 +18,7 @@ void tell_expired(LogSink& log, const Certificate& certificate, const std::strin
     Record record{RecordKind::CertificateExpired, LogLevel::Warning, "certificate store"};
     record.text = "a certificate in " + list + " expired at " + to_string(certificate.valid_to()) +
                   ": " + printable(certificate.subject()) + ", " + certificate.thumbprint_text() +
-                  "; whoever has it is refused until there is another";
+                  "; its owner is refused until it is replaced";
     record.certificate = certificate.der();
     record.fields = fields;
     tell(log, record);

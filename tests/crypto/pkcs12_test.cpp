@@ -215,7 +215,7 @@ TEST_CASE("a wrong passphrase is told from a file that lacks something", "[crypt
     }
     CHECK(says(refusal(make({}), std::string(2'000, 'x')), "too long"));
     CHECK(says(refusal(make({.has_key = false, .has_certificate = false})), "no private key"));
-    CHECK(says(refusal(make({.has_certificate = false})), "no certificate of its private key"));
+    CHECK(says(refusal(make({.has_certificate = false})), "no certificate for its private key"));
     for (const auto& line : {refusal(make({}), "another"),
                              refusal(make({.has_key = false, .has_certificate = false}))}) {
         CHECK_FALSE(says(line, passphrase));
@@ -238,7 +238,7 @@ TEST_CASE("a file must not have two keys, nor one that is not RSA", "[crypto][pk
     const File other{
         PKCS12_create(passphrase, nullptr, curve.get(), nullptr, nullptr, 0, 0, 1, 1, 0)};
     REQUIRE(other);
-    CHECK(says(refusal(bytes_of(other)), "no RSA key"));
+    CHECK(says(refusal(bytes_of(other)), "not an RSA key"));
 }
 
 TEST_CASE("a key derivation of days is refused before it begins", "[crypto][pkcs12][hostile]")
@@ -329,9 +329,9 @@ TEST_CASE("what is no PKCS#12 file is refused at every length", "[crypto][pkcs12
     }
     Bytes longer = file;
     longer.push_back(std::byte{0});
-    CHECK(says(refusal(longer), "no PKCS#12 file"));
+    CHECK(says(refusal(longer), "not a PKCS#12 file"));
     CHECK(says(refusal(Bytes(100'000)), "too long"));
-    CHECK(says(refusal(pem_of(ca().certificate)), "no PKCS#12 file"));
+    CHECK(says(refusal(pem_of(ca().certificate)), "not a PKCS#12 file"));
 }
 
 TEST_CASE("a damaged file is refused or gives the same", "[crypto][pkcs12][hostile]")

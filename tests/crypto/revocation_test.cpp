@@ -153,7 +153,7 @@ TEST_CASE("Table 100: Revocation Check by the newest list", "[crypto][validation
     delta.this_update = now;
     judge.list.trusted_crls = {revoke(root, delta)};
     CHECK(judge.verdict(leaf) == status::Bad_CertificateRevocationUnknown);
-    CHECK(judge.explains("Find Revocation List", leaf, {"a delta or partial one", "CN=root"}));
+    CHECK(judge.explains("Find Revocation List", leaf, {"a delta or partial list", "CN=root"}));
     judge.settings.suppress_find_revocation_list = true;
     CHECK(judge.verdict(leaf) == good);
     judge.list.issuer_crls = {revoke(root, older)};

@@ -122,16 +122,16 @@ TEST_CASE("what is no certificate does no harm and is told once", "[crypto][stor
         CHECK(fixture.store.trust_list(time).trusted_crls.empty());
     }
     CHECK(fixture.log.lines.size() == 12);
-    CHECK(fixture.log.count("trusted/certs/half.der is no certificate") == 1);
+    CHECK(fixture.log.count("trusted/certs/half.der is not a certificate") == 1);
     CHECK(fixture.log.count("trusted/certs/giant is too large") == 1);
     CHECK(fixture.log.count("two.pem holds several certificates") == 1);
     CHECK(fixture.log.count("links are not followed") == 4);
-    CHECK(fixture.log.count("is no revocation list") == 1);
+    CHECK(fixture.log.count("is not a revocation list") == 1);
     CHECK(fixture.log.count("\n") == 0);
     // A change is told again, and what is mended counts.
     fixture.put("trusted/certs/half.der", good.der().first(1));
     CHECK(fixture.store.trust_list(now).trusted.size() == 1);
-    CHECK(fixture.log.count("half.der is no certificate") == 2);
+    CHECK(fixture.log.count("half.der is not a certificate") == 2);
     fixture.put("trusted/certs/half.der", good.der());
     CHECK(fixture.store.trust_list(now).trusted.size() == 2);
     CHECK(fixture.log.lines.size() == 13);

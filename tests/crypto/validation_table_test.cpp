@@ -19,7 +19,7 @@ TEST_CASE("Table 100: Certificate Structure", "[crypto][validation]")
     judge.trusts(odd);
     CHECK(judge.verdict(odd) == status::Bad_CertificateInvalid);
     CHECK(judge.explains("Certificate Structure", odd,
-                         {"critical extension that is not known", "needs another certificate"}));
+                         {"unknown critical extension", "needs another certificate"}));
 
     const Issued old = self_signed([](auto& o) {
         o.version = 1;
@@ -28,7 +28,7 @@ TEST_CASE("Table 100: Certificate Structure", "[crypto][validation]")
     });
     judge.trusts(old);
     CHECK(judge.verdict(old) == status::Bad_CertificateInvalid);
-    CHECK(judge.explains("Certificate Structure", old, {"not of X.509 version 3"}));
+    CHECK(judge.explains("Certificate Structure", old, {"not an X.509 version 3 certificate"}));
 
     // Of an issuer, once it is known which one it is.
     CertificateOptions options = authority("odd root");

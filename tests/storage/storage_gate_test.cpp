@@ -44,7 +44,7 @@ TEST_CASE("storage gate: what is closed is read, and changes by the other way on
     REQUIRE(put(files, "a", "restored"));
     CHECK(read(gate, "a") == "restored");
     CHECK(status_of(StorageError::Closed) == status::Bad_InvalidState);
-    CHECK(text(StorageError::Closed) == "nothing is changed any more before a restart");
+    CHECK(text(StorageError::Closed) == "no further changes are accepted before a restart");
 }
 
 TEST_CASE("storage gate: who comes while it is held waits, and is refused if it was closed then")

@@ -42,7 +42,7 @@ DynamicTypes DynamicTypes::compile(std::vector<DataTypeEntry> entries,
     DynamicTypes result;
     for (detail::TypeCompiler::Entry& entry : compiler.entries()) {
         const DynamicType* const type = entry.type.get();
-        // Those that are left out stay as supertypes of others.
+        // Types that are left out remain as supertypes of others.
         result.types_.push_back(std::move(entry.type));
         if (entry.is_wrong) {
             continue;
@@ -53,7 +53,7 @@ DynamicTypes DynamicTypes::compile(std::vector<DataTypeEntry> entries,
         }
         if (!result.by_encoding_.emplace(type->encoding_id, type).second) {
             compiler.errors().push_back({status::Bad_NodeAttributesInvalid, type->id, type->name,
-                                         "", "another type has its encoding"});
+                                         "", "another type uses the same encoding id"});
         }
     }
     result.errors_ = std::move(compiler.errors());

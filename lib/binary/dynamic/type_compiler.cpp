@@ -67,14 +67,14 @@ void TypeCompiler::make_types(std::vector<DataTypeEntry> all)
         }
         if (from.id.is_null() || !index_.emplace(from.id, entries_.size()).second) {
             errors_.push_back({status::Bad_NodeAttributesInvalid, from.id, type->name, "",
-                               "its NodeId is null or there twice"});
+                               "its NodeId is null or used twice"});
             continue;
         }
         entries_.push_back({std::move(from), std::move(type), {}});
     }
 }
 
-/// Goes up to a type that is known without description, which may be the type itself.
+/// Goes up to a type that is known without a description, which may be the type itself.
 void TypeCompiler::resolve_root(Entry& entry)
 {
     DynamicType& type = *entry.type;
@@ -125,7 +125,7 @@ void TypeCompiler::define(Entry& entry)
     if (const auto* structure = std::get_if<StructureDefinition>(&entry.from.definition)) {
         if (!type.is_structure()) {
             return refuse(entry, status::Bad_NodeAttributesInvalid, "",
-                          "it has a StructureDefinition but is no Structure");
+                          "it has a StructureDefinition but is not a Structure");
         }
         if (type.encoding_id.is_null()) {
             type.encoding_id = structure->default_encoding_id;
@@ -155,7 +155,7 @@ bool TypeCompiler::check_names(Entry& entry, const std::vector<std::string_view>
         }
     }
     if (twice != sorted.end()) {
-        refuse(entry, status::Bad_NodeAttributesInvalid, *twice, "its name is there twice");
+        refuse(entry, status::Bad_NodeAttributesInvalid, *twice, "its name is used twice");
         return false;
     }
     return true;
@@ -189,7 +189,7 @@ void TypeCompiler::define_structure(Entry& entry, const StructureDefinition& def
     if (optional_fields > 32) { // Part 6, 5.2.7
         refuse(entry, status::Bad_NodeAttributesInvalid, "", "it has over 32 optional fields");
     }
-    // The mask is there even if no field needs it: the StructureType says so.
+    // The mask exists even if no field needs it: the StructureType says so.
     entry.type->has_optional_fields = type == StructureWithOptionalFields;
 }
 
@@ -214,8 +214,9 @@ void TypeCompiler::define_values(Entry& entry, const EnumDefinition& definition)
         type.kind = Kind::OptionSet;
     }
     if (type.kind == Kind::Simple) {
-        return refuse(entry, status::Bad_NodeAttributesInvalid, "",
-                      "it has an EnumDefinition but is no Enumeration and no unsigned number");
+        return refuse(
+            entry, status::Bad_NodeAttributesInvalid, "",
+            "it has an EnumDefinition but is neither an Enumeration nor an unsigned integer");
     }
     if (definition.fields.size() > limits_.max_values) {
         return refuse(entry, status::Bad_EncodingLimitsExceeded, "", "it has too many values");
@@ -235,7 +236,7 @@ void TypeCompiler::define_field(Entry& entry, const StructureField& from,
     DynamicField field;
     field.name = from.name.str();
     field.data_type = from.data_type;
-    // The flag means one of two things (Part 3, 8.51).
+    // The flag has one of two meanings (Part 3, 8.51).
     field.is_optional = from.is_optional && type == StructureWithOptionalFields;
     field.allows_subtypes = from.is_optional && (type == StructureWithSubtypedValues ||
                                                  type == UnionWithSubtypedValues);
@@ -246,7 +247,7 @@ void TypeCompiler::define_field(Entry& entry, const StructureField& from,
     entry.type->fields.push_back(std::move(field));
 }
 
-/// Finds out what one value or element of the field is on the wire.
+/// Determines the encoding of one value or element of the field.
 bool TypeCompiler::resolve_field(Entry& entry, const StructureField& from, DynamicField& field)
 {
     const std::size_t index = index_of(from.data_type);
@@ -262,7 +263,7 @@ bool TypeCompiler::resolve_field(Entry& entry, const StructureField& from, Dynam
     field.built_in = root.built_in;
     field.variant_types = root.variant_types;
     if (root.kind == Kind::Structure || root.kind == Kind::Union) {
-        // Part 6, 5.1.7: what may be a subtype goes with its type's id.
+        // Part 6, 5.1.7: a value that may be of a subtype has its type's id.
         field.is_structure = known != nullptr && !known->type->is_abstract &&
                              !field.allows_subtypes && !is_open_structure(from.data_type);
     } else if (field.allows_subtypes && root.kind != Kind::Enumeration) {
@@ -278,7 +279,7 @@ void TypeCompiler::resolve_rank(Entry& entry, const StructureField& from, Dynami
     const bool is_array =
         from.value_rank >= 1 && static_cast<std::size_t>(from.value_rank) <= limits_.max_rank;
     if (!is_scalar && !is_array) {
-        // Part 3, 8.51 wants a fixed rank; a Variant carries any by itself.
+        // Part 3, 8.51 requires a fixed rank; a Variant carries any by itself.
         field.value_rank = -1;
         if (field.built_in != BuiltInType::Variant || from.value_rank < -3 || from.value_rank > 0) {
             refuse(entry, status::Bad_NodeAttributesInvalid, from.name.view(),
