@@ -14,10 +14,10 @@ using namespace detail;
 
 namespace {
 
-/// A server that grants less than this would be asked for tokens without end.
+/// With a shorter lifetime the client would request tokens without end.
 constexpr std::chrono::milliseconds min_lifetime{1'000};
 
-/// An answer to OpenSecureChannel that says no, or says nothing that can be used.
+/// Refuses an answer to OpenSecureChannel that is negative or cannot be used.
 Unexpected<Refusal> refuse_answer(StatusCode status, std::string found, std::string remedy = {})
 {
     return refuse({status, "OpenSecureChannel response", std::move(found), "Part 4, 5.6.2",
@@ -54,14 +54,14 @@ Result<void> ClientChannel::Impl::request_token(SecurityTokenRequestType type)
     return sent;
 }
 
-/// The server must be the one whose certificate the endpoint showed, and trusted (Part 4, 6.1.3).
+/// Checks that the server has the certificate of the endpoint, and is trusted (Part 4, 6.1.3).
 Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
 {
     const ChannelEnvironment& environment = conversation.environment();
     const auto thumbprint = environment.identity->certificates.front().thumbprint();
     if (!std::ranges::equal(thumbprint, header.receiver_thumbprint)) {
         return refuse_answer(status::Bad_CertificateInvalid,
-                             "it is for another certificate than this application's");
+                             "it is encrypted for a certificate that is not this application's");
     }
     const crypto::Certificate& expected = *config.server_certificate;
     const auto chain = crypto::parse_chain(header.sender_certificate, {&expected, 1});
@@ -96,7 +96,7 @@ Checked<AsymmetricContent> ClientChannel::Impl::open_response(const Frame& frame
                                    is_secure ? &*config.server_certificate : nullptr);
     if (!content) {
         return refuse_answer(content.error(), "its encryption or signature is wrong",
-                             "Somebody between the two may have tampered with the connection");
+                             "The connection may have been tampered with on its way");
     }
     return *std::move(content);
 }
@@ -142,7 +142,7 @@ Checked<void> ClientChannel::Impl::take_token(const OpenSecureChannelResponse& r
         (state == State::Open && issued.channel_id != conversation.channel_id)) {
         return refuse(protocol_refusal(status::Bad_TcpSecureChannelUnknown));
     }
-    // Part 6, 6.7.4: of the policy's length, and neither ours nor the one before come back.
+    // Part 6, 6.7.4: it must have the policy's length, and be neither our own nor the previous one.
     if (!config.security.policy->is_none() &&
         (response.server_nonce.size() != nonce.size() || response.server_nonce == server_nonce ||
          std::ranges::equal(response.server_nonce.span(), nonce.span()))) {

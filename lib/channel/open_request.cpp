@@ -11,7 +11,7 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// Invalid is a number like any other here: nobody may ask for it.
+/// Invalid is a number like any other here: no peer may request it.
 std::string mode_text(MessageSecurityMode mode)
 {
     const std::string_view known = mode == MessageSecurityMode::Invalid ? "" : name(mode);
@@ -75,7 +75,7 @@ Checked<void> check_receiver(const AsymmetricHeader& header, const ChannelEnviro
     const crypto::Certificate& own = environment.identity->certificates.front();
     if (!std::ranges::equal(own.thumbprint(), header.receiver_thumbprint)) {
         return refuse({status::Bad_CertificateInvalid, "receiver certificate thumbprint",
-                       "the message is for another certificate than this server's",
+                       "the message is encrypted for a certificate that is not this server's",
                        "Part 6, 6.7.2.3",
                        "Let the peer read this server's endpoints again: it has an old certificate",
                        printable(own.subject()), own.thumbprint_text()});
@@ -83,7 +83,7 @@ Checked<void> check_receiver(const AsymmetricHeader& header, const ChannelEnviro
     return {};
 }
 
-/// Part 4, 5.6.2.2: type, mode and nonce.
+/// Part 4, 5.6.2.2: checks type, mode and nonce.
 Checked<void> check_body(const OpenSecureChannelRequest& request,
                          const crypto::SecurityPolicy& policy, const Conversation& conversation,
                          const OpenContext& context)
@@ -107,37 +107,38 @@ Checked<void> check_body(const OpenSecureChannelRequest& request,
         return refuse(
             {status::Bad_SecurityModeRejected, "security mode",
              mode_text(request.security_mode) + " with " + std::string{policy.name} +
-                 (context.is_renewal ? " is not what the channel has" : " is not offered here"),
+                 (context.is_renewal ? " differs from the channel's" : " is not offered here"),
              "Part 4, 5.6.2.2",
              "Choose another mode in the peer's settings, or add an endpoint with it"});
     }
-    // Part 6, 6.7.4: of the policy's length, and never the same twice.
+    // Part 6, 6.7.4: it must have the policy's length, and not be used twice.
     if (!policy.is_none() && (request.client_nonce.size() != policy.nonce_size ||
                               request.client_nonce == context.last_nonce)) {
         return refuse({status::Bad_NonceInvalid,
                        "client nonce",
                        std::to_string(request.client_nonce.size()) + " bytes where " +
                            std::to_string(policy.nonce_size) +
-                           " new ones are due, or the one before again",
+                           " new ones were expected, or the previous nonce was sent again",
                        "Part 6, 6.7.4",
                        {}});
     }
     return {};
 }
 
-/// Decryption and signature are refused alike, here too: no path of the two is longer.
+/// Decryption and signature are refused alike, here too: neither takes longer.
 Checked<AsymmetricContent> check_content(Result<AsymmetricContent> content,
                                          const crypto::CertificateChain& sender)
 {
     if (content) {
         return *std::move(content);
     }
-    Refusal refusal{content.error(), "OpenSecureChannel encryption and signature",
-                    "not encrypted for this server's key, or not signed with the key of the "
-                    "sender's certificate",
-                    "Part 6, 6.7.7",
-                    "Does the private key of the peer belong to its certificate? Else somebody "
-                    "may have tampered with the connection"};
+    Refusal refusal{
+        content.error(), "OpenSecureChannel encryption and signature",
+        "not encrypted for this server's key, or not signed with the key of the "
+        "sender's certificate",
+        "Part 6, 6.7.7",
+        "Check that the peer's private key belongs to its certificate; if it does, the connection "
+        "may have been tampered with"};
     if (!sender.empty()) {
         refusal.subject = printable(sender.front().subject());
         refusal.thumbprint = sender.front().thumbprint_text();
@@ -153,7 +154,7 @@ Checked<AsymmetricHeader> read_open_header(const Frame& frame, const Conversatio
     const auto header = parse_asymmetric_header(frame.bytes);
     if (!header) {
         return refuse(header.error() == status::Bad_SecurityPolicyRejected
-                          ? Refusal{header.error(), "security policy", "one that is not known here",
+                          ? Refusal{header.error(), "security policy", "an unknown one",
                                     "Part 6, 6.7.2.3",
                                     "Choose another policy in the peer's settings"}
                           : protocol_refusal(header.error()));
@@ -186,7 +187,7 @@ Checked<OpenSender> read_open_sender(const AsymmetricHeader& header,
                                   "The peer needs another certificate");
     }
     const crypto::Certificate* const leaf = &chain->front();
-    // A message of the server that comes back to it is no client.
+    // The server's own message that is sent back to it does not come from a client.
     if (*leaf == own) {
         return refuse_certificate(status::Bad_CertificateUseNotAllowed,
                                   "this server's own certificate", "Part 6, 6.7.7",
@@ -218,8 +219,8 @@ Checked<OpenRequest> judge_open_request(Result<AsymmetricContent> opened, OpenSe
                                         Conversation& conversation, const OpenContext& context)
 {
     auto content = check_content(std::move(opened), sender.certificates);
-    // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal
-    // for that takes as long as one for what the private key found (Part 2, 6.3).
+    // Part 6, 6.7.7 checks the certificate first. The result is used only now: a refusal for that
+    // takes as long as one for what the private key found (Part 2, 6.3).
     if (sender.objection) {
         return refuse(*std::move(sender.objection));
     }

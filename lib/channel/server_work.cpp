@@ -13,7 +13,7 @@ Unexpected<Refusal> no_room()
 {
     return refuse({status::Bad_TcpServerTooBusy, "OpenSecureChannel",
                    "more than the worker has room for", "Part 6, 7.1.5",
-                   "Find out who connects so often"});
+                   "Find out which client connects so often"});
 }
 
 } // namespace
@@ -28,7 +28,7 @@ OpenWork::Kind ServerChannel::Impl::kind_of_work(OpenWork::Kind of_new_channel) 
     return state == State::Open ? OpenWork::Kind::Renewal : of_new_channel;
 }
 
-/// The certificates are checked here and now: their validator belongs to this thread.
+/// The certificates are checked here: their validator belongs to this thread.
 Checked<void> ServerChannel::Impl::hand_over_request(const Frame& frame,
                                                      const AsymmetricHeader& header)
 {
@@ -51,7 +51,7 @@ Checked<void> ServerChannel::Impl::hand_over_answer(OpenAnswer answer, Applicati
         std::move(identity), conversation.peer_certificates.front(), std::exchange(answer.body, {}),
         conversation.sizes().send_buffer_size);
     progress.answer = std::move(answer);
-    // It has its sequence number: what is sent meanwhile has later ones (Part 6, 6.7.2.4).
+    // It has its sequence number, so that later messages have later ones (Part 6, 6.7.2.4).
     conversation.output().open_gap();
     return hand_over(progress.sealing);
 }

@@ -9,7 +9,7 @@ namespace busbar::harness {
 
 namespace {
 
-/// The message of the stream in which the byte stands, as "MSG 3 (ReadResponse), byte 60".
+/// Returns the message of the stream that contains the byte, as "MSG 3 (ReadResponse), byte 60".
 std::string place_of(const std::vector<std::byte>& stream, Side from, std::size_t offset)
 {
     detail::Dissector dissector;
@@ -28,7 +28,7 @@ std::string place_of(const std::vector<std::byte>& stream, Side from, std::size_
         }
         begin += frame->bytes.size();
     }
-    return "behind frame " + std::to_string(number);
+    return "after frame " + std::to_string(number);
 }
 
 } // namespace
@@ -94,7 +94,7 @@ void Replay::begin(std::shared_ptr<Link> link)
 
 void Replay::send_due()
 {
-    // What was recorded is when bytes arrived.
+    // The recorded times are those of arrival.
     const Duration back = -world_.network().weather().max_latency;
     while (link_ != nullptr && next_ < entries_.size() &&
            time_of(entries_[next_]) <= world_.now()) {
@@ -112,13 +112,13 @@ void Replay::send_due()
 
 void Replay::feed(std::span<const std::byte> in)
 {
-    // The recorded side closed without waiting for what comes now.
+    // The recorded side closed without waiting for further bytes.
     const bool has_left = next_ + 1 >= entries_.size() &&
                           (entries_.empty() || entries_.back().kind == Recording::Kind::Ended);
     if (has_left && came_.size() == expected_.size()) {
         return;
     }
-    // One byte too many is enough to know.
+    // One byte too many is enough to detect a difference.
     const std::size_t room = expected_.size() + 1 - std::min(expected_.size() + 1, came_.size());
     const auto kept = in.first(std::min(in.size(), room));
     came_.insert(came_.end(), kept.begin(), kept.end());

@@ -78,10 +78,10 @@ std::vector<Row> rows_before_opening()
          },
          {"OpenSecureChannel encryption and signature failed", "Bad_SecurityChecksFailed",
           "Part 6, 6.7.7", client_identity().certificates.front().thumbprint_text(),
-          "Does the private key of the peer belong to its certificate"}},
+          "Check that the peer's private key belongs to its certificate"}},
         {"a short nonce",
          [](ScriptedClient& c) { open_with(c, [](Open& o) { o.nonce_size = 16; }); },
-         {"client nonce failed", "16 bytes where 32 new ones are due", "Bad_NonceInvalid",
+         {"client nonce failed", "16 bytes where 32 new ones were expected", "Bad_NonceInvalid",
           "Part 6, 6.7.4"}},
         {"a renewal of nothing",
          [](ScriptedClient& c) {

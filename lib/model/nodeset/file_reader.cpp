@@ -60,20 +60,20 @@ bool FileReader::parse(std::string_view text)
     for (std::size_t i = text.find('\n'); i != std::string_view::npos; i = text.find('\n', i + 1)) {
         line_ends_.push_back(static_cast<std::ptrdiff_t>(i));
     }
-    // A text of blanks alone is a value; a DOCTYPE is looked for in order to refuse it.
+    // A text of only blanks is a value; a DOCTYPE is parsed in order to refuse it.
     const auto parsed =
         xml_.load_buffer(text.data(), text.size(),
                          pugi::parse_default | pugi::parse_doctype | pugi::parse_ws_pcdata_single);
     if (!parsed) {
         errors_.push_back(
             problem_at(name_, line_at(parsed.offset),
-                       std::string{"is no well-formed XML: "} + parsed.description()));
+                       std::string{"is not well-formed XML: "} + parsed.description()));
         return false;
     }
     for (const pugi::xml_node& node : xml_.children()) {
         if (node.type() == pugi::node_doctype) {
             errors_.push_back(
-                problem_at(name_, 0, "has a DOCTYPE, which a NodeSet2 file has no use for"));
+                problem_at(name_, 0, "has a DOCTYPE, which a NodeSet2 file must not have"));
             return false;
         }
     }
@@ -166,7 +166,7 @@ void FileReader::read_nodes(const pugi::xml_node& root)
     for (const pugi::xml_node& xml : root.children()) {
         const auto element = local_name(xml);
         if (xml.type() != pugi::node_element || element.substr(0, 2) != "UA") {
-            continue; // NamespaceUris, Models, Aliases, Extensions and what later versions add
+            continue; // NamespaceUris, Models, Aliases, Extensions and elements of later versions
         }
         const auto* found =
             std::find_if(std::begin(class_names), std::end(class_names),

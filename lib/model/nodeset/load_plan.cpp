@@ -37,12 +37,12 @@ std::string a(NodeClass node_class)
     return (text.front() == 'O' ? "an " : "a ") + std::string{text};
 }
 
-/// Of a node that is missing; a server may be built with less than all of namespace 0.
+/// Describes a missing node; a server may be built without parts of namespace 0.
 std::string nowhere(const NodeId& id)
 {
     std::string text = "in no file and not in the address space";
     if (id.namespace_index() == 0) {
-        text += ", whose namespace 0 may be of too small a size";
+        text += ", whose namespace 0 may have been built without it";
     }
     return text;
 }
