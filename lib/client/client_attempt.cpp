@@ -13,12 +13,13 @@ namespace busbar::client {
 
 namespace {
 
-/// How often the server is asked for a second connection, which it may refuse while it still counts
-/// the first, and the wait before the first time; each further one is twice as long.
+/// Maximum number of attempts to get a second connection, which the server may refuse while it
+/// still counts the first one, and the delay before the first attempt; each further one is twice as
+/// long.
 constexpr std::uint32_t max_redials = 3;
 constexpr Duration first_redial_wait = std::chrono::milliseconds{500};
 
-/// Also one that a slash at its end tells from the other.
+/// Treats URLs as equal that differ only in a trailing slash.
 bool is_same_url(std::string_view a, std::string_view b)
 {
     const auto path = [](const channel::EndpointUrl& url) {
@@ -32,8 +33,8 @@ bool is_same_url(std::string_view a, std::string_view b)
 
 } // namespace
 
-/// The states of Part 4, 6.7: an attempt waits for its time, gets a transport, asks for endpoints
-/// if it has to, and opens channel and session, over another transport if it needs security.
+/// The states of Part 4, 6.7: an attempt waits for its time, gets a transport, requests endpoints
+/// if necessary, and opens channel and session, over another transport if it needs security.
 bool Client::Impl::advance()
 {
     if (state == ClientState::Closing) {
@@ -59,7 +60,7 @@ bool Client::Impl::advance()
     return transport.is_none() && go_on();
 }
 
-/// With no transport there.
+/// Called without a transport.
 bool Client::Impl::go_on()
 {
     if (state == ClientState::Discovering) {
@@ -96,14 +97,14 @@ void Client::Impl::open_transport()
 {
     connection.reset();
     if (config.is_reverse) {
-        attempt_ends_at = no_deadline; // nobody knows when the server will call
+        attempt_ends_at = no_deadline; // the time of the server's call is unknown
     }
-    is_drained = true; // what the last one still had to say is not heard any more
+    is_drained = true; // the rest of the previous connection is ignored
     transport.open(choice ? choice->endpoint.endpoint_url.str() : config.endpoint_url);
     set_state(ClientState::Connecting, {});
 }
 
-/// Endpoints are asked for on a channel whose security is that of a postcard.
+/// Endpoints are requested on a channel without any security.
 bool Client::Impl::is_discovering() const
 {
     return !choice &&
@@ -140,7 +141,7 @@ ConnectionConfig Client::Impl::connection_config() const
     if (const auto chain = crypto::parse_chain(endpoint.server_certificate.span())) {
         to.channel.server_certificate = chain->front();
     }
-    // The certificate names the application that the endpoint is of (Part 4, 6.1.3).
+    // The certificate names the application of the endpoint (Part 4, 6.1.3).
     if (to.channel.expected_server_uri.empty()) {
         to.channel.expected_server_uri = endpoint.server.application_uri.str();
     }
@@ -162,9 +163,9 @@ void Client::Impl::use_connection()
     set_state(is_discovering() ? ClientState::Discovering : ClientState::Opening, {});
 }
 
-/// The channel asks again when it is opened. Here nothing has been encrypted for the server yet,
-/// and the user learns of a stranger also while the server does not know this client (Part
-/// 4, 6.1.3).
+/// The channel checks the certificate again when it is opened. At this point nothing has been
+/// encrypted for the server yet, and the user learns of a wrong server even if the server does not
+/// know this client (Part 4, 6.1.3).
 Checked<void> Client::Impl::check_certificate(const EndpointChoice& chosen) const
 {
     if (chosen.policy->is_none() || environment.validator == nullptr) {
@@ -217,12 +218,12 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
         }
         return;
     }
-    // advance() goes on when it is gone.
+    // advance() continues when it is closed.
     connection->close();
     transport.drop_with_peer(now, config.peer_close_timeout);
 }
 
-/// The channel that endpoints were asked for over is what they say there is to use: a server with
+/// Returns whether the channel over which endpoints were requested is the chosen one: a server with
 /// one connection (Part 7, Nano Embedded Device Server Profile) need not free it first.
 bool Client::Impl::is_channel_chosen() const
 {
@@ -230,7 +231,8 @@ bool Client::Impl::is_channel_chosen() const
            is_same_url(choice->endpoint.endpoint_url.view(), connection->endpoint_url());
 }
 
-/// It was reached a moment ago, so the connection that it lacks may be the one that we closed.
+/// The server was reached a moment ago, so the connection that it lacks may be the one that we
+/// closed.
 bool Client::Impl::may_dial_again(StatusCode why) const
 {
     return state == ClientState::Opening && !is_choice_old && !config.is_reverse &&
@@ -243,7 +245,8 @@ void Client::Impl::dial_again(StatusCode why)
     redial_at = detail::deadline_after(now, wait);
     environment.log->write(
         LogLevel::Info, "client",
-        "the server has no second connection yet (" + std::string{name(why)} + "); again in " +
+        "the server has not opened a second connection yet (" + std::string{name(why)} +
+            "); again in " +
             std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
             " ms");
     drop_connection(false);
@@ -302,7 +305,7 @@ void Client::Impl::end_session()
     }
 }
 
-/// For the next connection, which needs the same security (Part 4, 5.7.3.1).
+/// Keeps the session for the next connection, which needs the same security (Part 4, 5.7.3.1).
 void Client::Impl::keep_session()
 {
     const SessionTicket& ticket = connection->session();
@@ -322,8 +325,8 @@ void Client::Impl::lose(StatusCode why)
     }
     const bool had_session = state == ClientState::Ready && config.wants_session;
     const bool was_opening = state == ClientState::Opening;
-    // An Error message proves nothing about a policy that the endpoints have, or that every server
-    // has for GetEndpoints: whatever is on the way may have spoilt what was asked for.
+    // An Error message proves nothing about a policy that the endpoints offer, or that every server
+    // has for GetEndpoints: a party in between may have changed the answer.
     const bool is_policy_disputed =
         connection && connection->is_closed() &&
         (why == status::Bad_SecurityPolicyRejected || why == status::Bad_SecurityModeRejected);
@@ -331,7 +334,7 @@ void Client::Impl::lose(StatusCode why)
     const bool is_elsewhere = is_detour && was_opening;
     const bool is_choice_doubtful =
         (is_choice_old && was_opening) || is_elsewhere || is_policy_disputed;
-    // What was good for a session, or was not even tried, may be good for the next.
+    // A choice that worked for a session, or was not even tried, may work for the next one.
     const bool keeps_choice =
         state == ClientState::Ready || (is_choice_old && state == ClientState::Connecting);
     if (state == ClientState::Ready && now - ready_since >= config.reconnect.longest) {
@@ -340,7 +343,7 @@ void Client::Impl::lose(StatusCode why)
     if (had_session) {
         keep_session();
     } else if (kept_session && was_opening && ++kept_session->failures == 2) {
-        kept_session.reset(); // taking it over may be what the server stumbles over
+        kept_session.reset(); // resuming it may be what makes the server fail
     }
     drop_connection(had_session || (connection && connection->is_resumed()));
     attempt_ends_at = no_deadline;
@@ -357,7 +360,8 @@ void Client::Impl::lose(StatusCode why)
     }
 }
 
-/// An old choice proves nothing: the server may have another certificate or other endpoints now.
+/// A failure with an old choice is not final: the server may have another certificate or other
+/// endpoints now.
 bool Client::Impl::may_retry(StatusCode why, bool is_choice_doubtful) const
 {
     return is_choice_doubtful || detail::final_reason(why).empty();
@@ -385,7 +389,8 @@ void Client::Impl::retry_later(StatusCode why)
 void Client::Impl::begin_closing(StatusCode why)
 {
     const std::string_view reason = detail::final_reason(why);
-    // Who wants one attempt only may make more of them: the end of one is no news.
+    // Without reconnection a caller may make several attempts: the end of one is not worth
+    // reporting.
     if (why.is_bad() && (config.reconnect.is_enabled || !reason.empty())) {
         environment.log->write(LogLevel::Error, "client",
                                "giving up: " + std::string{name(why)} + " " + std::string{reason});

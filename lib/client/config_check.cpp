@@ -13,7 +13,7 @@ Configured<void> check_environment(const ClientConfig& config,
     const auto missing = [](const char* field, const char* need) {
         return misconfigured(field, std::string{"is null, which "} + need);
     };
-    constexpr const char* any = "no client can do without";
+    constexpr const char* any = "a client needs";
     constexpr const char* secure = "takes security.allows_none, expected one";
     if (environment.random == nullptr) {
         return missing("environment.random", any);
@@ -65,11 +65,11 @@ Configured<void> check_config(const ClientConfig& config,
     if (auto checked = check_environment(config, environment); !checked) {
         return checked;
     }
-    // To a client that is called the URL is no more than a name.
+    // For a client that waits for the server the URL is only a name.
     if (!config.is_reverse && !channel::EndpointUrl::parse(config.endpoint_url)) {
         return misconfigured("endpoint_url",
                              "\"" + printable(config.endpoint_url) +
-                                 "\" is no URL like opc.tcp://host:port",
+                                 "\" is not a URL like opc.tcp://host:port",
                              status::Bad_TcpEndpointUrlInvalid);
     }
     if (auto checked = check_security(config.security); !checked) {

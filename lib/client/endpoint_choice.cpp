@@ -18,12 +18,12 @@ constexpr std::string_view transport_profile =
 /// Its URI in version 1.00, which old devices still send.
 constexpr std::string_view first_transport_profile =
     "http://opcfoundation.org/UA/profiles/transport/uatcp";
-/// A server has a few for each of its addresses; each costs a look at its certificates.
+/// A server has a few for each of its addresses; checking each certificate takes time.
 constexpr std::size_t max_endpoints = 500;
-/// Of what a server offers, a log line holds no more.
+/// Maximum number of a server's endpoints in a log line.
 constexpr std::size_t max_logged_endpoints = 20;
 
-/// How far an endpoint gets on its way to being chosen; the farthest one says what is wrong.
+/// How far an endpoint gets in the selection; the farthest one determines the error.
 enum class Step : std::uint8_t { Transport, Policy, Mode, Token, Fit };
 
 struct Candidate {
@@ -32,7 +32,7 @@ struct Candidate {
     const UserTokenPolicy* token_policy;
     std::size_t policy_rank;
 
-    /// Mode, then policy, then what the server thinks of it (Part 4, 7.14).
+    /// Ranks by mode, then policy, then the server's securityLevel (Part 4, 7.14).
     [[nodiscard]] auto rank() const
     {
         return std::tuple{endpoint->security_mode, policy_rank, endpoint->security_level};
@@ -44,14 +44,14 @@ bool is_named(const crypto::SecurityPolicy& policy, std::string_view wish)
     return wish == policy.name || wish == policy.uri;
 }
 
-/// From 1 for the least wanted; 0: not wanted.
+/// Returns 1 for the lowest preference and more for higher ones; 0 if it is not accepted.
 std::size_t rank(const crypto::SecurityPolicy& policy, const SecurityWishes& wishes)
 {
     if (policy.is_none()) {
         return wishes.allows_none ? 1 : 0;
     }
     if (wishes.policies.empty()) {
-        // Part 7 ranks them, and the table is in its order.
+        // Part 7 ranks the policies, and the table is in its order.
         const auto all = crypto::security_policies();
         return policy.is_deprecated ? 0 : static_cast<std::size_t>(&policy - all.data()) + 1;
     }
@@ -82,7 +82,7 @@ const crypto::SecurityPolicy* policy_of(const EndpointDescription& endpoint)
                    : crypto::find_policy(endpoint.security_policy_uri.view());
 }
 
-/// Security that goes together, with a certificate if it needs one.
+/// True if policy and mode fit together, with a certificate if it needs one.
 bool is_consistent(const EndpointDescription& endpoint, const crypto::SecurityPolicy& policy)
 {
     if (policy.is_none()) {
@@ -93,7 +93,7 @@ bool is_consistent(const EndpointDescription& endpoint, const crypto::SecurityPo
            crypto::parse_chain(endpoint.server_certificate.span()).has_value();
 }
 
-/// Fills in `candidate` as far as it gets.
+/// Fills in `candidate` as far as the endpoint fits.
 Step judge(const EndpointDescription& endpoint, const SecurityWishes& wishes,
            const UserIdentity* identity, Candidate& candidate)
 {
@@ -188,7 +188,7 @@ StatusCode status_of(Step farthest)
     }
 }
 
-/// A wish that nobody can fulfil is a mistake of whoever wrote it.
+/// A wish that no endpoint can fulfil is a configuration error.
 Result<void> check_wishes(const SecurityWishes& wishes, LogSink& log)
 {
     for (const std::string& wish : wishes.policies) {
@@ -203,9 +203,9 @@ Result<void> check_wishes(const SecurityWishes& wishes, LogSink& log)
     return {};
 }
 
-/// A client reached the server at `reached_by`, so that is a way; the name that a server gives
-/// itself may be of another network (Part 4, 5.5.4.1). It also keeps servers from sending clients
-/// to any host they like.
+/// Returns the URL by which a client has reached the server; the server's own name may be of
+/// another network (Part 4, 5.5.4.1). It also keeps servers from redirecting clients to any host
+/// they like.
 std::string url_for(const EndpointDescription& endpoint, std::string_view reached_by)
 {
     const auto own = channel::EndpointUrl::parse(endpoint.endpoint_url.view());
@@ -215,8 +215,8 @@ std::string url_for(const EndpointDescription& endpoint, std::string_view reache
                : std::string{reached_by};
 }
 
-/// What of an endpoint a client compares (Part 4, 5.7.2.2), as text. Not the URL, in which a
-/// server repeats what it was asked by.
+/// Returns the parts of an endpoint that a client compares (Part 4, 5.7.2.2), as text. The URL is
+/// not among them, since a server repeats the client's.
 std::string key_of(const EndpointDescription& endpoint)
 {
     std::string key;
@@ -276,7 +276,7 @@ Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoin
         const StatusCode status = status_of(farthest);
         explain(log, "client",
                 {status, "choice of an endpoint",
-                 "the server offers " + describe_offer(endpoints) + "; wanted is " +
+                 "the server offers " + describe_offer(endpoints) + "; the client wants " +
                      describe_wishes(wishes, identity),
                  "Part 4, 5.5.4", "Change what one of the two is configured for"});
         return fail(status);

@@ -13,11 +13,11 @@ namespace busbar::client {
 
 namespace {
 
-/// GetEndpoints of a discovery server is its longest answer.
+/// The answer to GetEndpoints is the longest one of a discovery server.
 constexpr std::uint32_t max_message_size = 1U << 20U;
 /// Part 4, 7.13.2.
 constexpr std::size_t mdns_name_limit = 64;
-/// Two connections and two requests are over long before.
+/// More than two connections and two requests can take.
 constexpr Duration attempt_limit = std::chrono::minutes{1};
 
 ReconnectPolicy retries(const RegistrationSettings& settings)
@@ -39,7 +39,7 @@ ClientConfig registration_client(std::string discovery_url, SecurityWishes secur
     config.security = std::move(security);
     config.application_uri = std::move(application_uri);
     config.wants_session = false;
-    config.reconnect.is_enabled = false; // the Registration knows when
+    config.reconnect.is_enabled = false; // the Registration decides when
     config.transport.max_message_size = max_message_size;
     return config;
 }
@@ -71,16 +71,17 @@ struct Registration::Impl {
     detail::BackOff back_off;
 
     Phase phase{Phase::Idle};
-    /// The next attempt, or the end of the one under way.
+    /// The time of the next attempt, or the end of the present one.
     TimePoint next_at{no_deadline};
     bool is_registered{false};
     StatusCode last_result;
     /// The discovery server may have us in its list.
     bool may_be_known{false};
-    /// It does not know RegisterServer2; asked anew after a failure, which may be its restart.
+    /// It does not know RegisterServer2; tried again after a failure, since it may have been
+    /// restarted.
     bool is_old{false};
 
-    /// Of the attempt under way.
+    /// The request of the present attempt.
     std::optional<RequestId> request;
     std::optional<StatusCode> result;
 
@@ -129,7 +130,7 @@ RegisterServer2Request Registration::Impl::extended_request() const
     return sent;
 }
 
-/// What the discovery server makes of it we may never hear: from now on it may know us.
+/// Its answer may never arrive: from now on the discovery server may know us.
 void Registration::Impl::send()
 {
     may_be_known = may_be_known || !is_stopping;
@@ -163,7 +164,7 @@ void Registration::Impl::answered(StatusCode status)
         status.code() != status::Bad_SecureChannelClosed) {
         result = status;
         client->close(client->now());
-    } // else the Client is about to tell why
+    } // otherwise the Client is about to report why
 }
 
 void Registration::Impl::attempt_ended(StatusCode why, TimePoint now)
@@ -179,7 +180,7 @@ void Registration::Impl::attempt_ended(StatusCode why, TimePoint now)
         return;
     }
     if (status.is_bad()) {
-        // Some close the channel over a service that they do not know.
+        // Some close the channel for an unknown service.
         is_old = !is_old && !result && why.code() == status::Bad_ServiceUnsupported;
     }
     tell(status);
@@ -215,14 +216,15 @@ void Registration::Impl::stop(TimePoint now)
     } else if (phase == Phase::Waiting) {
         attempt(now);
     } else if (client->state() == ClientState::Ready) {
-        // The answer to what is under way does not matter any more.
+        // The answer of the present attempt does not matter any more.
         if (request) {
             client->cancel(*request);
         }
         has_tried_farewell = true;
         send();
     } else {
-        // What is not sent yet will be the farewell; after what was sent another attempt is.
+        // A request that is not sent yet becomes the unregistration; after a sent one another
+        // attempt does.
         has_tried_farewell =
             client->state() != ClientState::Closing && client->state() != ClientState::Closed;
     }
@@ -247,7 +249,7 @@ void Registration::Impl::tell(StatusCode status)
         log->write(LogLevel::Warning, "discovery",
                    uri +
                        (is_stopping ? " is not taken back from the discovery server: "
-                                    : " is not registered, which is tried again: ") +
+                                    : " is not registered, will try again: ") +
                        std::string{name(status)});
     } else {
         log->write(LogLevel::Info, "discovery",

@@ -29,8 +29,8 @@ const crypto::SecurityPolicy& policy_of(const ConnectionConfig& config)
     return *config.channel.security.policy;
 }
 
-/// Nothing that the server says may make us wait for ever, or never; what makes no sense is what
-/// was asked for.
+/// A server's value must not make us wait for ever, or never; an absurd one is replaced by the
+/// requested one.
 std::chrono::milliseconds session_timeout(const ConnectionConfig& config, double revised_ms)
 {
     constexpr double least = 1'000;
@@ -47,11 +47,12 @@ Result<void> refuse(const channel::ChannelEnvironment& environment, StatusCode s
 {
     explain(*environment.log, "client",
             {status, check, std::move(found), "Part 4, 5.7.2.2",
-             "If nobody tampers with the connection, the server is at fault"});
+             "Unless the connection is tampered with, the server is at fault"});
     return fail(status);
 }
 
-/// The certificate must be that of the channel, and its key must have signed what we sent.
+/// Checks that the certificate is that of the channel, and that its key has signed our nonce and
+/// certificate.
 Result<void> check_proof(const ConnectionConfig& config,
                          const channel::ChannelEnvironment& environment,
                          const CreateSessionResponse& response, const SessionData& session)
@@ -60,11 +61,11 @@ Result<void> check_proof(const ConnectionConfig& config,
     const auto chain = crypto::parse_chain(response.server_certificate.span(), {&server, 1});
     if (!chain || !(chain->front() == server)) {
         return refuse(environment, status::Bad_CertificateInvalid, "server certificate",
-                      "CreateSession shows another than the channel");
+                      "CreateSession returned another certificate than the channel's");
     }
     if (response.server_nonce.size() < crypto::min_server_nonce_size) {
         return refuse(environment, status::Bad_NonceInvalid, "server nonce",
-                      std::to_string(response.server_nonce.size()) + " bytes where 32 are due");
+                      std::to_string(response.server_nonce.size()) + " bytes, expected 32");
     }
     const auto fits = [&](std::span<const std::byte> certificate) {
         return crypto::asymmetric_verify(policy_of(config), server,
@@ -72,7 +73,7 @@ Result<void> check_proof(const ConnectionConfig& config,
                                          response.server_signature.signature.span())
             .has_value();
     };
-    // What was sent, or the leaf of it: servers differ.
+    // Servers sign either the chain that was sent, or its leaf.
     if (!fits(session.client_certificate.span()) &&
         !fits(environment.identity->certificates.front().der())) {
         return refuse(environment, status::Bad_SecurityChecksFailed, "server signature",
@@ -87,7 +88,7 @@ Result<void> check_session(const ConnectionConfig& config,
 {
     if (response.authentication_token.is_null()) {
         return refuse(environment, status::Bad_UnknownResponse, "authentication token",
-                      "CreateSession gives none");
+                      "CreateSession returned none");
     }
     if (!policy_of(config).is_none()) {
         if (auto proven = check_proof(config, environment, response, session); !proven) {
@@ -99,13 +100,14 @@ Result<void> check_session(const ConnectionConfig& config,
     }
     if (!check_endpoints(config.discovered_endpoints, response.server_endpoints)) {
         return refuse(environment, status::Bad_SecurityChecksFailed, "endpoints of the session",
-                      "CreateSession has others than GetEndpoints, which may have been changed on "
+                      "CreateSession returned others than GetEndpoints, whose answer may have been "
+                      "changed on "
                       "its way");
     }
     return {};
 }
 
-/// The token policy for the identity in the endpoint that the channel uses.
+/// Returns the token policy for the identity in the endpoint that the channel uses.
 const UserTokenPolicy* token_policy(const ConnectionConfig& config, const SessionData& session)
 {
     if (config.token_policy) {
@@ -155,7 +157,7 @@ Result<void> accept_session(const ConnectionConfig& config,
                             const channel::ChannelEnvironment& environment,
                             const CreateSessionResponse& response, SessionData& session)
 {
-    // The response may borrow from its message, copies own.
+    // The response may borrow from its message, copies own their memory.
     session.ticket.session_id = response.session_id;
     session.ticket.authentication_token = response.authentication_token;
     if (auto checked = check_session(config, environment, response, session); !checked) {

@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::string_view source = "key log";
 
-/// Empty if the open file may have keys in it, else why not.
+/// Returns an empty text if the open file may hold keys, else the reason why not.
 std::string_view objection_to(int file)
 {
     struct stat facts = {};
     if (::fstat(file, &facts) != 0 || !S_ISREG(facts.st_mode)) {
-        return "it is no file";
+        return "it is not a regular file";
     }
     if (facts.st_uid != ::geteuid()) {
-        return "it is somebody else's";
+        return "it belongs to another user";
     }
     return (facts.st_mode & (S_IRWXG | S_IRWXO)) == 0 ? "" : "others may read or write it";
 }
@@ -41,7 +41,7 @@ Result<std::unique_ptr<KeyLogFile>> KeyLogFile::open(const std::string& path, Lo
     }
     log.write(LogLevel::Error, source,
               "INSECURE: the keys of all channels are written to " + path +
-                  ". Whoever has that file reads all that clients and server say to each other. "
+                  ". With that file all traffic between clients and server can be decrypted. "
                   "For test benches only");
     return std::unique_ptr<KeyLogFile>{new KeyLogFile{file, log}};
 }

@@ -57,10 +57,11 @@ void ServerApp::Impl::open(ApplicationSettings settings)
 
 void ServerApp::Impl::listen()
 {
-    const auto url = channel::EndpointUrl::parse(endpoint_url); // else there were no server
+    const auto url = channel::EndpointUrl::parse(endpoint_url); // valid, since the server exists
     if (const auto listening = loop.listen("", url->port); !listening) {
         fail_with({listening.error(), "port " + std::to_string(url->port),
-                   "cannot be listened on. Choose another, or stop who has it"});
+                   "cannot be opened for listening. Choose another port, or stop the program that "
+                   "uses it"});
     }
 }
 

@@ -85,7 +85,7 @@ void ServerLoop::stop_on_signals(std::function<void()> first)
     impl_->signals.async_wait([this, first = std::move(first)](std::error_code error, int) {
         if (!error) {
             if (first) {
-                busbar::detail::guarded(impl_->log, "what comes before a stop", first);
+                busbar::detail::guarded(impl_->log, "handler before a stop", first);
             }
             impl_->begin_stop();
         }
@@ -102,14 +102,13 @@ void ServerLoop::on_hangup(std::function<void()> handler)
 Configured<void> ServerLoop::Impl::check(const server::Server& next, const Handover& handover) const
 {
     if (served.empty() || is_stopping) {
-        return misconfigured("loop", "it does not run, or is being stopped",
-                             status::Bad_InvalidState);
+        return misconfigured("loop", "does not run, or is being stopped", status::Bad_InvalidState);
     }
     if (handover.reason.empty()) {
-        return misconfigured("reason", "is empty: clients are to know why");
+        return misconfigured("reason", "is empty, but clients must be told a reason");
     }
     if (handover.delay < std::chrono::seconds{0} || handover.delay > longest_delay) {
-        return misconfigured("delay", "is not from no time to a day", status::Bad_OutOfRange);
+        return misconfigured("delay", "must be between 0 and 24 hours", status::Bad_OutOfRange);
     }
     return check_next(next);
 }
@@ -117,16 +116,16 @@ Configured<void> ServerLoop::Impl::check(const server::Server& next, const Hando
 Configured<void> ServerLoop::Impl::check_next(const server::Server& next) const
 {
     if (std::ranges::any_of(served, [&](const auto& one) { return &one->server() == &next; })) {
-        return misconfigured("next", "it is served already");
+        return misconfigured("next", "is served already");
     }
-    // One that was shut down and has no connections has stopped.
+    // A server that was shut down and has no connections has stopped.
     if (next.connection_count() != 0 || next.is_stopped()) {
-        return misconfigured("next", "it was used already, and is to be a new one");
+        return misconfigured("next", "was used already, expected a new server");
     }
     if (!registrations.empty() &&
         next.config().application_uri != served.back()->server().config().application_uri) {
         return misconfigured("application_uri",
-                             "is another one than is registered with a discovery server");
+                             "differs from the one that is registered with a discovery server");
     }
     return {};
 }
@@ -144,7 +143,7 @@ Configured<void> ServerLoop::hand_over(server::Server& next, Handover handover)
         handover.return_time = SystemWallClock{}.now();
         handover.return_time.ticks += handover.delay.count() * DateTime::ticks_per_second;
     }
-    before.server().handle_deadline(now); // it counts the delay from the time that it knows
+    before.server().handle_deadline(now); // it counts the delay from its latest time
     server::RunningServer{before.server()}.begin_shutdown(handover.reason, handover.delay,
                                                           handover.return_time);
     impl_->after_activity();

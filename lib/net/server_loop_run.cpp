@@ -14,7 +14,7 @@ namespace busbar::net {
 
 namespace {
 
-/// Between attempts to find memory for what is to be waited for.
+/// Pause between attempts to get memory for waiting.
 constexpr std::chrono::milliseconds retry_pause{100};
 
 } // namespace
@@ -38,7 +38,7 @@ ServerLoop::Impl::Impl(LogSink& l)
     };
 }
 
-/// The connection's id, unless it is refused or gone already.
+/// Returns the connection's id, unless it is refused or closed already.
 std::optional<std::uint64_t>
 ServerLoop::Impl::adopt(Socket socket, ServedServer::Direction direction, std::uint32_t listener)
 {
@@ -54,7 +54,7 @@ ServerLoop::Impl::adopt(Socket socket, ServedServer::Direction direction, std::u
     return std::nullopt;
 }
 
-/// What one connection did may have given others something to send.
+/// The activity of one connection may have created output for others.
 void ServerLoop::Impl::after_activity()
 {
     for_each([](ServedServer& each) { each.pump(); });
@@ -66,7 +66,7 @@ void ServerLoop::Impl::after_activity()
     await_deadline();
 }
 
-/// Lets go of servers that went and have nobody any more; nothing of theirs is being called then.
+/// Drops replaced servers without clients; none of their functions is running then.
 void ServerLoop::Impl::retire()
 {
     for (std::size_t i = 0; i + 1 < served.size();) {
@@ -82,8 +82,7 @@ void ServerLoop::Impl::retire()
     }
 }
 
-/// After an exception that may have kept anything from waiting for what comes next. False if it may
-/// still be so.
+/// Called after an exception that may have prevented waits. False if it may still be so.
 bool ServerLoop::Impl::resume()
 {
     const StatusCode thrown = busbar::detail::guarded(log, "resuming", [this] {
@@ -98,13 +97,13 @@ bool ServerLoop::Impl::resume()
     return thrown.is_good();
 }
 
-/// Until everything has stopped. What throws is put right again, now or when there is memory.
+/// Runs until everything has stopped. Recovers from exceptions, now or when there is memory.
 void ServerLoop::Impl::run()
 {
-    const auto work = asio::make_work_guard(context); // nothing may be waited for any more
+    const auto work = asio::make_work_guard(context); // run() must not return for lack of work
     bool is_behind = false;
     while (!context.stopped()) {
-        const StatusCode thrown = busbar::detail::guarded(log, "what the network called", [&] {
+        const StatusCode thrown = busbar::detail::guarded(log, "network handler", [&] {
             is_behind ? context.run_for(retry_pause) : context.run();
         });
         if (is_behind || thrown.is_bad()) {
@@ -124,7 +123,7 @@ void ServerLoop::Impl::await_wake()
     });
 }
 
-/// Clients of servers that went were told; nobody waits for them longer than for those of this one.
+/// Clients of replaced servers were notified; they get no more time than those of this one.
 bool ServerLoop::Impl::has_stopped() const
 {
     return is_stopping && served.back()->is_over() &&
@@ -172,7 +171,7 @@ void ServerLoop::Impl::begin_stop()
     }
 }
 
-/// May throw, and is called once more then.
+/// May throw, and is then called once more.
 void ServerLoop::Impl::tell_to_stop()
 {
     listeners.close();

@@ -110,7 +110,8 @@ TEST_CASE("a client with a configuration that is none asks for no connection and
     CHECK(plant.urls.empty());
     CHECK(plant.client.state() == client::ClientState::Closed);
     CHECK(plant.client.last_error() == status::Bad_TcpEndpointUrlInvalid);
-    CHECK(plant.log.text.find("endpoint_url: \"localhost:4840\" is no URL") != std::string::npos);
+    CHECK(plant.log.text.find("endpoint_url: \"localhost:4840\" is not a URL") !=
+          std::string::npos);
 }
 
 TEST_CASE("the name that a server has in mDNS has 63 bytes at most (RFC 6763, 4.1.1)")

@@ -115,17 +115,17 @@ TEST_CASE("Layouts that OPC UA Binary does not have are named")
         Case{"<opc:Field Name='B' TypeName='opc:Bit' Length='33'/>",
              "field B: an EncodingMask has 32 bits"},
         Case{"<opc:Field Name='X' TypeName='opc:Byte'/><opc:Field Name='B' TypeName='opc:Bit'/>",
-             "field B: single bits stand behind other fields"},
+             "field B: single bits follow other fields"},
         Case{"<opc:Field Name='X' TypeName='opc:Byte' Length='4'/>",
              "field X: its length is fixed"},
         Case{"<opc:Field Name='X' TypeName='opc:Byte' Length='many'/>",
              "field X: its length is fixed"},
         Case{"<opc:Field Name='N' TypeName='opc:Byte'/>"
              "<opc:Field Name='X' TypeName='opc:Byte' LengthField='N'/>",
-             "field X: its length N is no Int32 directly before it"},
+             "field X: its length N is not an Int32 directly before it"},
         Case{"<opc:Field Name='N' TypeName='opc:Int32'/><opc:Field Name='M' TypeName='opc:Int32'/>"
              "<opc:Field Name='X' TypeName='opc:Byte' LengthField='N'/>",
-             "field X: its length N is no Int32 directly before it"},
+             "field X: its length N is not an Int32 directly before it"},
         Case{"<opc:Field Name='N' TypeName='opc:Int32'/>"
              "<opc:Field Name='X' TypeName='opc:Int16' LengthField='N' IsLengthInBytes='true'/>",
              "field X: its length counts bytes"},
@@ -133,7 +133,7 @@ TEST_CASE("Layouts that OPC UA Binary does not have are named")
              "field X: its end is marked by a Terminator"},
         Case{"<opc:Field Name='A' TypeName='opc:Int16'/>"
              "<opc:Field Name='X' TypeName='opc:Int16' SwitchField='A' SwitchValue='3'/>",
-             "field X: its SwitchField A is no bit of an EncodingMask"},
+             "field X: its SwitchField A is not a bit of an EncodingMask"},
         Case{"<opc:Field Name='S' TypeName='opc:UInt32'/>"
              "<opc:Field Name='A' TypeName='opc:Int16' SwitchField='S' SwitchValue='2'/>",
              "field A: expected SwitchField S and SwitchValue 1"},
@@ -179,11 +179,11 @@ TEST_CASE("What is no type dictionary is refused, and why is said")
         const auto dictionary = parse(xml, limits);
         return dictionary ? std::string{"a dictionary"} : dictionary.error().found;
     };
-    CHECK(found("").find("no well-formed XML") == 0);
-    CHECK(found("<a").find("no well-formed XML") == 0);
+    CHECK(found("").find("it is not well-formed XML") == 0);
+    CHECK(found("<a").find("it is not well-formed XML") == 0);
     CHECK(found("<schema/>") == "found <schema>, expected <TypeDictionary>");
     CHECK(found("<!DOCTYPE a [<!ENTITY b \"c\">]><TypeDictionary/>") ==
-          "a DOCTYPE, which has no use there");
+          "a DOCTYPE, which a type dictionary must not have");
     DictionaryLimits limits;
     limits.max_bytes = 100;
     CHECK(found(std::string(101, ' '), limits) == "101 bytes, of at most 100");

@@ -133,7 +133,7 @@ TEST_CASE("a server that has no second connection yet is asked again")
     plant.advance(1ns);
     CHECK(plant.urls.size() == 4);
     CHECK(plant.is_ready());
-    CHECK(plant.log.text.find("no second connection yet") != std::string::npos);
+    CHECK(plant.log.text.find("not opened a second connection yet") != std::string::npos);
 }
 
 TEST_CASE("a server that stays full is given up with its own words")

@@ -121,7 +121,7 @@ TEST_CASE("keys go nowhere where others could read them", "[net][keylog]")
         REQUIRE(reader >= 0);
         CHECK(refused());
         ::close(reader);
-        CHECK(log.text.find("it is no file") != std::string::npos);
+        CHECK(log.text.find("it is not a regular file") != std::string::npos);
     }
     SECTION("a file of somebody else")
     {
@@ -132,7 +132,7 @@ TEST_CASE("keys go nowhere where others could read them", "[net][keylog]")
             return; // only the superuser can make one
         }
         CHECK(refused());
-        CHECK(log.text.find("it is somebody else's") != std::string::npos);
+        CHECK(log.text.find("it belongs to another user") != std::string::npos);
         CHECK(contents(path) == "theirs\n");
     }
     SECTION("a folder")

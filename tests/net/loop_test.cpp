@@ -130,7 +130,7 @@ TEST_CASE("nobody there is an error, not a hang", "[net]")
 TEST_CASE("a server that no discovery server takes serves and stops as ever", "[net]")
 {
     Machine no_discovery_server;
-    AwaitedLog log{"is not registered, which is tried again: Bad_ServiceUnsupported"};
+    AwaitedLog log{"is not registered, will try again: Bad_ServiceUnsupported"};
     net::SystemWallClock clock;
     crypto::SystemRandom random;
     server::PasswordUsers users;

@@ -121,7 +121,7 @@ TEST_CASE("a signal ends a loop, whatever the work before it throws", "[net]")
         station.run();
         REQUIRE(std::raise(signal) == 0);
         station.join();
-        CHECK(station.log.contains("what comes before a stop threw: disk full"));
+        CHECK(station.log.contains("handler before a stop threw: disk full"));
     }
     SECTION("with none")
     {

@@ -18,7 +18,7 @@ bool is_bit(const RawField& field)
     return is_schema_type(field, "Bit");
 }
 
-/// What may count the elements of an array, or name the alternative of a union.
+/// True for a type that may count the elements of an array, or select the alternative of a union.
 bool is_number_of_32_bits(const RawField& field)
 {
     return (is_schema_type(field, "Int32") || is_schema_type(field, "UInt32")) && !field.length &&
@@ -31,7 +31,7 @@ bool is_length_of(const RawField& field, const RawField& next)
            next.switch_field == field.switch_field && next.switch_value == field.switch_value;
 }
 
-/// Goes through the fields once; the first that does not fit gives the reason.
+/// Walks through the fields once; the first one that does not fit determines the reason.
 class Layout {
 public:
     Layout(const std::vector<RawField>& from, DictionaryType& type) : from_{from}, type_{type} {}
@@ -59,7 +59,7 @@ private:
         type_.reason = "field " + field.name + ": " + reason;
     }
 
-    /// A number, and then nothing but fields that depend on its value.
+    /// True for a number followed by nothing but fields that depend on its value.
     [[nodiscard]] bool looks_like_union() const
     {
         return from_.size() > 1 && is_number_of_32_bits(from_[0]) &&
@@ -68,7 +68,7 @@ private:
                    return field.switch_field == from_[0].name && field.switch_value.has_value();
                });
     }
-    /// The alternatives that begin with the second field.
+    /// Skips the switch, so that the alternatives begin with the second field.
     void skip_switch()
     {
         if (from_.empty() || !is_number_of_32_bits(from_[0])) {
@@ -119,11 +119,11 @@ private:
     [[nodiscard]] bool check(const RawField& field, bool has_length)
     {
         if (is_bit(field)) {
-            fail(field, "single bits stand behind other fields");
+            fail(field, "single bits follow other fields");
         } else if (field.length) {
             fail(field, "its length is fixed");
         } else if (!has_length && !field.length_field.empty()) {
-            fail(field, "its length " + field.length_field + " is no Int32 directly before it");
+            fail(field, "its length " + field.length_field + " is not an Int32 directly before it");
         } else if (field.has_terminator) {
             fail(field, "its end is marked by a Terminator");
         } else if (field.has_operand) {
@@ -149,7 +149,8 @@ private:
             std::find_if(switches_.begin(), switches_.end(),
                          [&](const Switch& each) { return each.name == field.switch_field; });
         if (found == switches_.end() || field.switch_value.value_or(1) != 1) {
-            fail(field, "its SwitchField " + field.switch_field + " is no bit of an EncodingMask");
+            fail(field,
+                 "its SwitchField " + field.switch_field + " is not a bit of an EncodingMask");
         } else if (found->bit != optional_fields_++) {
             fail(field, "its bit is not that of the optional field number " +
                             std::to_string(optional_fields_));

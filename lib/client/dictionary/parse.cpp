@@ -39,7 +39,7 @@ Unexpected<Refusal> refused(StatusCode status, std::string found)
                    "Values of its types stay encoded; the server has to be corrected"});
 }
 
-/// One dictionary while it is read.
+/// A dictionary that is being read.
 class Reader {
 public:
     explicit Reader(const DictionaryLimits& limits) : limits_{limits} {}
@@ -55,12 +55,13 @@ public:
             xml_.load_buffer(xml.data(), xml.size(), pugi::parse_default | pugi::parse_doctype);
         if (!parsed) {
             return refused(status::Bad_DecodingError,
-                           std::string{"no well-formed XML: "} + parsed.description());
+                           std::string{"it is not well-formed XML: "} + parsed.description());
         }
         const pugi::xml_node root = xml_.document_element();
         for (const pugi::xml_node& node : xml_.children()) {
             if (node.type() == pugi::node_doctype) {
-                return refused(status::Bad_DecodingError, "a DOCTYPE, which has no use there");
+                return refused(status::Bad_DecodingError,
+                               "a DOCTYPE, which a type dictionary must not have");
             }
         }
         if (local_name(root.name()) != "TypeDictionary") {
@@ -165,7 +166,7 @@ private:
         field.has_terminator = !xml.attribute("Terminator").empty();
         return field;
     }
-    /// An enumeration of OPC UA has 32 bits; others are numbers without names here.
+    /// An enumeration of OPC UA has 32 bits; others become numbers without names here.
     void read_enumeration(const pugi::xml_node& xml, DictionaryType& type) const
     {
         type.kind = DictionaryType::Kind::Enumeration;
@@ -190,7 +191,7 @@ private:
                                      child.attribute("Name").value());
         }
     }
-    /// A name with the prefix of a namespace (xs:QName).
+    /// Returns a name with the prefix of a namespace (xs:QName).
     [[nodiscard]] DictionaryName name_of(const pugi::xml_attribute& attribute) const
     {
         const std::string_view text = attribute.value();

@@ -20,7 +20,7 @@ bool may_be_array(std::int32_t rank)
     return rank != -1;
 }
 
-/// The type that a text without type is taken for.
+/// Returns the type of a text without a type.
 BuiltInType guessed_type(const Json& from)
 {
     std::int64_t number = 0;
@@ -38,7 +38,7 @@ BuiltInType guessed_type(const Json& from)
     }
 }
 
-/// One type for all elements of a list.
+/// Returns one type for all elements of a list.
 BuiltInType guessed_type(const std::vector<const Json*>& values)
 {
     BuiltInType type = values.empty() ? BuiltInType::String : guessed_type(*values.front());
@@ -141,7 +141,7 @@ std::optional<Variant> TextValueReader::read_any(const Json& from)
     return read(from, {guessed_type(from), -1, nullptr});
 }
 
-/// What to_json writes: {"UaType": 6, "Value": [1, 2], "Dimensions": [2, 1]}.
+/// Reads the form of to_json: {"UaType": 6, "Value": [1, 2], "Dimensions": [2, 1]}.
 std::optional<Variant> TextValueReader::read_typed(const Json& from)
 {
     const Json* const type = from.find("UaType");
@@ -238,7 +238,7 @@ std::optional<Variant> TextValueReader::read_array(const Elements& from, const V
         });
 }
 
-/// By its fields, of the type that it names or else of `type`, or encoded as to_json leaves it.
+/// Reads by fields, of the named type or else of `type`, or encoded as in to_json.
 bool TextValueReader::read_object(const Json& from, const DynamicType* type, ExtensionObject& to)
 {
     NodeId id;
@@ -304,7 +304,7 @@ bool TextValueReader::read_field(const Json& from, std::size_t field, DynamicVal
 {
     const binary::DynamicField& known = to.type().fields[field];
     if (!known.is_scalar() && from.kind == Json::Kind::Null) {
-        return true; // as it is without
+        return true; // the default is the same
     }
     if (known.is_structure && !known.is_scalar()) {
         return read_structures(from, field, to);
@@ -324,7 +324,7 @@ bool TextValueReader::read_field(const Json& from, std::size_t field, DynamicVal
         is_set = to.set(field, *std::move(part));
     }
     if (!is_set) {
-        static_cast<void>(fail(from, "what the field may hold"));
+        static_cast<void>(fail(from, "a value that the field can hold"));
     }
     return is_set.has_value();
 }
