@@ -111,14 +111,16 @@ bool has(std::string_view text, std::string_view part)
 TEST_CASE_METHOD(Reasons, "reasons: a user's name, password and configuration")
 {
     auto admin = log_in();
-    CHECK(
-        add_user(admin, "", "patience is all") ==
-        "user name rules: \"\" has not 1 to 64 characters. Choose another one that fits the rules");
+    CHECK(add_user(admin, "", "patience is all") ==
+          "user name rules: \"\" must have 1 to 64 characters. Choose another one that fits the "
+          "rules");
     CHECK(add_user(admin, "pat ", "patience is all") ==
-          "user name rules: \"pat \" is no UTF-8, or has control characters or spaces at its ends. "
+          "user name rules: \"pat \" is not UTF-8, has control characters, or begins or ends with "
+          "a space. "
           "Choose another one that fits the rules");
-    CHECK(add_user(admin, "pat", "short") ==
-          "password rules: it has not 12 to 64 characters. Choose another one that fits the rules");
+    CHECK(
+        add_user(admin, "pat", "short") ==
+        "password rules: it must have 12 to 64 characters. Choose another one that fits the rules");
     CHECK(add_user(admin, "admin", "patience is all") ==
           "user list: user \"admin\" is there already");
     CHECK(has(add_user(admin, "pat", "patience is all", 64), "bits that no user has: 64"));

@@ -126,7 +126,7 @@ TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be t
     {
         config.endpoint_url = "localhost:4840";
         where = "endpoint_url";
-        reason = "no URL";
+        reason = "not a URL";
     }
     SECTION("ApplicationUri")
     {
@@ -217,7 +217,7 @@ TEST_CASE_METHOD(Contradiction, "endpoints must not contradict themselves or eac
     {
         environment.users = nullptr;
         where = first_endpoint;
-        reason = "nobody can log in";
+        reason = "no user can log in";
     }
     SECTION("a policy without its mode")
     {

@@ -181,7 +181,7 @@ TEST_CASE("an issued token has to be for this server, now, and from its issuer")
     SECTION("of no user here")
     {
         fixture.users.rights = fail(status::Bad_IdentityTokenRejected);
-        reason = "\"maria\" is no user here";
+        reason = "\"maria\" is not a user of this server";
     }
     SECTION("no token")
     {
@@ -209,7 +209,7 @@ TEST_CASE("an issued token has to be for this server, now, and from its issuer")
     {
         token.policy_id = "issued";
         expected = status::Bad_IdentityTokenInvalid;
-        reason = "of policy \"issued\"";
+        reason = "names the policy \"issued\"";
     }
     CHECK(fixture.activate(client, ExtensionObject::from(token)) == expected);
     CHECK(fixture.refusals() == 1);

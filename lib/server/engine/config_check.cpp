@@ -22,7 +22,7 @@ std::string describe(const channel::SecuritySetting& security)
            std::string{mode.empty() ? "Invalid" : mode};
 }
 
-/// Part 7, 6.6: a policy names the keys that it may be used with.
+/// Part 7, 6.6: a policy limits the keys that it may be used with.
 bool has_fitting_key(const crypto::SecurityPolicy& policy,
                      const channel::ApplicationIdentity& identity)
 {
@@ -38,13 +38,13 @@ Configured<void> check_users(const EndpointConfig& endpoint, const ServerConfig&
         return misconfigured(describe(endpoint.security), text);
     };
     if (token_policies(config, endpoint, users).empty()) {
-        return wrong("nobody can log in, no kind of user is allowed");
+        return wrong("allows no kind of user, so that no user can log in");
     }
     const bool has_secrets = accepts(endpoint, users, UserTokenType::UserName) ||
                              accepts(endpoint, users, UserTokenType::IssuedToken);
     const bool is_plain = password_policy(endpoint).is_none();
     if (has_secrets && is_plain && !endpoint.allows_plain_passwords) {
-        return wrong("passwords would be sent as they are, which is not allowed");
+        return wrong("passwords would be sent unencrypted, which is not allowed");
     }
     if (has_secrets && !is_plain && !config.identity) {
         return wrong("encrypted passwords need a certificate and its key");
@@ -122,7 +122,7 @@ Configured<void> check_identity(const ServerConfig& config)
     return {};
 }
 
-/// One operation too many is Bad_TooManyOperations, which an array that is too long is not.
+/// One operation too many is Bad_TooManyOperations, which an array that is too long would hide.
 Configured<void> check_operations(const ServerLimits& limits)
 {
     const OperationLimits& most = limits.operations;
@@ -151,7 +151,7 @@ Configured<void> check_operations(const ServerLimits& limits)
     return {};
 }
 
-/// What ChannelGuard takes for granted.
+/// Checks the requirements of ChannelGuard.
 Configured<void> check_channels(const ServerLimits& limits)
 {
     using Milliseconds = std::chrono::milliseconds;
@@ -185,7 +185,7 @@ Configured<void> check_channels(const ServerLimits& limits)
 Configured<void> check_environment(const ServerEnvironment& environment)
 {
     const auto missing = [](const char* field) {
-        return misconfigured(field, "is null, which a server cannot do without");
+        return misconfigured(field, "is null, but a server needs it");
     };
     if (environment.random == nullptr) {
         return missing("environment.random");
@@ -206,12 +206,11 @@ void warn_of_deprecated_policies(const ServerConfig& config, LogSink& log)
     for (const EndpointConfig& endpoint : config.endpoints) {
         for (const auto* policy : {endpoint.security.policy, endpoint.password_policy}) {
             if (policy != nullptr && policy->is_deprecated) {
-                log.write(
-                    LogLevel::Warning, "server",
-                    "INSECURE: " + describe(endpoint.security) + " uses " +
-                        std::string{policy->name} +
-                        ", which relies on SHA-1 and is deprecated (Part 7, 6.6). Take it out "
-                        "of the configuration as soon as no client needs it any more");
+                log.write(LogLevel::Warning, "server",
+                          "INSECURE: " + describe(endpoint.security) + " uses " +
+                              std::string{policy->name} +
+                              ", which relies on SHA-1 and is deprecated (Part 7, 6.6). Remove it "
+                              "from the configuration as soon as no client needs it any more");
             }
         }
     }
@@ -226,12 +225,12 @@ Configured<void> check_config(const ServerConfig& config, const ServerEnvironmen
     }
     if (!channel::EndpointUrl::parse(config.endpoint_url)) {
         return misconfigured("endpoint_url", "\"" + printable(config.endpoint_url) +
-                                                 "\" is no URL like opc.tcp://host:port");
+                                                 "\" is not a URL like opc.tcp://host:port");
     }
     for (const std::string& url : config.further_urls) {
         if (!channel::EndpointUrl::parse(url)) {
-            return misconfigured("further_urls",
-                                 "\"" + printable(url) + "\" is no URL like opc.tcp://host:port");
+            return misconfigured("further_urls", "\"" + printable(url) +
+                                                     "\" is not a URL like opc.tcp://host:port");
         }
     }
     if (config.application_uri.empty()) {

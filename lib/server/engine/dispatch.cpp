@@ -23,7 +23,7 @@ Unexpected<Refusal> refuse_session(StatusCode status, std::string found, std::st
                    std::move(remedy)});
 }
 
-/// The session that the request belongs to, if the service may be used with it.
+/// Returns the request's session, if the service may be used with it.
 Checked<Session*> find_session(Core& core, const PeerLink& link, const RequestHeader& header,
                                Need need, TimePoint now)
 {
@@ -55,13 +55,13 @@ Checked<Session*> find_session(Core& core, const PeerLink& link, const RequestHe
     return session;
 }
 
-/// What of it the user may be told (Part 4, 7.12).
+/// Returns the part of the diagnostics that the user may see (Part 4, 7.12).
 std::uint32_t allowed_diagnostics(const Core& core, const Session* session, std::uint32_t wanted)
 {
     if ((wanted & diagnostic_bit::for_administrators) == 0) {
         return wanted;
     }
-    // Supervisors and engineers, too: programs and logs are theirs.
+    // Supervisors and engineers, too: they write programs and read logs.
     static constexpr std::array roles{id::WellKnownRole_SecurityAdmin, id::WellKnownRole_Engineer,
                                       id::WellKnownRole_Supervisor};
     const bool is_known = session != nullptr && session->is_activated;
@@ -73,7 +73,7 @@ std::uint32_t allowed_diagnostics(const Core& core, const Session* session, std:
     return is_admin ? wanted : wanted & ~diagnostic_bit::for_administrators;
 }
 
-/// The whole header but its additionalHeader: no service uses it, so nothing is made of it.
+/// Decodes the header except its additionalHeader, which no service uses.
 void decode_header(binary::Reader& reader, RequestHeader& header)
 {
     decode(reader, header.authentication_token);
@@ -85,7 +85,7 @@ void decode_header(binary::Reader& reader, RequestHeader& header)
     skip_extension_object(reader);
 }
 
-/// Whether a service works in the server's state; an enumeration of Part 5, 12.6.
+/// Returns whether a service works in the server's state, an enumeration of Part 5, 12.6.
 StatusCode check_state(const Core& core, Lasts lasts)
 {
     const Lasts least = core.countdown_heir != nullptr ? Lasts::InCountdown : Lasts::ToTheEnd;
@@ -153,10 +153,10 @@ void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::u
     const Service* service = core.services.find(encoding_id);
     if (service == nullptr && is_response(encoding_id)) {
         return link.close({status::Bad_TcpMessageTypeInvalid, "message type",
-                           "a response, which no server gets", "Part 6, 7.1.2.2",
+                           "a response, which a server never receives", "Part 6, 7.1.2.2",
                            "Find out what connects to this port"});
     }
-    // Every request begins with its header (Part 4, 7.32); those that are not known may too.
+    // Every request begins with its header (Part 4, 7.32); unknown ones may too.
     decode_header(reader, incoming.header);
     incoming.offset = reader.offset();
     if (reader.ok()) {

@@ -37,11 +37,11 @@ Number plus(Number a, Number b)
     return a > most - b ? most : a + b;
 }
 
-// What things take that are not measured by the code which makes them, with what belongs to them;
-// a test fills each and looks.
+// Memory of objects that are not measured by the code which creates them, with everything that
+// belongs to them; a test fills each and measures it.
 
-constexpr Number bytes_of_text = 288; // as CreateSession cuts them
-/// An OpenSSL object beside the DER that it came from.
+constexpr Number bytes_of_text = 288; // CreateSession shortens them to this
+/// Factor of an OpenSSL object's size over the size of its DER.
 constexpr Number parsed_certificate = 3;
 constexpr Number bytes_of_certificate = 16'384 * parsed_certificate;
 constexpr Number bytes_of_chain = crypto::max_chain_size * parsed_certificate;
@@ -50,7 +50,7 @@ constexpr Number bytes_of_channel = 16'384;
 constexpr Number bytes_of_operation = 2'048;
 /// The Object of a session below SessionsDiagnosticsSummary, with its Variables.
 constexpr Number bytes_of_diagnostics = 65'536;
-/// With 32 nodes of its diagnostics.
+/// Including 32 nodes of its diagnostics.
 constexpr Number bytes_of_subscription = 2'048 + 32 * 256;
 constexpr Number bytes_of_kept_message = 64; // without the message
 constexpr Number bytes_of_status_change = 256;
@@ -69,7 +69,7 @@ constexpr Number waiting_checks = 64;
 constexpr std::string_view by_session = "paid for by max_session_memory";
 constexpr std::string_view by_subscription = "paid for by subscriptions.max_subscription_memory";
 
-/// Makes the rows, each for the limit that was named last.
+/// Creates the rows, each for the limit that was named last.
 class Rows {
 public:
     explicit Rows(std::vector<MemoryRow>& rows) : rows_{rows} {}
@@ -109,7 +109,7 @@ private:
     bool has_row_{false};
 };
 
-/// Connections whose last bytes wait for their peers are beside those that are open.
+/// Connections whose last bytes wait for their peers exist in addition to open ones.
 Number all_connections(const ServerLimits& limits)
 {
     return times(2, limits.max_connections);
@@ -148,7 +148,7 @@ void add_decode(Rows& rows, const ServerLimits& limits)
         .holds(1, decode.free_memory, "the same of a small request");
 }
 
-/// Of the request that is served; what has to wait is paid for by its session.
+/// For the request that is being served; a waiting one is paid for by its session.
 void add_operations(Rows& rows, const ServerLimits& limits)
 {
     const OperationLimits& operations = limits.operations;
@@ -186,7 +186,7 @@ void add_connections(Rows& rows, const ServerLimits& limits)
     rows.count("max_connections_per_address", limits.max_connections_per_address);
     rows.time("sessionless_timeout", limits.sessionless_timeout);
     rows.bytes("max_sessionless_message", limits.max_sessionless_message);
-    // While one grows it is there twice.
+    // A growing buffer exists twice.
     rows.bytes("max_send_queue", limits.max_send_queue)
         .holds(plus(all_connections(limits), 1), bounds.output,
                "answers that wait for a peer, with one message more");
@@ -215,7 +215,7 @@ void add_sessions(Rows& rows, const ServerLimits& limits)
     rows.time("activation_timeout", limits.activation_timeout);
     rows.bytes("max_session_memory", limits.max_session_memory)
         .holds(limits.max_sessions, limits.max_session_memory,
-               "requests that wait with what was made of them, continuation points");
+               "waiting requests and their results so far, continuation points");
     rows.count("max_locale_ids", limits.max_locale_ids)
         .holds(times(limits.max_sessions + limits.subscriptions.max_subscriptions,
                      limits.max_locale_ids),
@@ -243,7 +243,7 @@ void add_services(Rows& rows, const ServerLimits& limits)
             in_all(operations.max_nodes_per_translate_browse_paths, limits.max_browse_path_targets),
             sizeof(BrowsePathTarget), "targets found in one turn");
     rows.count("max_client_nodes", limits.max_client_nodes)
-        .holds(limits.max_client_nodes, bytes_of_client_node, "what is noted of clients' nodes");
+        .holds(limits.max_client_nodes, bytes_of_client_node, "bookkeeping of clients' nodes");
     rows.count("max_client_references", limits.max_client_references)
         .holds(limits.max_client_references, bytes_of_client_reference,
                "references that clients have added");
@@ -348,7 +348,7 @@ void add_logins(Rows& rows, const ServerLimits& limits, const MemoryAssumptions&
     }
 }
 
-/// What a batch was asked for stays with a slow source when its request has long timed out.
+/// A batch stays with a slow source when its request has long timed out.
 void add_sources(Rows& rows, const ServerLimits& limits, const MemoryAssumptions& other)
 {
     const Number message = channel::detail::completed(limits.transport).max_message_size;

@@ -13,7 +13,7 @@ namespace {
 std::uint64_t random_prefix(crypto::Random& random)
 {
     std::array<std::byte, 8> bytes{};
-    static_cast<void>(random.fill(bytes)); // without randomness it is zero, as good as any
+    static_cast<void>(random.fill(bytes)); // without randomness it is zero, which works as well
     return std::bit_cast<std::uint64_t>(bytes);
 }
 
@@ -46,7 +46,7 @@ void Events::remove(EventReceiver& receiver)
     if (receiver.place_ == EventReceiver::nowhere) {
         return;
     }
-    // The last one takes its place, so that it does not matter how many there are.
+    // The last one takes its place, so that the cost does not depend on their number.
     const auto found = receivers_.find(receiver.notifier().index);
     auto& receivers = found->second;
     receivers.back()->place_ = receiver.place_;
@@ -62,8 +62,8 @@ void Events::handle_raised()
 {
     queue_->begin();
     bool is_lost = false;
-    // All that was there, as the queue has less than twice the places that were asked for. What is
-    // raised meanwhile wakes the server again: other work gets its turn first.
+    // Processes all present events, as the queue has less than twice the requested places. Events
+    // that are raised meanwhile wake the server again: other work gets its turn first.
     bool is_there = true;
     for (std::size_t left = 2 * limits_.max_raised_events; left > 0 && is_there; --left) {
         const StatusCode thrown = busbar::detail::guarded(*environment_->log, "an Event",
@@ -76,7 +76,7 @@ void Events::handle_raised()
     }
 }
 
-/// False if there is none.
+/// Returns false if there is none.
 bool Events::raise_next()
 {
     Event event;
@@ -87,7 +87,7 @@ bool Events::raise_next()
     if (!raise(std::move(event))) {
         environment_->log->write(LogLevel::Warning, "event",
                                  "was dropped: " + printable(to_string(type)) +
-                                     " is no event type");
+                                     " is not an event type");
     }
     return true;
 }
@@ -117,7 +117,7 @@ void Events::deliver(const RaisedEvent& event)
             if (space_->handle(notifier) != receiver->notifier()) {
                 continue;
             }
-            // One that finds no memory does not keep it from the others.
+            // A receiver without memory does not affect the others.
             const StatusCode thrown = busbar::detail::guarded(*environment_->log, "an Event",
                                                               [&] { receiver->deliver(event); });
             if (thrown.is_bad()) {
@@ -142,7 +142,7 @@ std::unique_ptr<const RaisedEvent> Events::overflow_event()
     event.event_type = NodeId{0, id::EventQueueOverflowEventType};
     event.source_name = "Internal/EventQueueOverflow";
     event.message = LocalizedText{"en", "Events were lost"};
-    // A small namespace 0 may not have the type; nothing but its NodeId is needed here.
+    // A small namespace 0 may lack the type; only its NodeId is needed here.
     const model::NodeIndex type = space_->find(event.event_type);
     return std::make_unique<const RaisedEvent>(std::move(event), type, next_event_id(), received());
 }

@@ -26,10 +26,10 @@ namespace {
 constexpr std::size_t nonce_size = 32;
 constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_text_size = 256;
-/// What may wait before a session is activated, in the largest that may be sent then (D1).
+/// Bytes that may wait before a session is activated, in requests of the largest size allowed then.
 constexpr std::uint64_t sessionless_requests = 16;
 
-/// The security of the channel has to be that of an endpoint: discovery may have less.
+/// The channel must have the security of an endpoint: discovery may have less.
 Checked<void> check_endpoint(const ServerConfig& config, const channel::SecuritySetting& security)
 {
     const auto& endpoints = config.endpoints;
@@ -51,14 +51,14 @@ Checked<void> check_nonce(const ByteString& nonce, bool is_secure)
     if (!is_right) {
         return refuse({status::Bad_NonceInvalid,
                        "client nonce",
-                       std::to_string(nonce.size()) + " bytes where 32 to 128 are due",
+                       std::to_string(nonce.size()) + " bytes, expected 32 to 128",
                        "Part 4, 5.7.2.2",
                        {}});
     }
     return {};
 }
 
-/// Part 4, 5.7.2.2: never used in any other request, or what it signs proves nothing.
+/// Part 4, 5.7.2.2: the nonce must be new, or its signature proves nothing.
 Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
 {
     if (!sessions.nonces.take(nonce.span())) {
@@ -69,16 +69,16 @@ Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
     return {};
 }
 
-/// Whether `sent` is the leaf of `known`, alone or with issuers: those that the channel was opened
-/// with, or others, which nobody asks for again but have to be certificates.
+/// Returns whether `sent` is the leaf of `known`, alone or with issuers: those of the channel, or
+/// others, which are not used but must be certificates.
 bool begins_with(std::span<const std::byte> sent, const crypto::CertificateChain& known)
 {
-    const auto chain = crypto::parse_chain(sent, known); // which parses nothing twice (G6)
+    const auto chain = crypto::parse_chain(sent, known); // which parses nothing twice
     return chain && !known.empty() && chain->front() == known.front();
 }
 
-/// The client's certificate must be the one that its channel was opened with, and name the
-/// application that it says it is (Part 4, 5.7.2.2).
+/// The client's certificate must be that of its channel, and name the application that the client
+/// claims to be (Part 4, 5.7.2.2).
 Checked<void> check_certificate(const channel::ServerChannel& channel,
                                 const CreateSessionRequest& request)
 {
@@ -102,7 +102,7 @@ Checked<void> check_certificate(const channel::ServerChannel& channel,
     return {};
 }
 
-/// Part 4, 5.7.2.2: a client behind a gateway names the server that it means.
+/// Part 4, 5.7.2.2: a client behind a gateway names the server that it wants.
 Checked<void> check_server_uri(const ServerConfig& config, const String& wanted)
 {
     if (!wanted.empty() && wanted.view() != config.application_uri) {
@@ -133,7 +133,7 @@ Unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
                    "Part 4, 5.7.2", "Close sessions that are not needed, or raise the limit"});
 }
 
-/// Part 4, 5.7.2.1: sessions that nobody activates do not keep others out.
+/// Part 4, 5.7.2.1: sessions that are never activated must not keep others out.
 Checked<void> make_place(const SessionNeeds& needs, const ServiceContext& context)
 {
     const std::size_t over_channel = context.peer.sessions().size();
@@ -146,7 +146,7 @@ Checked<void> make_place(const SessionNeeds& needs, const ServiceContext& contex
     return {};
 }
 
-/// Any number, not a number included, comes into the limits.
+/// Limits any number, including NaN, to the range.
 std::chrono::milliseconds revise_timeout(const ServerLimits& limits, double requested_ms)
 {
     const auto least = limits.min_session_timeout;
@@ -169,13 +169,13 @@ Result<Guid> random_guid(crypto::Random& random)
     return binary::from_bytes<Guid>(bytes->span());
 }
 
-/// What is kept of a text that nobody has logged in for yet.
+/// Returns the part that is kept of a text before a login.
 String shortened(const String& text)
 {
     return String{std::string{busbar::detail::cut_short(text.view(), max_text_size)}};
 }
 
-/// The session's Object has it as BrowseName, which other clients are sent.
+/// The session's Object has it as BrowseName, which other clients see.
 std::string session_name(std::string_view wanted, const Guid& id)
 {
     const std::string_view name = busbar::detail::cut_short(wanted, max_text_size);
@@ -185,7 +185,8 @@ std::string session_name(std::string_view wanted, const Guid& id)
     return busbar::detail::is_name(name) ? std::string{name} : printable(name, max_text_size);
 }
 
-/// Without the userinfo that a URL may have (RFC 3986, 3.2.1): what is shown is shown to many.
+/// Returns the URL without the userinfo that it may have (RFC 3986, 3.2.1), since many clients see
+/// it.
 String without_userinfo(const String& url)
 {
     const std::string_view text = url.view();
@@ -199,7 +200,7 @@ String without_userinfo(const String& url)
                : String{std::string{text.substr(0, begin)}.append(text.substr(begin + at + 1))};
 }
 
-/// For the diagnostics (Part 5, 12.11).
+/// Stores the client's description for the diagnostics (Part 5, 12.11).
 void describe_client(Session& session, const CreateSessionRequest& request)
 {
     const ApplicationDescription& client = request.client_description;

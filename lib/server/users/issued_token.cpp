@@ -35,9 +35,10 @@ Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& toke
     }
     auto rights = context.users->token_user(*claims);
     if (!rights) {
-        return Unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
-                                "\"" + printable(claims->subject) + "\" is no user here",
-                                "Part 4, 7.40.6", "Add it to the users")};
+        return Unexpected{
+            guess(status::Bad_IdentityTokenRejected, "issued token",
+                  "\"" + printable(claims->subject) + "\" is not a user of this server",
+                  "Part 4, 7.40.6", "Add it to the users")};
     }
     UserIdentity user =
         identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));

@@ -28,7 +28,7 @@ std::size_t count_characters(std::string_view text)
     }));
 }
 
-/// Makes no copy: the text may be a password.
+/// Makes no copy, since the text may be a password.
 bool has_control_character(std::string_view text)
 {
     return std::any_of(text.begin(), text.end(),
@@ -42,7 +42,7 @@ std::string words_for(std::string_view characters)
                                                          : std::string{characters};
 }
 
-/// What is wrong with `text`, after its subject; empty if nothing is.
+/// Returns what is wrong with `text`, to be appended to its subject; empty if nothing is.
 std::string find_fault(std::string_view text, std::size_t least, std::size_t most,
                        std::string_view characters)
 {
@@ -53,7 +53,7 @@ std::string find_fault(std::string_view text, std::size_t least, std::size_t mos
         return "has characters other than " + words_for(characters);
     }
     if (count_characters(text) < least || text.size() > most) {
-        return "has not " + std::to_string(least) + " to " + std::to_string(most) + " characters";
+        return "must have " + std::to_string(least) + " to " + std::to_string(most) + " characters";
     }
     return {};
 }
@@ -82,7 +82,8 @@ std::string find_name_fault(const PasswordRules& rules, std::string_view name)
         return quoted(name) + " is a reserved name";
     }
     if (!name.empty() && !busbar::detail::is_name(name)) {
-        return quoted(name) + " is no UTF-8, or has control characters or spaces at its ends";
+        return quoted(name) +
+               " is not UTF-8, has control characters, or begins or ends with a space";
     }
     const std::string fault =
         find_fault(name, rules.min_name_length, rules.max_name_length, rules.name_characters);
@@ -98,7 +99,7 @@ std::string find_password_fault(const PasswordRules& rules, std::string_view nam
     if (rules.needs_letters_and_digit &&
         !(has_one_of(password, 'A', 'Z') && has_one_of(password, 'a', 'z') &&
           has_one_of(password, '0', '9'))) {
-        return "it has not an upper-case letter, a lower-case letter and a digit";
+        return "it lacks an upper-case letter, a lower-case letter or a digit";
     }
     const std::string fault = find_fault(password, rules.min_password_length,
                                          rules.max_password_length, rules.password_characters);

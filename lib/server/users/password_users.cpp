@@ -31,7 +31,7 @@ Checked<void> PasswordUsers::add(std::string_view name, std::string_view passwor
     }
     auto hash = crypto::hash_password(password, random, rules_.cost);
     if (!hash) {
-        return refuse_change(hash.error(), name, "has no hash of the password");
+        return refuse_change(hash.error(), name, "has no password hash");
     }
     const std::lock_guard lock{mutex_};
     if (users_.find(name) != users_.end()) {
@@ -56,7 +56,7 @@ Checked<void> PasswordUsers::change_password(std::string_view name, std::string_
     }
     auto hash = crypto::hash_password(new_password, random, rules_.cost);
     if (!hash) {
-        return refuse_change(hash.error(), name, "has no hash of the new password");
+        return refuse_change(hash.error(), name, "has no hash for the new password");
     }
     const std::lock_guard lock{mutex_};
     const auto found = users_.find(name);
@@ -126,7 +126,7 @@ void PasswordUsers::apply(Change change) noexcept
     for (const std::string& name : change.gone_) {
         users_.erase(name);
     }
-    change.set_.merge(users_); // those that are not set again
+    change.set_.merge(users_); // users that are not set again
     users_.swap(change.set_);
 }
 
@@ -151,7 +151,7 @@ Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_vi
         for (const auto& [other, user] : users_) {
             hashes.push_back(user.password_hash);
         }
-        // Chosen in any case: a name that is not there takes as long as one that is.
+        // Chosen in any case, so that an unknown name takes as long as a known one.
         hash = hashes[detail::stand_in_for(name, hashes)];
         if (const auto found = users_.find(name); found != users_.end()) {
             hash = found->second.password_hash;

@@ -44,12 +44,12 @@ std::optional<LoginFailure> check_policy(const LoginContext& context, UserTokenT
     if (!accepts(context.endpoint, context.users, type)) {
         return misuse(status::Bad_IdentityTokenRejected,
                       std::string{name_of(type)} + " are not accepted at this endpoint",
-                      "If they are to be, allow them in the configuration of the endpoint");
+                      "To accept them, allow them in the configuration of the endpoint");
     }
     const std::string expected = policy_id(context.endpoint, type);
     if (policy.view() != expected) {
         return misuse(status::Bad_IdentityTokenInvalid,
-                      "the token is of policy \"" + printable(policy.view()) + "\" and not \"" +
+                      "the token names the policy \"" + printable(policy.view()) + "\" and not \"" +
                           expected + "\"",
                       "The client has to read the endpoints again");
     }

@@ -14,14 +14,14 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Bytes of passwords that are looked at; the legacy format has room for 64 (Part 4, 7.40.2.1).
+/// Maximum number of bytes of a password; the legacy format has room for 64 (Part 4, 7.40.2.1).
 constexpr std::size_t max_password_size = 256;
-/// What is checked instead of a password that could not be read.
+/// Checked instead of a password that could not be read.
 constexpr std::string_view stand_in = "not the password of anyone";
 
 Login log_in_anonymous(const LoginContext& context, const String& policy)
 {
-    // Who leaves out the token leaves out the policy (Part 4, 5.7.3.2).
+    // A client that omits the token omits the policy (Part 4, 5.7.3.2).
     const String named = policy.empty() ? String{"anonymous"} : policy;
     if (auto failure = check_policy(context, UserTokenType::Anonymous, named)) {
         return Unexpected{*std::move(failure)};
@@ -52,7 +52,7 @@ LoginStep begin_user(const LoginContext& context, const UserNameIdentityToken& t
     return check;
 }
 
-/// The certificate's own trust list, then the proof that the user has its key.
+/// Checks the certificate's own trust list, then the proof that the user has its key.
 std::optional<LoginFailure> check_certificate_user(const LoginContext& context,
                                                    const crypto::CertificateChain& chain,
                                                    const SignatureData& signature)
@@ -138,12 +138,12 @@ LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token
         return context.log_in_issued(context, *issued);
     }
     return Login{
-        Unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is no UserIdentityToken", {})}};
+        Unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is not a UserIdentityToken", {})}};
 }
 
 Login end_log_in(PasswordCheck& check)
 {
-    if (!check.thrown.view().empty()) { // which says nothing of the user
+    if (!check.thrown.view().empty()) { // which means nothing about the user
         return Unexpected{misuse(status::Bad_InternalError,
                                  "UserStore::log_in threw: " + printable(check.thrown.view()), {})};
     }

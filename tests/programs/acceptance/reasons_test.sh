@@ -27,14 +27,14 @@ one_step # what is refused changes nothing
 # Names and passwords of users: their rules.
 echo "Short1" > short
 chief 1 admin user add "$url" night --new-password-file short
-refused 'password rules: it has not 8 to 32 characters'
+refused 'password rules: it must have 8 to 32 characters'
 echo "Patience 123" > spaced
 chief 1 admin user add "$url" night --new-password-file spaced
 refused 'password rules: it has characters other than A to Z, a to z and 0 to 9'
 for name in pat "pat of the night shift" observer chief; do
     chief 1 admin user add "$url" "$name" --new-password-file good
     case "$name" in
-        pat) refused 'user name rules: "pat" has not 4 to 32 characters' ;;
+        pat) refused 'user name rules: "pat" must have 4 to 32 characters' ;;
         observer) refused 'user name rules: "observer" is a reserved name' ;;
         chief) refused 'user "chief" is there already' ;;
         *) refused 'user name rules: "pat of the night shift" has characters other than' ;;
