@@ -15,6 +15,9 @@
 
 namespace busbar::test {
 
+/// True while this thread makes a key to keep, which support/kept_keys.cpp then really makes.
+inline thread_local bool makes_kept_key{false};
+
 /// Reads a key that an earlier test program has kept; none if there is none of this size.
 [[nodiscard]] inline Result<crypto::PrivateKey> read_key(const std::filesystem::path& path,
                                                          std::uint32_t bits)
@@ -40,7 +43,9 @@ namespace busbar::test {
     if (auto kept = read_key(path, bits)) {
         return *std::move(kept);
     }
+    makes_kept_key = true;
     auto key = *crypto::PrivateKey::generate(bits);
+    makes_kept_key = false;
     std::error_code error;
     fs::create_directories(folder, error);
     fs::permissions(folder, fs::perms::owner_all, error);
