@@ -55,7 +55,8 @@ struct Fixture {
     crypto::SystemRandom random;
     server::PasswordUsers passwords;
     administration::ConfiguredUsers configured;
-    UserList list{storage, "users.json", {}, passwords, {}, &configured};
+    // What a hash costs is not what is tested here.
+    UserList list{storage, "users.json", {.cost = {.log_n = 1}}, passwords, {}, &configured};
 };
 
 template <typename T>
@@ -116,7 +117,8 @@ TEST_CASE_METHOD(Fixture, "users: what cannot be added (Part 18, 5.2.5)")
 {
     REQUIRE(add("pat"));
     CHECK(status_of(add("pat")) == "Bad_AlreadyExists");
-    REQUIRE(passwords.set("configured", *crypto::hash_password(good_password, random)));
+    REQUIRE(
+        passwords.set("configured", *crypto::hash_password(good_password, random, {.log_n = 1})));
     CHECK(status_of(add("configured")) == "Bad_AlreadyExists");
     CHECK(status_of(add("")) == "Bad_InvalidArgument");
     CHECK(status_of(add("new", {}, 16)) == "Bad_NotSupported");
@@ -136,6 +138,7 @@ TEST_CASE("users: the list has a limit, and names and passwords rules")
     crypto::SystemRandom random;
     server::PasswordUsers passwords;
     server::PasswordRules rules = server::nj501_password_rules();
+    rules.cost.log_n = 1;
     rules.max_users = 1;
     UserList list{storage, "users.json", rules, passwords};
     User user;
@@ -231,7 +234,7 @@ TEST_CASE_METHOD(Fixture, "users: those of the configuration are listed and stay
 {
     REQUIRE(add("zoe"));
     REQUIRE(add("pat", {"Operator"}));
-    const auto hash = crypto::hash_password("a word of the file", random);
+    const auto hash = crypto::hash_password("a word of the file", random, {.log_n = 1});
     REQUIRE(passwords.set("pat", *hash));
     configured.replace({{.name = "pat", .roles = {"Observer"}}});
     REQUIRE(list.load()); // as after a restart, or when the file was read again
@@ -388,7 +391,7 @@ TEST_CASE("users: are read while a change waits for its file")
     test::WatchedStorage storage{medium};
     crypto::SystemRandom random;
     server::PasswordUsers passwords;
-    UserList list{storage, "users.json", {}, passwords};
+    UserList list{storage, "users.json", {.cost = {.log_n = 1}}, passwords};
     REQUIRE(list.add({"ann", {}, 0, {}, {"SecurityAdmin"}}, good_password, random));
     std::size_t seen = 0;
     bool has_administrator = false;
