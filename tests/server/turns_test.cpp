@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "server/session/turn.hpp"
 #include "server/subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
@@ -23,6 +24,12 @@ BrowseRequest dear_browse(std::size_t nodes)
     request.nodes_to_browse.resize(nodes);
     std::fill(request.nodes_to_browse.begin(), request.nodes_to_browse.end(), one);
     return request;
+}
+
+/// How many of the dear nodes take so many turns, with any namespace 0.
+std::size_t nodes_for_turns(ServerFixture& fixture, std::size_t turns)
+{
+    return turns * server::detail::Turn::units / fixture.server.address_space().node_count() + 1;
 }
 
 /// Puts a request into the channel and sends nothing yet.
@@ -54,8 +61,7 @@ TEST_CASE("a connection that asks for much waits for its next turn")
     ServerFixture fixture;
     auto greedy = fixture.log_in();
     auto good = fixture.log_in();
-    // As much work with any namespace 0.
-    const std::size_t nodes = 200'000 / fixture.server.address_space().node_count() + 1;
+    const std::size_t nodes = nodes_for_turns(fixture, 2);
     for (std::size_t i = 0; i < requests; ++i) {
         prepare(greedy, dear_browse(nodes));
     }
@@ -102,7 +108,7 @@ TEST_CASE("what waits for its turn ends with its session")
 {
     ServerFixture fixture;
     auto greedy = fixture.log_in();
-    prepare(greedy, dear_browse(1'000));
+    prepare(greedy, dear_browse(nodes_for_turns(fixture, 5)));
     prepare(greedy, CloseSessionRequest{});
     carry(greedy.channel, greedy.connection, fixture.now);
     CHECK(take_answers(greedy, fixture.now) == 0);
