@@ -10,6 +10,8 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+#include "support/effort.hpp"
+
 namespace storage_power_cut_test {
 
 // Every persisted change, cut at every byte and call, and on a medium that is full, protected or
@@ -166,7 +168,8 @@ TEST_CASE("power cut: a change of users or roles is whole or not done", "[power]
         REQUIRE(world.stored() == before);
         const std::vector<std::byte> files = world.files();
         bool is_done = false;
-        for (std::size_t step = 0; !is_done && step < 5'000; ++step) {
+        const test::Turns cuts{what, 5};
+        for (std::size_t step = cuts.first; !is_done && step < 5'000; step += cuts.stride) {
             world.storage.cut_power_after(step);
             is_done = change(world);
             world.storage.restore_power();

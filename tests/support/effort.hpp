@@ -26,4 +26,16 @@ namespace busbar::test {
     return (std::hash<std::string_view>{}(name) % parts + number) % parts;
 }
 
+/// Which of very many cases, such as a power cut after each step, a test does: all at full effort,
+/// otherwise every `parts`-th, beginning with another one every day.
+struct Turns {
+    Turns(std::string_view name, std::size_t parts)
+        : stride{is_full_effort() ? 1 : parts}, first{part_of_round(name, stride)}
+    {
+    }
+
+    std::size_t stride;
+    std::size_t first;
+};
+
 } // namespace busbar::test
