@@ -401,16 +401,32 @@ std::string setting_name(const LimitKey& key)
     return std::string{key.table} + "." + std::string{key.name};
 }
 
+namespace {
+
+/// Table and name of a key, for looking one up among many: a Settings object asks for each of its
+/// settings whenever it is made.
+std::pair<std::string_view, std::string_view> place_of(const LimitKey* key)
+{
+    return {key->table, key->name};
+}
+
+} // namespace
+
 const LimitKey* find_limit(std::string_view setting)
 {
+    static const auto sorted = [] {
+        std::array<const LimitKey*, std::size(keys)> all{};
+        std::ranges::transform(keys, all.begin(), [](const LimitKey& key) { return &key; });
+        std::ranges::sort(all, {}, place_of);
+        return all;
+    }();
     const std::size_t point = setting.rfind('.');
     if (point == std::string_view::npos) {
         return nullptr;
     }
-    const auto* const found = std::ranges::find_if(keys, [&](const LimitKey& key) {
-        return key.table == setting.substr(0, point) && key.name == setting.substr(point + 1);
-    });
-    return found == std::end(keys) ? nullptr : found;
+    const std::pair place{setting.substr(0, point), setting.substr(point + 1)};
+    const auto found = std::ranges::lower_bound(sorted, place, {}, place_of);
+    return found == sorted.end() || place_of(*found) != place ? nullptr : *found;
 }
 
 std::string key_of(std::string_view cost)
