@@ -5,6 +5,8 @@
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
 
+#include "support/effort.hpp"
+
 namespace machine_backup_test {
 
 using namespace busbar;
@@ -182,8 +184,9 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: a power cut restores all or not
     const Bytes file = made();
     change();
     const Files changed = there();
-    std::size_t cuts = 0;
-    for (bool was_cut = true; was_cut; ++cuts) {
+    const Turns turns{"machine backup", 5};
+    std::size_t cuts = turns.first;
+    for (bool was_cut = true; was_cut; cuts += turns.stride) {
         REQUIRE(cuts < 10'000);
         const std::size_t begin = files.steps();
         files.cut_power_after(cuts);

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "execution_log_world.hpp"
+#include "support/effort.hpp"
 
 namespace execution_log_medium_test {
 
@@ -12,7 +13,8 @@ TEST_CASE("Whatever the power cuts, lines are whole and what was saved stays (7-
           "[power_cut][logs]")
 {
     bool is_through = false;
-    for (std::size_t steps = 0; !is_through; ++steps) {
+    const Turns cuts{"log cut", 3};
+    for (std::size_t steps = cuts.first; !is_through; steps += cuts.stride) {
         LogWorld world;
         world.happen(0, 98);
         REQUIRE(world.log->flush());
@@ -39,7 +41,8 @@ TEST_CASE("Whatever fails on the medium, each record is saved once (7-1-1)", "[p
     for (const StorageError error :
          {StorageError::Away, StorageError::Full, StorageError::Protected, StorageError::Failed}) {
         bool is_through = false;
-        for (std::size_t steps = 0; !is_through; ++steps) {
+        const Turns faults{text(error), 5};
+        for (std::size_t steps = faults.first; !is_through; steps += faults.stride) {
             LogWorld world;
             world.happen(0, 98);
             REQUIRE(world.log->write_pending());

@@ -5,6 +5,7 @@
 #include <busbar/controller/machine_event_raiser.hpp>
 
 #include "machine_event_world.hpp"
+#include "support/effort.hpp"
 
 namespace machine_event_files_test {
 
@@ -64,7 +65,8 @@ TEST_CASE("Whatever the power cuts or the storage fails, events stay and come on
 {
     for (const bool is_cut : {true, false}) {
         bool is_through = false;
-        for (std::size_t steps = 0; !is_through; ++steps) {
+        const Turns cuts{is_cut ? "cut" : "failed", 3};
+        for (std::size_t steps = cuts.first; !is_through; steps += cuts.stride) {
             EventWorld world{{.max_entries = 16}};
             world.refuse(0, 14);
             REQUIRE(world.log->write_pending());
