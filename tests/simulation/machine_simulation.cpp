@@ -50,7 +50,7 @@ bool MachineSimulation::is_running() const
     return machine_ && machine_->life.operating_status() == OperatingStatus::Running;
 }
 
-void MachineSimulation::run(std::chrono::hours time)
+void MachineSimulation::run(std::chrono::minutes time)
 {
     memory_weather_.start();
     card_weather_.start();

@@ -18,7 +18,7 @@ class MachineSimulation {
 public:
     explicit MachineSimulation(std::uint64_t seed);
 
-    void run(std::chrono::hours time);
+    void run(std::chrono::minutes time);
     /// The media are good again, and the controller starts: all has to be as it was saved.
     void finish();
 
