@@ -49,7 +49,7 @@ public:
     /// creator and cannot raise it. Only the first call has an effect. Any thread.
     static void keep_priority();
 
-    /// The first scan begins immediately.
+    /// Returns when the first scan has ended.
     void start();
     /// Waits for a running scan, then halts the PLC.
     void stop();
@@ -71,7 +71,7 @@ public:
 
 private:
     void run();
-    void begin();
+    void ask_for_priority();
     void scan(TimePoint planned, TimePoint begin, Duration elapsed);
 
     Plc* plc_;
@@ -84,7 +84,7 @@ private:
     /// Guards these. The task holds it only while it waits for its next cycle.
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool has_begun_{false};
+    bool has_scanned_{false};
     bool stopping_{false};
 
     std::atomic<std::uint64_t> scans_{0};

@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
 
@@ -53,7 +54,7 @@ void PlcTask::start()
     if (thread_.joinable()) {
         return;
     }
-    has_begun_ = false;
+    has_scanned_ = false;
     stopping_ = false;
     granted_priority_ = 0;
     scans_ = 0;
@@ -62,7 +63,7 @@ void PlcTask::start()
     worst_scan_ = 0;
     thread_ = ThreadMaker::instance().make([this] { run(); });
     std::unique_lock lock{mutex_};
-    changed_.wait(lock, [this] { return has_begun_; });
+    changed_.wait(lock, [this] { return has_scanned_; });
 }
 
 void PlcTask::stop()
@@ -79,20 +80,15 @@ void PlcTask::stop()
     plc_->halt();
 }
 
-void PlcTask::begin()
+void PlcTask::ask_for_priority()
 {
     granted_priority_ =
         wanted_priority_ > 0 && set_realtime(wanted_priority_) ? wanted_priority_ : 0;
-    {
-        const std::lock_guard lock{mutex_};
-        has_begun_ = true;
-    }
-    changed_.notify_one();
 }
 
 void PlcTask::run()
 {
-    begin();
+    ask_for_priority();
     TimePoint planned = steady_now();
     TimePoint before = planned;
     for (;;) {
@@ -107,6 +103,9 @@ void PlcTask::run()
             planned += behind / cycle_ * cycle_;
         }
         std::unique_lock lock{mutex_};
+        if (!std::exchange(has_scanned_, true)) {
+            changed_.notify_one(); // who started it
+        }
         if (changed_.wait_until(lock, planned, [this] { return stopping_; })) {
             return;
         }

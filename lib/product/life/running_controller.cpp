@@ -112,14 +112,11 @@ void RunningController::refuse_beginning(const Beginning& beginning)
         return;
     }
     const std::string more = refusal.empty() || damage.empty() ? damage : "; " + damage;
-    const std::string why = refusal + more;
     const std::string text =
         refusal.empty() ? damage : refusal + "; it begins with what it ran with last" + more;
     log_.write(LogLevel::Error, "controller", text);
     pending_.ask(PendingChanges::By::Start, text);
-    if (machine_) {
-        machine_->refuse_configuration(why);
-    }
+    refused_ = refusal + more;
 }
 
 /// For clients that come, and those that wait to be connected to.
@@ -417,7 +414,8 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
         labels_->download(current_->config());
     }
     if (machine_ && !listening_.is_halted()) {
-        machine_->replace(cause, *current_->plant().program(), current_->config());
+        machine_->replace(cause, *current_->plant().program(), current_->config(),
+                          current_->plant().plc().instructions());
         stay_out();
     }
     clients_.use(current_->clients());
@@ -560,7 +558,11 @@ bool RunningController::run()
         current_->print_welcome();
     }
     if (machine_ && !listening_.is_halted()) {
-        machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
+        machine_->run(*current_->plant().program(), current_->config().server.endpoint_url,
+                      current_->plant().plc().instructions());
+    }
+    if (machine_ && !refused_.empty()) { // a start before would end the error
+        machine_->refuse_configuration(refused_);
     }
     keep();
     const Ticker lookouts{[this] {

@@ -191,6 +191,8 @@ private:
     std::unique_ptr<Generation> current_;
     /// While the program has instructions.
     std::optional<Ticker> instructions_;
+    /// What it did not begin with, and why.
+    std::string refused_;
     bool has_terminal_;
     bool starts_again_{false};
 };

@@ -243,9 +243,14 @@ LogSink& Machine::log()
     return *event_log_;
 }
 
-void Machine::run(MachineProgram& program, const std::string& endpoint_url)
+void Machine::run(MachineProgram& program, const std::string& endpoint_url,
+                  controller::InstructionDesk& desk)
 {
     events_.tell(&program.events());
+    if (life_->operating_status() == controller::OperatingStatus::Initializing) {
+        desk.serve(*life_, log());
+        life_->initialized(settings_);
+    }
     if (life_->operating_status() != controller::OperatingStatus::Preparing) {
         return; // not used, or out until a restart
     }
@@ -271,7 +276,8 @@ bool Machine::fits(const ControllerConfig& config) const
            config.machine.program->program().variables.size() <= max_variables_;
 }
 
-void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config)
+void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config,
+                      controller::InstructionDesk& desk)
 {
     is_memory_replaced_ = is_memory_replaced_ && cause != Cause::Restart;
     settings_ = settings_of(config);
@@ -282,7 +288,7 @@ void Machine::replace(Cause cause, MachineProgram& program, const ControllerConf
     } else {
         life_->reset();
     }
-    run(program, config.server.endpoint_url);
+    run(program, config.server.endpoint_url, desk);
 }
 
 void Machine::changed(Change change, const MachineProgram& program, const std::string& endpoint_url)
@@ -327,6 +333,7 @@ void Machine::add_variables()
 
 void Machine::cannot_start(const std::string& why)
 {
+    life_->initialized(settings_);
     life_->preparation_failed(preparation_, controller::PreparationFailure::Start, why);
     save_now();
 }
@@ -378,11 +385,6 @@ bool Machine::happen(HardwareEvent event)
         break;
     }
     return has_left_running(before);
-}
-
-void Machine::initialize()
-{
-    life_->initialized(settings_);
 }
 
 void Machine::prepare(std::uint32_t number, const controller::ServerSettings&)

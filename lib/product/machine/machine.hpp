@@ -103,13 +103,16 @@ public:
     /// Carries out what instructions of the program ask for. True as happen().
     [[nodiscard]] bool serve(controller::InstructionDesk& desk);
     /// The server with this program is served from now on, at this URL, if there is to be one.
-    /// `program` must outlive it, or shut_down().
-    void run(MachineProgram& program, const std::string& endpoint_url);
+    /// `program` must outlive it, or shut_down(). If the server was being initialized until now,
+    /// instructions that are at `desk` came too early (seed 000, A-2-4).
+    void run(MachineProgram& program, const std::string& endpoint_url,
+             controller::InstructionDesk& desk);
     /// Whether this is still the machine that `config` would make.
     [[nodiscard]] bool fits(const ControllerConfig& config) const;
     /// A server with this program, which was made with `config`, has taken the place of another
     /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
-    void replace(Cause cause, MachineProgram& program, const ControllerConfig& config);
+    void replace(Cause cause, MachineProgram& program, const ControllerConfig& config,
+                 controller::InstructionDesk& desk);
     /// The program that runs was edited online: `add` adds to it what is new, to the server, too,
     /// if that is out. The problem is that of `add`, or that the memory was replaced.
     [[nodiscard]] Configured<void> edit(const MachineProgram& program, Adding add);
@@ -149,7 +152,8 @@ public:
     [[nodiscard]] bool memory_replaced();
 
 private:
-    void initialize() override;
+    /// Until run(): the program's first scan is a part of it.
+    void initialize() override {}
     void prepare(std::uint32_t number, const controller::ServerSettings& settings) override;
     void reconfigure(std::uint32_t number, const controller::ServerSettings& settings,
                      const controller::StopNotice& notice) override;
