@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include <busbar/controller/machine_event_log.hpp>
 #include <busbar/net/system.hpp>
 #include <busbar/product/program.hpp>
 #include <busbar/product/runtime.hpp>
@@ -23,6 +24,7 @@ struct Tank {
     double set_point{50.0};
     std::uint8_t is_pumping{0};
     std::uint8_t is_leaking{0};
+    std::uint32_t error_code{0}; // of the highest fault of the controller
 
     [[nodiscard]] std::span<std::byte> find(std::string_view name)
     {
@@ -35,6 +37,9 @@ struct Tank {
         }
         if (name == "Pumping") {
             return bytes(is_pumping);
+        }
+        if (name == "ErrorCode") {
+            return bytes(error_code);
         }
         return name == "Leaking" ? bytes(is_leaking) : std::span<std::byte>{};
     }
@@ -78,6 +83,8 @@ public:
             host_.happen(HardwareEvent::MinorFault);
         }
         was_leaking_ = tank_.is_leaking != 0;
+        const auto error = host_.plc_error(); // as the instruction GetPLCError
+        tank_.error_code = error ? error->code : 0;
     }
 
 private:

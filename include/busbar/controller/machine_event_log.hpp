@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -91,7 +92,8 @@ public:
     /// The current errors, in the order of their occurrence.
     [[nodiscard]] std::vector<MachineEvent> current_errors() const;
     /// Returns the highest level among the current errors that are faults, and the highest code
-    /// within it; nothing if there is no fault.
+    /// within it; nothing if there is no fault. PLC tasks may call it: it does not wait and does
+    /// not allocate.
     [[nodiscard]] std::optional<PlcError> plc_error() const;
 
 private:
@@ -111,6 +113,9 @@ private:
     std::deque<MachineEvent> events_;
     std::size_t unsaved_{0}; // the number of newest events not yet saved
     std::uint64_t last_number_{0};
+    /// Level and code of plc_error() in one number; 0: none.
+    std::atomic<std::uint64_t> plc_error_{0};
+    static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
     std::mutex files_mutex_; // guards the two below
     std::unique_ptr<detail::MachineEventFiles> files_;

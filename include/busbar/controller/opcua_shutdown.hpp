@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
@@ -11,6 +12,8 @@
 namespace busbar::controller {
 
 class LifeCycle;
+class MachineEventLog;
+struct PlcError;
 
 /// Connects instructions of PLC tasks with the server's thread: a fixed number of places, each
 /// taken by one instruction from its start to its end. Neither side ever waits for the other.
@@ -31,6 +34,11 @@ public:
     /// are recorded as InstructionFailed.
     void serve(LifeCycle& life, LogSink& log);
 
+    /// The log that GetPLCError asks, before the first scan; must outlive the last one.
+    void use(const MachineEventLog& errors) { errors_ = &errors; }
+    /// What GetPLCError tells (seed 000, 9-1-1); nothing without a log. Any thread.
+    [[nodiscard]] std::optional<PlcError> plc_error() const;
+
 private:
     friend class OpcuaShutdown;
 
@@ -46,6 +54,7 @@ private:
     /// The number of instructions that found no place, and how many of them were reported.
     std::atomic<std::uint32_t> turned_away_{0};
     std::uint32_t told_{0};
+    const MachineEventLog* errors_{nullptr};
 };
 
 /// The function block OPCUA_Shutdown (manual of variables mode, A-2-1): requests the end of the OPC

@@ -43,6 +43,10 @@ enum class PlcProgramKind : std::uint8_t {
     // mode, A-2), and writes the result to `sets`: 0 nothing yet, 1 busy, 2 done, otherwise its
     // ErrorID.
     Shutdown,
+    // Executes the instruction GetPLCError (seed 000, 9-1-1): gives a number the code of the
+    // highest current error, 0 if there is none, and `sets` its level: 0 none, 2 partial fault, 3
+    // minor fault.
+    PlcError,
 };
 
 /// A program works on all elements of a variable, and on all variables if that has a `count`.
@@ -55,8 +59,8 @@ struct PlcProgram {
     std::chrono::milliseconds period{0};
     double amplitude{1};
     double offset{0};
-    /// For Acknowledge and Shutdown: a variable of numbers; if empty, nothing is written. A value
-    /// out of its type's range becomes the nearest within it.
+    /// For Acknowledge, Shutdown and PlcError: a variable of numbers; if empty, nothing is written.
+    /// A value out of its type's range becomes the nearest within it.
     std::string sets{};
     double to{0};
 

@@ -98,7 +98,8 @@ public:
     /// The mode switch was turned. Soon the controller is in this mode, or the log says why not;
     /// Runtime::mode_changed reports it.
     virtual void switch_mode(controller::MachineMode mode) = 0;
-    /// The result of the instruction GetPLCError (manual of variables mode, 9-1-1); see
+    /// The result of the instruction GetPLCError (manual of variables mode, 9-1-1), also for the
+    /// scan of a PLC; see
     /// controller/machine_event_log.hpp.
     [[nodiscard]] virtual std::optional<controller::PlcError> plc_error() const = 0;
 

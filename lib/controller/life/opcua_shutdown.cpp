@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <busbar/controller/life_cycle.hpp>
+#include <busbar/controller/machine_event_log.hpp>
 #include <busbar/core/record.hpp>
 
 namespace busbar::controller {
@@ -78,6 +79,11 @@ void InstructionDesk::serve(LifeCycle& life, LogSink& log)
     for (const std::uint32_t now = turned_away_.load(); told_ != now; ++told_) {
         tell_failed(log, too_many);
     }
+}
+
+std::optional<PlcError> InstructionDesk::plc_error() const
+{
+    return errors_ != nullptr ? errors_->plc_error() : std::nullopt;
 }
 
 OpcuaShutdown::~OpcuaShutdown()

@@ -34,6 +34,28 @@ std::optional<Problem> problem_of_events(const MachineEventLogOptions& options)
     return std::nullopt;
 }
 
+/// Of a PlcError in one number, its level above its code.
+constexpr unsigned level_shift = 32;
+
+/// No level of a fault is 0, and so neither is what stands for one.
+std::uint64_t packed_error(std::span<const MachineEvent> standing)
+{
+    static_assert(static_cast<std::uint8_t>(EventLevel::PartialFault) != 0);
+    std::optional<PlcError> highest;
+    for (const MachineEvent& each : standing) {
+        if (each.level != EventLevel::PartialFault && each.level != EventLevel::MinorFault) {
+            continue;
+        }
+        const PlcError found{each.level, each.type->code};
+        if (!highest || found.level < highest->level ||
+            (found.level == highest->level && found.code > highest->code)) {
+            highest = found;
+        }
+    }
+    return highest ? (static_cast<std::uint64_t>(highest->level) << level_shift) | highest->code
+                   : 0;
+}
+
 } // namespace
 
 Configured<std::unique_ptr<MachineEventLog>>
@@ -84,6 +106,9 @@ void MachineEventLog::record(const Record& record)
         const std::uint64_t changes = rules_->changes();
         events = rules_->take(record, now);
         has_other_errors = rules_->changes() != changes;
+        if (has_other_errors) {
+            plc_error_ = packed_error(rules_->standing());
+        }
         for (MachineEvent& event : events) {
             event.number = ++last_number_;
             keep(event);
@@ -178,18 +203,10 @@ std::vector<MachineEvent> MachineEventLog::current_errors() const
 
 std::optional<PlcError> MachineEventLog::plc_error() const
 {
-    std::optional<PlcError> result;
-    for (const MachineEvent& each : current_errors()) {
-        if (each.level != EventLevel::PartialFault && each.level != EventLevel::MinorFault) {
-            continue;
-        }
-        const PlcError found{each.level, each.type->code};
-        if (!result || found.level < result->level ||
-            (found.level == result->level && found.code > result->code)) {
-            result = found;
-        }
-    }
-    return result;
+    const std::uint64_t packed = plc_error_.load();
+    const auto level = static_cast<EventLevel>(packed >> level_shift);
+    return packed != 0 ? std::optional{PlcError{level, static_cast<std::uint32_t>(packed)}}
+                       : std::nullopt;
 }
 
 } // namespace busbar::controller

@@ -36,6 +36,8 @@ const char* name_of(PlcProgramKind kind)
         return "shutdown";
     case PlcProgramKind::Acknowledge:
         return "acknowledge";
+    case PlcProgramKind::PlcError:
+        return "plc_error";
     }
     return "?";
 }
@@ -264,8 +266,8 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
     if (program.kind == PlcProgramKind::Copy) {
         return add_copy(index, targets);
     }
-    if (program.kind == PlcProgramKind::Acknowledge || program.kind == PlcProgramKind::Shutdown) {
-        return add_acknowledge(index, targets);
+    if (detail::PlcStep::may_set(program.kind)) {
+        return add_setting(index, targets);
     }
     for (const detail::PlcPlace& target : targets) {
         plc_->steps_.emplace_back(program, target.target());
@@ -299,8 +301,8 @@ Configured<void> PlcBuilder::add_copy(std::size_t index,
     return {};
 }
 
-Configured<void> PlcBuilder::add_acknowledge(std::size_t index,
-                                             const std::vector<detail::PlcPlace>& targets)
+Configured<void> PlcBuilder::add_setting(std::size_t index,
+                                         const std::vector<detail::PlcPlace>& targets)
 {
     const PlcProgram& program = config_->programs[index];
     const auto set = program.sets.empty() ? std::vector<detail::PlcPlace>{} : finder_(program.sets);
@@ -313,9 +315,7 @@ Configured<void> PlcBuilder::add_acknowledge(std::size_t index,
     for (const detail::PlcPlace& target : targets) {
         plc_->steps_.emplace_back(program, target.target(),
                                   set.empty() ? detail::PlcTarget{} : set.front().target());
-        if (program.kind == PlcProgramKind::Shutdown) {
-            plc_->steps_.back().use(plc_->instructions());
-        }
+        plc_->steps_.back().use(plc_->instructions());
     }
     return {};
 }

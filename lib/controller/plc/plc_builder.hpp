@@ -36,8 +36,9 @@ private:
     [[nodiscard]] Configured<void> add_program(std::size_t index);
     [[nodiscard]] Configured<void> add_events();
     [[nodiscard]] Configured<void> check_event(std::size_t index) const;
-    [[nodiscard]] Configured<void> add_acknowledge(std::size_t index,
-                                                   const std::vector<detail::PlcPlace>& targets);
+    /// A program that may have `sets`.
+    [[nodiscard]] Configured<void> add_setting(std::size_t index,
+                                               const std::vector<detail::PlcPlace>& targets);
     [[nodiscard]] Configured<void> add_copy(std::size_t index,
                                             const std::vector<detail::PlcPlace>& targets);
     [[nodiscard]] Configured<std::unique_ptr<Plc>> finish();

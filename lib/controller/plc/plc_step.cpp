@@ -39,6 +39,12 @@ void set_all(const PlcTarget& target, double value)
 
 } // namespace
 
+bool PlcStep::may_set(PlcProgramKind kind)
+{
+    return kind == PlcProgramKind::Acknowledge || kind == PlcProgramKind::Shutdown ||
+           kind == PlcProgramKind::PlcError;
+}
+
 bool PlcStep::accepts(PlcProgramKind kind, BuiltInType type)
 {
     return choose(kind, type) != nullptr;
@@ -59,6 +65,8 @@ PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
         return &copy;
     case PlcProgramKind::Shutdown:
         return type == BuiltInType::Boolean ? &shut_down : nullptr;
+    case PlcProgramKind::PlcError:
+        return visit_number(type, [](auto) -> Run { return &get_plc_error; });
     case PlcProgramKind::Acknowledge:
         return visit_number(type, [](auto tag) -> Run {
             using T = typename decltype(tag)::type;
@@ -78,9 +86,15 @@ PlcStep::PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTa
       target_{target}, source_{source}, period_{program.period},
       amplitude_{program.amplitude}, offset_{program.offset}, to_{program.to}
 {
-    if (program.kind == PlcProgramKind::Acknowledge || program.kind == PlcProgramKind::Shutdown) {
-        set_ = visit_number(source.type,
+    const auto setter = [](BuiltInType type) {
+        return visit_number(type,
                             [](auto tag) -> Set { return &set_all<typename decltype(tag)::type>; });
+    };
+    if (may_set(program.kind)) {
+        set_ = setter(source.type);
+    }
+    if (program.kind == PlcProgramKind::PlcError) {
+        answer_ = setter(target.type);
     }
 }
 
@@ -165,6 +179,22 @@ void PlcStep::shut_down(PlcStep& step, Duration)
         step.set_(step.source_, instruction.busy()   ? busy
                                 : instruction.done() ? done
                                                      : instruction.error_id());
+    }
+}
+
+void PlcStep::get_plc_error(PlcStep& step, Duration elapsed)
+{
+    if (step.firings(elapsed) == 0) {
+        return;
+    }
+    const auto error = step.desk_->plc_error();
+    step.answer_(step.target_, error ? error->code : 0);
+    if (step.set_ != nullptr) {
+        constexpr double partial_fault = 2;
+        constexpr double minor_fault = 3;
+        step.set_(step.source_, !error                                     ? 0
+                                : error->level == EventLevel::PartialFault ? partial_fault
+                                                                           : minor_fault);
     }
 }
 

@@ -18,11 +18,17 @@ public:
 
     /// The config's program must have been checked.
     /// Only Copy has a `source`, of the same type and with as many elements, none of them larger,
-    /// and Acknowledge and Shutdown, whose `sets` it is.
+    /// and programs that may_set(), whose `sets` it is.
     PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source = {});
 
-    /// Of Shutdown only, before the first run(); must outlive this.
-    void use(InstructionDesk& desk) { shutdown_ = std::make_unique<OpcuaShutdown>(desk); }
+    /// True if a program of this kind may have PlcProgram::sets.
+    [[nodiscard]] static bool may_set(PlcProgramKind kind);
+    /// Of an instruction, before the first run(); must outlive this.
+    void use(InstructionDesk& desk)
+    {
+        desk_ = &desk;
+        shutdown_ = std::make_unique<OpcuaShutdown>(desk);
+    }
 
     void run(Duration elapsed) { run_(*this, elapsed); }
     /// True for a program of kind Increment.
@@ -45,11 +51,14 @@ private:
     template <typename T>
     static void acknowledge(PlcStep& step, Duration elapsed);
     static void shut_down(PlcStep& step, Duration elapsed);
+    static void get_plc_error(PlcStep& step, Duration elapsed);
     [[nodiscard]] static Run choose(PlcProgramKind kind, BuiltInType type);
 
     Run run_;
     /// Null if nothing is set.
     Set set_{nullptr};
+    /// Of PlcError: sets the target.
+    Set answer_{nullptr};
     bool is_counter_;
     PlcTarget target_;
     PlcTarget source_;
@@ -59,6 +68,7 @@ private:
     double amplitude_;
     double offset_;
     double to_;
+    InstructionDesk* desk_{nullptr};
     std::unique_ptr<OpcuaShutdown> shutdown_;
 };
 

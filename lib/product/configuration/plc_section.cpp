@@ -91,20 +91,21 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
 
 PlcProgram read_plc_program(const TomlTable& table)
 {
-    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 6> kinds = {
+    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 7> kinds = {
         {{"increment", PlcProgramKind::Increment},
          {"sine", PlcProgramKind::Sine},
          {"toggle", PlcProgramKind::Toggle},
          {"copy", PlcProgramKind::Copy},
          {"acknowledge", PlcProgramKind::Acknowledge},
-         {"shutdown", PlcProgramKind::Shutdown}}};
+         {"shutdown", PlcProgramKind::Shutdown},
+         {"plc_error", PlcProgramKind::PlcError}}};
     table.allow({"kind", "target", "source", "period_ms", "amplitude", "offset", "sets", "to"});
     PlcProgram program;
     const std::string text = table.text("kind");
     const auto* kind = std::find_if(kinds.begin(), kinds.end(),
                                     [&](const auto& known) { return known.first == text; });
     if (kind == kinds.end()) {
-        table.fail("kind", "increment, sine, toggle, copy, acknowledge or shutdown");
+        table.fail("kind", "increment, sine, toggle, copy, acknowledge, shutdown or plc_error");
     }
     program.kind = kind->second;
     program.target = table.text("target");
@@ -182,9 +183,11 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     }
     for (const TomlTable& entry : programs) {
         config.plc.programs.push_back(read_plc_program(entry));
-        if (config.plc.programs.back().kind == PlcProgramKind::Shutdown &&
-            !config.machine.program) {
-            entry.refuse("kind", "found shutdown, expected it with a program in [machine] only");
+        const PlcProgramKind kind = config.plc.programs.back().kind;
+        if (!config.machine.program &&
+            (kind == PlcProgramKind::Shutdown || kind == PlcProgramKind::PlcError)) {
+            entry.refuse("kind", "found " + entry.text("kind") +
+                                     ", expected it with a program in [machine] only");
         }
     }
     for (const PlcVariable& variable : config.plc.variables) {

@@ -35,6 +35,9 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     loaded_ = expect(runtime_.load(
         *plc_, config_.machine.program ? &config_.machine.program->program() : nullptr));
     plc_->use(*loaded_);
+    if (machine_log != nullptr) {
+        plc_->instructions().use(*machine_log);
+    }
     source_.emplace(plc_->image());
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(*source_);

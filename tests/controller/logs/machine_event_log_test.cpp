@@ -3,6 +3,9 @@
 #include <map>
 #include <set>
 
+#include <busbar/controller/opcua_shutdown.hpp>
+#include <busbar/controller/plc.hpp>
+
 #include "machine_event_world.hpp"
 
 namespace machine_event_log_test {
@@ -294,6 +297,43 @@ TEST_CASE_METHOD(EventWorld, "An instruction that fails is told with its place (
     CHECK(refuse(0x5001) == Texts{"54015001 Program0,12,Stop1,00000000"});
     CHECK(refuse(0x5002) == Texts{"54015002 Program0,12,Stop1,00000000"});
     CHECK(refuse(0x041D) == Texts{}); // an instruction's own error, no event of the server
+}
+
+TEST_CASE_METHOD(EventWorld, "A program of the PLC gets the highest fault by GetPLCError (9-1-1)")
+{
+    PlcConfig config;
+    config.variables = {
+        {.name = "Code", .type = BuiltInType::UInt32, .dimensions = {}, .initial = {}},
+        {.name = "Level", .type = BuiltInType::Byte, .dimensions = {}, .initial = {}}};
+    config.programs = {
+        {.kind = PlcProgramKind::PlcError, .target = "Code", .source = {}, .sets = "Level"}};
+    const auto plc = Plc::create(config).value();
+    const auto got = [&] {
+        plc->scan(DateTime{}, Duration{1});
+        const auto image = plc->image()->pin();
+        return std::pair{image.value(0).value_or<std::uint32_t>(99),
+                         int{image.value(1).value_or<std::uint8_t>(99)}};
+    };
+    const auto fail = [&](std::string level) {
+        static_cast<void>(
+            happen(Happening{RecordKind::MachineFault,
+                             {text("Level", std::move(level)), text("Where", "CPU Unit")}}));
+    };
+    fail("Minor fault");
+    CHECK(got() == std::pair{0U, 0}); // nobody has told it where errors are
+    plc->instructions().use(*log);
+    CHECK(got() == std::pair{3U, 3});
+    fail("Partial fault");
+    CHECK(got() == std::pair{2U, 2});
+    fail("Major fault");
+    CHECK(got() == std::pair{2U, 2}); // of which it does not tell
+    static_cast<void>(happen(Happening{RecordKind::ServerStarted}));
+    CHECK(got() == std::pair{0U, 0});
+    config.programs[0].target = "Level";
+    config.programs[0].sets.clear();
+    CHECK(Plc::create(config));
+    config.variables[1].type = BuiltInType::Boolean;
+    CHECK(Plc::create(config).error().where == "programs[0].target");
 }
 
 TEST_CASE_METHOD(EventWorld, "Faults of the controller stand until a restart (4-1-3, 9-1-2)")

@@ -27,6 +27,11 @@ property() {
     chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Controller/DeviceState/$1"
     says "^\"$2\"\$"
 }
+# got CODE LEVEL: what the program got from GetPLCError.
+got() {
+    chief 0 read --value "$url" "$(node ErrorCode)" "$(node ErrorLevel)"
+    [ "$(tr '\n' ' ' < out)" = "$1 $2 " ]
+}
 simulate() {
     as engineer 0 call "$url" "nsu=urn:busbar:machine;s=Machine/Hardware" Simulate "$1"
 }
@@ -47,9 +52,19 @@ ends_with_running() {
     account watcher '"Observer"'
     machine 'simulated_hardware = true
 mode = "PROGRAM"'
+    printf '[[plc.program]]\nkind = "plc_error"\ntarget = "ErrorCode"\nsets = "ErrorLevel"\n'
 } > good.toml
 cp good.toml controller.toml
-press 17 > press.st
+{
+    press 17
+    cat << 'END'
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL
+    ErrorCode : DWORD;
+    ErrorLevel : UINT;
+END_VAR
+END
+} > press.st
 cp press.st good.st
 
 entry variables 3-2-7: status
@@ -81,13 +96,16 @@ as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
 says 'Status'
 
 entry variables 9-1-1: error status
-lacks variables 9-1-1: error status -- programs have no instruction GetPLCError, the Object PLCError has the same for clients
-# Faults of the controller: told, shown as 4-1-3 has it, and over after a reset.
+# Faults of the controller: told, shown as 4-1-3 has it, and over after a reset. The program gets the
+# highest level and in that the highest code by GetPLCError, which a major fault does not change.
+got 0 0 || fail "there is an error"
 one_step
 simulate "minor fault"
 property ErrorState ContinuousError
+await got 3 3
 simulate "partial fault"
 property ErrorState ContinuousError
+await got 2 2
 status
 says '00000003 Controller Minor Fault: CPU Unit'
 says '00000002 Controller Partial Fault: CPU Unit'
@@ -102,6 +120,7 @@ await logged 'event log: 00000001 Controller Major Fault: CPU Unit. Remove the c
 restart
 step_ends
 property ErrorState NoError
+got 0 0 || fail "an error is not over"
 is_fine
 power_cycle
 is_fine
@@ -154,7 +173,7 @@ is_fine
 
 # A port that somebody else has: the program goes on, and an administrator is told why it halts.
 power_cut
-sed -e 's/"pki"/"other-pki"/' -e '/^\[machine\]/,/^mode/d' good.toml > squatter.toml
+sed -e 's/"pki"/"other-pki"/' -e '/^\[machine\]/,/^mode/d' -e '/^\[\[plc/,$d' good.toml > squatter.toml
 "$controller" --config squatter.toml > squatter 2>&1 < /dev/null &
 squatter=$!
 await grep -q '^ready' squatter
@@ -191,7 +210,7 @@ entry variables 9-2: events
 # More is to be published than the product does: told with cause and correction, and over with a
 # program that fits.
 power_cut
-sed 's/^\[limits\]/[limits]\npreset = "nj501"/' good.toml > controller.toml
+sed -e '/^\[\[plc/,$d' -e 's/^\[limits\]/[limits]\npreset = "nj501"/' good.toml > controller.toml
 # publish COUNT NAME TYPE: so many variables.
 publish() {
     echo VAR_GLOBAL

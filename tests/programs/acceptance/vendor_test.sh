@@ -31,6 +31,15 @@ await above Level 20
 has_value SetPoint 50 || fail "the runtime's own value is not there"
 chief 0 write "$url" "$(node SetPoint)" 70 "$(node Note)" '"well water"'
 await above Level 60
+# Its program asks for the controller's error, as GetPLCError does.
+has_value ErrorCode 0 || fail "there is an error"
+one_step
+chief 0 write "$url" "$(node Leaking)" true
+await has_value ErrorCode 3
+chief 0 write "$url" "$(node Leaking)" false
+step_ends
+power_cycle
+await has_value ErrorCode 0
 chief 0 browse "$url" "/Objects/Tank 1"
 says GlobalVars
 
