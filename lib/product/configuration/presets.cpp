@@ -60,7 +60,8 @@ constexpr Departure nj501_departures[] = {
      "None protects nothing, as the manual says itself; Basic128Rsa15 and Basic256 need SHA-1 and "
      "are deprecated (Part 7); [[endpoint]] can name each of them"},
     {"users.account", "every user reads and writes all variables", "5-1-2",
-     "a user who is added online has the rights of his roles: role grant NAME Operator"},
+     "a user who is added online has the rights of his roles: role grant NAME Operator, or role "
+     "grant Operator --everyone"},
 };
 
 constexpr std::array presets{Preset{"nj501", &take_nj501, nj501_departures},

@@ -45,6 +45,8 @@ struct AdminArguments {
     /// [URL] and whatever the subcommand names.
     std::vector<std::string> words;
     bool is_of_users{false};
+    /// Instead of one user.
+    bool is_everyone{false};
     bool is_issuer{false};
     TrustOrder order;
     /// Asks nothing.

@@ -112,25 +112,38 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
     return Exit::Good;
 }
 
-void change(Connection& connection, const AdminArguments& arguments, const char* method,
-            const std::string& what)
+/// Returns whose role it was or is, and which: "pat has the role Operator".
+std::string change(Connection& connection, const AdminArguments& arguments, const char* method,
+                   const std::string& what)
 {
-    const NodeId role = role_of(connection, arguments.words[1]);
-    const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{arguments.words[0]}};
+    const bool is_everyone = arguments.is_everyone;
+    if (arguments.words.size() != (is_everyone ? 1U : 2U)) {
+        throw Failure{Exit::Usage,
+                      std::to_string(arguments.words.size()) + " arguments instead of " +
+                          (is_everyone ? "1" : "2"),
+                      is_everyone ? "expected ROLE, as --everyone takes the place of USER"
+                                  : "expected USER ROLE"};
+    }
+    const std::string& name = arguments.words.back();
+    const NodeId role = role_of(connection, name);
+    const IdentityMappingRuleType rule =
+        is_everyone ? IdentityMappingRuleType{IdentityCriteriaType::AuthenticatedUser, {}}
+                    : IdentityMappingRuleType{IdentityCriteriaType::UserName,
+                                              String{arguments.words.front()}};
     call(connection, role, child_of(connection, role, method),
          {Variant{ExtensionObject::from(rule)}}, what);
+    return (is_everyone ? "everyone who logs in" : safe(arguments.words.front())) +
+           " has the role " + safe(name);
 }
 
 Exit grant(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    change(connection, arguments, "AddIdentity", "granting the role");
-    return report(context, safe(arguments.words[0]) + " has the role " + safe(arguments.words[1]));
+    return report(context, change(connection, arguments, "AddIdentity", "granting the role"));
 }
 
 Exit revoke(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    change(connection, arguments, "RemoveIdentity", "revoking the role");
-    return report(context, safe(arguments.words[0]) + " has the role " + safe(arguments.words[1]) +
+    return report(context, change(connection, arguments, "RemoveIdentity", "revoking the role") +
                                " no more, unless another rule gives it");
 }
 
@@ -142,8 +155,12 @@ void add_roles(CLI::App& admin, Run& run)
     using namespace roles;
     Group group{admin, run, "role", "Which roles users have."};
     group.add("list", "Lists roles and the rules that assign them.", 0, "URL", list);
-    group.add("grant", "Gives a user a role.", 2, "USER ROLE", grant);
-    group.add("revoke", "Takes a role from a user.", 2, "USER ROLE", revoke);
+    auto& arguments = group.arguments();
+    constexpr const char* whose = "instead of one USER, all who do not log in as anonymous";
+    group.add_any("grant", "Gives a user a role.", "USER ROLE", grant)
+        ->add_flag("--everyone", arguments.is_everyone, whose);
+    group.add_any("revoke", "Takes a role from a user.", "USER ROLE", revoke)
+        ->add_flag("--everyone", arguments.is_everyone, whose);
 }
 
 } // namespace busbar::tool::admin

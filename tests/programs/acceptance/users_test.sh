@@ -92,9 +92,25 @@ as_user2 0 write 8
 await has_record 'AUTH 0002 User Success 0x[0-9A-F]* user2$'
 run 0 --user user2 --password-file good --trust read --value "$url" "$(node Speed)"
 says '^8$'
-lacks variables 5-1-2: user authentication -- \
-    a user who is added may write once he has the role Operator, so that reading and writing can \
-    be given apart
+# The manual's "access to all, fixed": everyone who logs in writes, also who is added later.
+chief 2 admin role grant "$url" user3 Operator --everyone
+says 'expected ROLE, as --everyone takes the place of USER'
+chief 0 admin role grant "$url" Operator --everyone
+says 'everyone who logs in has the role Operator'
+chief 0 admin user remove "$url" user18 --yes
+add 0 another good
+as_another() {
+    cycle_when_due
+    # shellcheck disable=SC2086 # nothing, or a word
+    run "$1" --user another --password-file good --trust "$2" "$url" "$(node Speed)" $3
+}
+as_another 0 write 9
+chief 0 admin role list "$url"
+says '^Operator .*authenticated user'
+chief 0 admin role revoke "$url" Operator --everyone
+as_another 0 read ''
+as_another 4 write 10
+as_user2 0 write 8
 
 entry variables 3-2-6: policies
 entry variables 5-2: signature and encryption
