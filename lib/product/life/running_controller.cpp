@@ -526,6 +526,7 @@ void RunningController::read_again()
             throw;
         }
         pending_.done(PendingChanges::By::Reload);
+        look_soon();
         if (pending_.has(PendingChanges::By::Start) && may_restart()) {
             pending_.done(PendingChanges::By::Start);
             if (machine_) {

@@ -249,6 +249,5 @@ once "another user"
 chief 0 admin restore "$url" whole.backup --yes
 once "a restore"
 step_ends
-lacks variables 4-2-5: triggers -- another address is noticed within a minute, no script waits for it
 shut_down
 finish
