@@ -1,6 +1,8 @@
 #include "model_state.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 #include <busbar/controller/mapping_extensions.hpp>
 #include <busbar/core/text.hpp>
@@ -46,8 +48,33 @@ bool differs(const std::string& asked, const std::string& there)
     return !asked.empty() && !there.empty() && asked != there;
 }
 
+/// Compares versions by the numbers between their periods.
+bool is_later(std::string_view version, std::string_view than)
+{
+    const auto take = [](std::string_view& text) {
+        const std::size_t end = std::min(text.find('.'), text.size());
+        std::uint32_t number = 0;
+        std::from_chars(text.data(), text.data() + end, number);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        return number;
+    };
+    while (!version.empty()) {
+        const std::uint32_t one = take(version);
+        const std::uint32_t other = take(than);
+        if (one != other) {
+            return one > other;
+        }
+    }
+    return false;
+}
+
 ModelState state_of(const HeaderModel& asked, const HeaderModel& there)
 {
+    if (asked.uri == "http://opcfoundation.org/UA/") {
+        // A later namespace 0 has all of an earlier one.
+        return is_later(asked.version, there.version) ? ModelState::OtherVersion
+                                                      : ModelState::Imported;
+    }
     return differs(asked.version, there.version) ||
                    differs(asked.publication_date, there.publication_date)
                ? ModelState::OtherVersion

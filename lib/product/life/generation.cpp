@@ -442,8 +442,9 @@ void Generation::print_welcome() const
     if (has_own_task_) {
         priority.reset();
     }
-    const std::string text = welcome_text(config_, plant_.visible_variables(),
-                                          around_.environment.wall_clock->now(), priority);
+    const std::string text =
+        welcome_text(config_, mapped_ ? mapped_->variables() : plant_.visible_variables(),
+                     around_.environment.wall_clock->now(), priority);
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
 }

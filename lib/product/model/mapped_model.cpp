@@ -18,7 +18,7 @@ using controller::MappedErrorCode;
 using controller::SamplingMode;
 
 constexpr const char* label_source = "labels";
-/// Lines about errors of one update.
+/// Lines about errors of one period.
 constexpr std::size_t most_errors = 20;
 
 std::string four_digits(MappedErrorCode code)
@@ -84,7 +84,7 @@ void LabelLog::label_update(LabelUpdate event)
     const std::string code = "event " + std::to_string(static_cast<unsigned>(event)) + ": ";
     switch (event) {
     case LabelUpdate::Started:
-        errors_ = 0;
+        begin_period(clock_.now());
         log_.write(LogLevel::Info, label_source,
                    code + "addresses and types of labels are asked for");
         break;
@@ -98,10 +98,24 @@ void LabelLog::label_update(LabelUpdate event)
     }
 }
 
+void LabelLog::begin_period(DateTime now)
+{
+    if (untold_ != 0) {
+        log_.write(LogLevel::Error, label_source,
+                   std::to_string(untold_) + " more errors of labels were not told in the minute "
+                                             "before");
+    }
+    begin_ = now;
+    told_.clear();
+    untold_ = 0;
+}
+
 void LabelLog::error(const controller::MappedError& error)
 {
-    if (++errors_ > most_errors) {
-        return;
+    constexpr std::int64_t minute = 600'000'000; // in 100 ns
+    const DateTime now = clock_.now();
+    if (now.ticks < begin_.ticks || now.ticks - begin_.ticks >= minute) {
+        begin_period(now);
     }
     std::string line = "error " + four_digits(error.code) + "H: " + text_of(error.code);
     if (!error.label.empty()) {
@@ -110,16 +124,19 @@ void LabelLog::error(const controller::MappedError& error)
     if (error.node != nullptr) {
         line += " of " + to_string(*error.node);
     }
-    if (errors_ == most_errors) {
-        line += "; more are not told until labels are updated";
+    if (told_.size() == most_errors || !told_.insert(line).second) {
+        ++untold_;
+        return;
+    }
+    if (told_.size() == most_errors) {
+        line += "; more are only counted for a minute";
     }
     log_.write(LogLevel::Error, label_source, line);
 }
 
 MappedModel::MappedModel(const Needs& needs)
-    : events_{needs.log}, source_{needs.labels, options_of(needs), &events_}, status_{source_,
-                                                                                      needs.server,
-                                                                                      needs.clock}
+    : events_{needs.log, needs.clock}, source_{needs.labels, options_of(needs), &events_},
+      status_{source_, needs.server, needs.clock}
 {
     server::Server& server = needs.server;
     model::AddressSpace& space = server.address_space();
@@ -136,6 +153,7 @@ MappedModel::MappedModel(const Needs& needs)
     }
     expect(controller::add_module_status_nodes(space, needs.module, 1, status_),
            "the module's buffer memory");
+    variables_ = mapped.variables;
     for (const std::string& reason : mapped.left_out) {
         needs.log.write(LogLevel::Warning, label_source, "left out of the mapping: " + reason);
     }

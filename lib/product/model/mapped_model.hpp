@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
+#include <string>
 
 #include <busbar/controller/mapped_source.hpp>
 #include <busbar/controller/mapping.hpp>
@@ -13,18 +15,27 @@
 namespace busbar::product {
 
 /// Writes what happens to labels to the log: the events and error codes of seed 001, 8.3. Of many
-/// errors in a row the first ones.
+/// errors the first ones of each minute, and how many more there were: an error that goes on is
+/// told again and again, and fills no log.
 class LabelLog final : public controller::MappedObserver {
 public:
-    explicit LabelLog(LogSink& log) : log_{log} {}
+    /// Both must outlive it.
+    LabelLog(LogSink& log, const WallClock& clock) : log_{log}, clock_{clock} {}
 
     void label_update(controller::LabelUpdate event) override;
     void error(const controller::MappedError& error) override;
 
 private:
+    void begin_period(DateTime now);
+
     LogSink& log_;
-    /// Since the last update of labels.
-    std::size_t errors_{0};
+    const WallClock& clock_;
+    /// A period of a minute, or from an update of labels on.
+    DateTime begin_{};
+    /// The lines of it, each once.
+    std::set<std::string> told_{};
+    /// Errors of it without a line of their own.
+    std::size_t untold_{0};
 };
 
 /// What a project has mapped to labels, served by one server, which may end before it or after it.
@@ -50,6 +61,8 @@ public:
 
     /// The labels have no other listener from here on.
     void start() { source_.start(); }
+    /// How many are mapped.
+    [[nodiscard]] std::size_t variables() const { return variables_; }
     void stop() { source_.stop(); }
 
 private:
@@ -57,6 +70,7 @@ private:
     LabelLog events_;
     controller::MappedSource source_;
     controller::ModuleStatus status_;
+    std::size_t variables_{0};
 };
 
 } // namespace busbar::product

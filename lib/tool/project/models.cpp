@@ -110,9 +110,11 @@ Exit list_namespaces(Context& context, const ProjectArguments& arguments)
         write_model(json, each);
         std::string required;
         for (const controller::RequiredModelStatus& other : each.required) {
-            required +=
-                (required.empty() ? "" : ", ") + safe(other.uri) +
-                (other.state == controller::ModelState::Imported ? "" : " (another version)");
+            required += (required.empty() ? "" : ", ") + safe(other.uri);
+            if (other.state != controller::ModelState::Imported) {
+                required += safe(" (of " + other.version + ", published " + other.publication_date +
+                                 ", and here is another version)");
+            }
         }
         table.add({{std::to_string(each.index)},
                    {safe(each.uri)},
