@@ -149,7 +149,8 @@ struct DataSourceOptions {
     bool reads_ranges{false};
     /// It replaces the part that WriteItem::range names; else that is Bad_WriteNotSupported.
     bool writes_ranges{false};
-    /// Arrays longer than ArrayDimensions are Bad_WriteNotSupported, else Bad_TypeMismatch.
+    /// Arrays longer than ArrayDimensions, also in fields, are Bad_WriteNotSupported, else
+    /// Bad_TypeMismatch.
     bool has_fixed_lengths{false};
     /// Bad_Shutdown, and Bad_TooManyOperations of Read and Write, become the ServiceResult.
     bool decides_services{false};

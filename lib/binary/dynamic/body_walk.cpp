@@ -125,7 +125,7 @@ std::int64_t BodyWalk::array_size(const DynamicField& field, std::size_t min_ele
         const auto& limits = field.array_dimensions;
         const std::uint32_t most = dimension < limits.size() ? limits[dimension] : 0;
         ++dimension;
-        if (most != 0 && length > most) {
+        if (most != 0 && length > most && context_.limits_arrays) {
             reader_.fail(status::Bad_OutOfRange);
         }
     };

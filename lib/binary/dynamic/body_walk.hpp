@@ -8,7 +8,13 @@ namespace busbar::binary::detail {
 struct CheckContext {
     const DynamicTypes& types;
     const DecodeLimits& limits;
+    bool limits_arrays{true};
 };
+
+/// As check_dynamic, but arrays in fields may be longer than these allow.
+[[nodiscard]] BUSBAR_API StatusCode check_dynamic_of_any_length(const Variant& value,
+                                                                const DynamicTypes& types,
+                                                                const DecodeLimits& limits);
 
 /// Returns Good, or why `object` is not a valid structure of type `base` (null: any), `depth`
 /// levels deep. Good for null and for a structure that is not among the types.

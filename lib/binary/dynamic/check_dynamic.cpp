@@ -84,4 +84,10 @@ StatusCode check_dynamic(const Variant& value, const DynamicTypes& types,
     return check_variant({types, limits}, value);
 }
 
+StatusCode detail::check_dynamic_of_any_length(const Variant& value, const DynamicTypes& types,
+                                               const DecodeLimits& limits)
+{
+    return check_variant({types, limits, false}, value);
+}
+
 } // namespace busbar::binary

@@ -6,6 +6,8 @@
 #include <busbar/model/data_access.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "binary/dynamic/body_walk.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
@@ -37,6 +39,14 @@ StatusCode DataTypeChecks::check(model::NodeIndex variable, model::NodeIndex dat
         bad = model::check_state(space_, variable, value);
     }
     return bad.is_bad() ? bad : check_structures(value);
+}
+
+bool DataTypeChecks::is_only_too_long(const Variant& value)
+{
+    return may_hold_structures(value) &&
+           binary::detail::check_dynamic_of_any_length(value, data_types_.of(space_),
+                                                       binary::dynamic_decode_limits(limits_))
+               .is_good();
 }
 
 void DataTypeChecks::replaced(model::AddressSpace& space, model::NodeIndex variable)

@@ -25,6 +25,9 @@ public:
     {
         return {};
     }
+    /// Returns whether a value that check() has refused is wrong only in that arrays in fields are
+    /// too long.
+    [[nodiscard]] virtual bool is_only_too_long(const Variant& /*value*/) { return false; }
     /// A client has set a new value of the Variable in the address space.
     virtual void replaced(model::AddressSpace& /*space*/, model::NodeIndex /*variable*/) {}
 };
@@ -40,6 +43,7 @@ public:
 
     [[nodiscard]] StatusCode check(model::NodeIndex variable, model::NodeIndex data_type,
                                    const Variant& value) override;
+    [[nodiscard]] bool is_only_too_long(const Variant& value) override;
     void replaced(model::AddressSpace& space, model::NodeIndex variable) override;
 
 private:

@@ -69,12 +69,18 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
     return fits ? status::Good : status::Bad_TypeMismatch;
 }
 
+/// Returns whether the Variable's source distinguishes a wrong length of an array.
+bool has_fixed_lengths(const WriteContext& context, const model::VariableAttributes& variable)
+{
+    const auto* source = context.sources.find(variable.source);
+    return source != nullptr && (*source)->options().has_fixed_lengths;
+}
+
 /// Returns whether only the array's length is wrong, and its source distinguishes that.
 bool is_other_length(const WriteContext& context, const model::VariableAttributes& variable,
                      const Variant& value)
 {
-    const auto* source = context.sources.find(variable.source);
-    return source != nullptr && (*source)->options().has_fixed_lengths && value.is_array() &&
+    return has_fixed_lengths(context, variable) && value.is_array() &&
            context.space.check_value(value, variable.data_type, variable.value_rank, {}).is_good();
 }
 
@@ -223,7 +229,10 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     }
     if (const auto bad = context.definitions.check(target.node, variable.data_type, data->value);
         bad.is_bad()) {
-        return bad;
+        const bool is_length = bad == status::Bad_OutOfRange &&
+                               has_fixed_lengths(context, variable) &&
+                               context.definitions.is_only_too_long(data->value);
+        return is_length ? StatusCode{status::Bad_WriteNotSupported} : bad;
     }
     if (variable.source == model::no_source) {
         return replace_kept(context, target.node, *range, *data, copied_);

@@ -182,6 +182,43 @@ TEST_CASE_METHOD(Fixture, "8.1 Write: more and fewer elements than the Variable 
     CHECK(read("row").value == Variant{Array<std::int16_t>{0, 0}});
 }
 
+TEST_CASE_METHOD(Fixture, "8.1 Write: an array in a structure with more and fewer elements",
+                 "[8.1]")
+{
+    StructureDefinition definition;
+    StructureField list;
+    list.name = "Amounts";
+    list.data_type = standard(id::Int16);
+    list.value_rank = 1;
+    list.array_dimensions = {2};
+    StructureField text;
+    text.name = "Text";
+    text.data_type = standard(id::String);
+    text.value_rank = -1;
+    text.max_string_length = 4;
+    definition.fields = {list, text};
+    REQUIRE(model::add_structure_type(host.server().address_space(),
+                                      named("BatchType", standard(id::Structure)),
+                                      std::move(definition)));
+    MappedPart amounts = field("Amounts", {});
+    amounts.is_array = true;
+    amounts.parts = {element(0, "Row[0,0]"), element(1, "Row[0,1]")};
+    add("batch", own("BatchType"), part_of({amounts}));
+    start();
+    const auto batch = [&](const Array<std::int16_t>& numbers, const char* name) {
+        binary::DynamicValue value{*types().find(own("BatchType"))};
+        REQUIRE(value.set("Amounts", Variant{numbers}));
+        REQUIRE(value.set("Text", Variant{String{name}}));
+        return Variant{binary::to_extension_object(value).value()};
+    };
+    CHECK(write("batch", batch({1, 2}, "a")) == status::Good);
+    CHECK(write("batch", batch({1}, "a")) == status::Bad_WriteNotSupported);
+    CHECK(write("batch", batch({1, 2, 3}, "a")) == status::Bad_WriteNotSupported);
+    // What is too long besides is told as it is elsewhere (Part 4, 5.11.4.4).
+    CHECK(write("batch", batch({1, 2}, "abcde")) == status::Bad_OutOfRange);
+    CHECK(write("batch", batch({1, 2, 3}, "abcde")) == status::Bad_OutOfRange);
+}
+
 TEST_CASE_METHOD(Fixture, "8.3 Read: a value that no node can have fails the request (1A01H)",
                  "[8.3]")
 {
