@@ -26,6 +26,28 @@ struct Fixture : MappedFixture {
     NodeId other;
 };
 
+/// A label that cannot be used costs its nodes only.
+struct Isolated : MappedFixture {
+    Isolated() : MappedFixture{options()}
+    {
+        plc->add("Speed", LabelType::Word, std::int16_t{1480});
+        plc->add("Other", LabelType::Word, std::int16_t{3});
+        speed = add("speed", id::Int16, {"Speed"});
+        other = add("other", id::Int16, {"Other"});
+        both = add("both", id::Int16, {"Speed", "Other"});
+    }
+    static MappedOptions options()
+    {
+        MappedOptions options;
+        options.isolates_failures = true;
+        return options;
+    }
+
+    NodeId speed;
+    NodeId other;
+    NodeId both;
+};
+
 const Fixture::Events well{LabelUpdate::Started, LabelUpdate::Finished};
 const Fixture::Events failed{LabelUpdate::Started, LabelUpdate::Failed};
 
@@ -185,6 +207,55 @@ TEST_CASE_METHOD(Fixture, "8.3 Label update: an answer by the labels before is n
     plc->listener->done(std::move(late));
     plc->is_prompt = true;
     CHECK(take_read(sent)[0].value == Variant{std::int16_t{1480}});
+}
+
+TEST_CASE_METHOD(Isolated, "8.3 Isolated failures: a bad label costs the nodes that have it",
+                 "[8.3]")
+{
+    MappedErrorCode code{};
+    SECTION("1921H")
+    {
+        plc->labels.erase("Other");
+        code = MappedErrorCode::Unavailable;
+    }
+    SECTION("1A00H")
+    {
+        plc->labels["Other"].kind.type = LabelType::String;
+        code = MappedErrorCode::WrongType;
+    }
+    source.start();
+    CHECK(book.events == well);
+    CHECK(book.errors == std::vector{code, code}); // of both nodes that have it
+    CHECK(book.label == "Other");
+    const auto values = read({speed, other, both});
+    CHECK(values[0].value == Variant{std::int16_t{1480}});
+    CHECK(values[1].status == status::Bad_NoCommunication);
+    CHECK(values[2].status == status::Bad_NoCommunication);
+    CHECK(write({{speed, Variant{std::int16_t{5}}}})[0] == status::Good);
+    CHECK(write({{other, Variant{std::int16_t{5}}}})[0] == status::Bad_NoCommunication);
+    // A Write is for all or none, whatever is isolated.
+    const auto mixed =
+        write({{speed, Variant{std::int16_t{6}}}, {other, Variant{std::int16_t{6}}}});
+    CHECK(mixed[0] == status::Bad_NoCommunication);
+    CHECK(mixed[1] == status::Bad_NoCommunication);
+    CHECK(read(speed).value == Variant{std::int16_t{5}});
+    // It is well again when the label is.
+    plc->add("Other", LabelType::Word, std::int16_t{4});
+    plc->move_labels(true);
+    static_cast<void>(read(other)); // which finds that labels are others
+    CHECK(read(other).value == Variant{std::int16_t{4}});
+    CHECK(read(both).status == status::Good);
+}
+
+TEST_CASE_METHOD(Isolated, "8.3 Isolated failures: a value that its node cannot have", "[8.3]")
+{
+    const NodeId narrow = add("narrow", id::SByte, {"Speed"});
+    source.start();
+    const auto values = read({narrow, other});
+    CHECK(values[0].status == status::Bad_NoCommunication);
+    CHECK(values[1].value == Variant{std::int16_t{3}});
+    CHECK(book.errors == std::vector{MappedErrorCode::OutOfRange});
+    CHECK(book.node == own("narrow"));
 }
 
 } // namespace mapped_labels_test
