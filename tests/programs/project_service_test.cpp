@@ -2,9 +2,12 @@
 
 #include <catch2/catch.hpp>
 
+#include <memory>
 #include <span>
 #include <string>
 
+#include <busbar/controller/declaration_reader.hpp>
+#include <busbar/controller/simulated_labels.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/storage/memory_storage.hpp>
 #include <busbar/types/ids.hpp>
@@ -36,20 +39,20 @@ struct ServiceFixture {
     {
         const Variant options{wish};
         const administration::TransferRequest request{options, user, session};
-        const StatusCode may = service.may_take(request);
+        const StatusCode may = service->may_take(request);
         if (may.is_bad()) {
             return std::string{name(may)};
         }
         const auto bytes = std::as_bytes(std::span{file});
-        if (const auto prepare = service.preparation(request, bytes)) {
+        if (const auto prepare = service->preparation(request, bytes)) {
             prepare();
         }
-        return std::string{name(service.take(request, bytes))};
+        return std::string{name(service->take(request, bytes))};
     }
     [[nodiscard]] std::string fetch(const Variant& options, const NodeId& session = first_tool,
                                     std::size_t max_size = 1U << 20U)
     {
-        const auto bytes = service.generate({options, user, session}, max_size);
+        const auto bytes = service->generate({options, user, session}, max_size);
         return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
                      : std::string{name(bytes.error())};
     }
@@ -72,12 +75,14 @@ struct ServiceFixture {
     int updates{0};
     bool can_update{true};
     controller::ProjectStore store{storage, "project", {}};
-    ProjectService service{{.store = store, .log = log, .status = status, .update = [this] {
-                                ++updates;
-                                return can_update ? Configured<void>{}
-                                                  : misconfigured("port", "is in use",
-                                                                  status::Bad_ResourceUnavailable);
-                            }}};
+    std::unique_ptr<ProjectService> service = std::make_unique<ProjectService>(
+        ProjectService::Needs{.store = store, .log = log, .status = status, .update = [this] {
+                                  ++updates;
+                                  return can_update
+                                             ? Configured<void>{}
+                                             : misconfigured("port", "is in use",
+                                                             status::Bad_ResourceUnavailable);
+                              }});
 };
 
 } // namespace
@@ -180,6 +185,103 @@ TEST_CASE("9.14 Project service: a damaged project is told, and what runs instea
     CHECK(fetch(nullptr, Variant{}) == "Bad_NotFound");
 }
 
+namespace {
+
+/// A Variable "Int16" that is mapped to the label.
+std::string document_with(const std::string& label)
+{
+    controller::Project project;
+    project.models.push_back(
+        {"t.xml", "<UANodeSet xmlns=\"http://opcfoundation.org/UA/2011/03/UANodeSet.xsd\">"
+                  "<NamespaceUris><Uri>urn:t</Uri></NamespaceUris>"
+                  "<Models><Model ModelUri=\"urn:t\"/></Models>"
+                  "<UAVariable NodeId=\"ns=1;i=5\" BrowseName=\"1:V\" DataType=\"i=4\">"
+                  "<References><Reference ReferenceType=\"i=40\">i=63</Reference>"
+                  "<Reference ReferenceType=\"i=47\" IsForward=\"false\">i=85</Reference>"
+                  "</References><Extensions><Extension><DataMapping "
+                  "xmlns=\"https://www.mitsubishielectric.com/fa/OPCUA/extension/\" Data=\"" +
+                      label + "\"/></Extension></Extensions></UAVariable></UANodeSet>"});
+    return *controller::document_of(project);
+}
+
+struct LabelFixture : ServiceFixture {
+    explicit LabelFixture(bool isolates_failures = false)
+    {
+        auto program = controller::read_declarations(
+            "{attribute 'publish' := 'publish only'} VAR_GLOBAL Whole : INT; Long : DINT; "
+            "Text : STRING[4]; END_VAR",
+            "line.st");
+        REQUIRE(program);
+        auto made = controller::SimulatedLabels::create(*std::move(program));
+        REQUIRE(made);
+        labels = std::move(*made);
+        service = std::make_unique<ProjectService>(
+            ProjectService::Needs{.store = store,
+                                  .log = log,
+                                  .status = status,
+                                  .update =
+                                      [this] {
+                                          ++updates;
+                                          return Configured<void>{};
+                                      },
+                                  .labels = labels,
+                                  .isolates_failures = isolates_failures,
+                                  .accept_labels =
+                                      [this] {
+                                          ++accepted;
+                                          return Configured<void>{};
+                                      }});
+    }
+
+    std::shared_ptr<controller::SimulatedLabels> labels;
+    int accepted{0};
+};
+
+} // namespace
+
+TEST_CASE("8.2 Project service: labels that are not the PLC's refuse an update, and are told",
+          "[8.2][9.13]")
+{
+    LabelFixture server;
+    REQUIRE(server.send("write", document_with("Whole")) == "Good");
+    CHECK(server.send("labels", "") == "Good");
+    CHECK(server.fetch(Variant{"report"}) == R"({"labels":[],"labelCount":0})");
+    CHECK(server.send("update", "") == "Good");
+    CHECK(server.updates == 1);
+    // Converted where it is in range.
+    REQUIRE(server.send("write", document_with("Long")) == "Good");
+    CHECK(server.send("labels", "") == "Good");
+    CHECK(server.fetch(Variant{"report"}).find(R"("found":"DINT","use":"converted"}],)") !=
+          std::string::npos);
+    CHECK(server.send("update", "") == "Good");
+    CHECK(server.updates == 2);
+    for (const char* const label : {"Text", "Nothing"}) {
+        REQUIRE(server.send("write", document_with(label)) == "Good");
+        CHECK(server.send("labels", "") == "Good");
+        CHECK(server.fetch(Variant{"report"}).find(R"("use":"refused")") != std::string::npos);
+        CHECK(server.send("update", "") == "Bad_ConfigurationError");
+        const std::string report = server.fetch(Variant{"report"});
+        CHECK(report.find("1 of its labels cannot be used with the PLC's program: " +
+                          std::string{label} + " of ns=1;i=5: ") != std::string::npos);
+        CHECK(report.find("expected INT") != std::string::npos);
+    }
+    CHECK(server.updates == 2);
+    CHECK(server.accepted == 0);
+    CHECK(server.send("update despite labels", "") == "Good");
+    CHECK(server.updates == 3);
+    CHECK(server.accepted == 1);
+    CHECK(server.fetch(Variant{"report"}) == R"({"updated":true})");
+}
+
+TEST_CASE("8.2 Project service: where failures are isolated labels are told only", "[8.2][9.13]")
+{
+    LabelFixture server{true};
+    REQUIRE(server.send("write", document_with("Text")) == "Good");
+    CHECK(server.send("update", "") == "Good");
+    CHECK(server.updates == 1);
+    CHECK(server.accepted == 0);
+}
+
 TEST_CASE("9.13 Project service: what is prepared elsewhere leaves the service as it is", "[9.13]")
 {
     ServiceFixture server;
@@ -188,11 +290,11 @@ TEST_CASE("9.13 Project service: what is prepared elsewhere leaves the service a
     const administration::TransferRequest request{options, server.user, first_tool};
     const std::string document = document_of_host("B");
     const auto bytes = std::as_bytes(std::span{document});
-    const auto prepare = server.service.preparation(request, bytes);
+    const auto prepare = server.service->preparation(request, bytes);
     REQUIRE(prepare);
     prepare();
     CHECK(server.fetch(Variant{}) == document_of_host("A")); // until it is taken
-    CHECK(server.service.take(request, bytes) == status::Good);
+    CHECK(server.service->take(request, bytes) == status::Good);
     CHECK(server.fetch(Variant{}) == document);
     prepare(); // and nobody takes it
     CHECK(server.send("verify", document) == "Good");
@@ -203,7 +305,7 @@ TEST_CASE("9.13 Project service: what is prepared elsewhere leaves the service a
 TEST_CASE("9.13 Project service: it is for administrators, and for one writer at a time", "[9.13]")
 {
     ServiceFixture server;
-    const auto transfer = server.service.transfer();
+    const auto transfer = server.service->transfer();
     // ConfigureAdmin alone could make itself users who may change security.
     const std::vector<NodeId> administrators{NodeId{0, id::WellKnownRole_SecurityAdmin}};
     CHECK(transfer.readers == administrators);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -114,7 +115,8 @@ public:
 /// A PLC by the names of its labels. Names are compared without case; members follow a dot, and
 /// elements are written as `[A,B,C]`, see label_name.hpp.
 ///
-/// All functions are called on one thread, that of the DataSource above; none of them blocks.
+/// All functions but look_up() are called on one thread, that of the DataSource above; none of them
+/// blocks.
 class BUSBAR_API LabelBackend {
 public:
     LabelBackend() = default;
@@ -134,6 +136,14 @@ public:
     /// sampled yet. From the start of a Write to its answer, the written values may stay as sampled
     /// before (manual of model mode, 8.3).
     virtual std::uint64_t sampled(std::span<std::byte> /*bytes*/, DateTime& /*time*/) { return 0; }
+
+    /// What the names stand for now, one for each, without a request; addresses do not count.
+    /// Nothing, as here, if the PLC has to be asked for that. Any thread.
+    [[nodiscard]] virtual std::optional<std::vector<ResolvedLabel>>
+    look_up(std::span<const std::string> /*names*/) const
+    {
+        return std::nullopt;
+    }
 };
 
 } // namespace busbar::backend

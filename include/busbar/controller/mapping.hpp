@@ -94,6 +94,9 @@ struct Mapping {
 [[nodiscard]] BUSBAR_API std::size_t count_labels(const MethodMapping& method);
 [[nodiscard]] BUSBAR_API std::size_t count_labels(const Mapping& mapping);
 
+/// Returns the nodes that are mapped, in the order of their NodeIds, each once.
+[[nodiscard]] BUSBAR_API std::vector<NodeId> mapped_nodes(const Mapping& mapping);
+
 /// Removes parts without labels, and array specifications without mapped elements, as saving and
 /// exporting do (manual of model mode, 9.5). Sorts elements and arguments by their numbers; fields
 /// stay in their order.

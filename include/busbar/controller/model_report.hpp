@@ -68,6 +68,7 @@ enum class ModelCode : std::uint16_t {
     MethodHasOutputs = 319,
     LabelUnavailable = 320,
     LabelOfWrongType = 321,
+    LabelConverted = 322,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,

@@ -3,7 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/label_program.hpp>
@@ -51,6 +54,9 @@ public:
     void start(std::unique_ptr<backend::LabelRequest> request) override;
     void attach(backend::LabelListener* listener) override;
     std::uint64_t sampled(std::span<std::byte> bytes, DateTime& time) override;
+    /// By the newest program, also before the first scan.
+    [[nodiscard]] std::optional<std::vector<backend::ResolvedLabel>>
+    look_up(std::span<const std::string> names) const override;
 
     /// Serves waiting requests, then samples. Never waits, allocates or frees: a bounded number of
     /// steps, which grows with the options, and with the size of a program if that is replaced.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "label_exchange.hpp"
+#include "label_finder.hpp"
 #include "label_server_side.hpp"
 #include "label_task_side.hpp"
 
@@ -42,6 +43,20 @@ void SimulatedLabels::attach(backend::LabelListener* listener)
 std::uint64_t SimulatedLabels::sampled(std::span<std::byte> bytes, DateTime& time)
 {
     return server_->sampled(bytes, time);
+}
+
+std::optional<std::vector<backend::ResolvedLabel>>
+SimulatedLabels::look_up(std::span<const std::string> names) const
+{
+    const std::shared_ptr<const LabelProgram> current = program();
+    std::vector<backend::ResolvedLabel> labels;
+    labels.reserve(names.size());
+    for (const std::string& name : names) {
+        const detail::FoundLabel found = detail::find_label(*current, name);
+        labels.push_back(
+            {.error = found.error, .kind = found.kind, .is_unsampled_device = found.is_unsampled});
+    }
+    return labels;
 }
 
 void SimulatedLabels::end_of_scan(DateTime now)

@@ -1,11 +1,7 @@
 #include <busbar/controller/label_check.hpp>
 
-#include <algorithm>
-#include <memory>
 #include <utility>
-#include <vector>
 
-#include <busbar/controller/mappable_parts.hpp>
 #include <busbar/controller/model_set.hpp>
 #include <busbar/controller/simulated_labels.hpp>
 #include <busbar/core/text.hpp>
@@ -17,7 +13,6 @@ namespace busbar::controller {
 namespace {
 
 using backend::LabelError;
-using backend::LabelRequest;
 using backend::ResolvedLabel;
 
 struct LabelledPart {
@@ -28,18 +23,9 @@ struct LabelledPart {
 /// All labels of the mapping, in the order of their nodes.
 std::vector<LabelledPart> labelled_parts(const ModelSet& models)
 {
-    const Mapping& mapping = models.mapping();
-    std::vector<NodeId> nodes;
-    for (const auto& each : mapping.variables) {
-        nodes.push_back(each.first);
-    }
-    for (const auto& each : mapping.methods) {
-        nodes.push_back(each.first);
-    }
-    std::sort(nodes.begin(), nodes.end());
     std::vector<LabelledPart> labelled;
     MappableParts parts{models};
-    for (const NodeId& id : nodes) {
+    for (const NodeId& id : mapped_nodes(models.mapping())) {
         const model::NodeIndex node = models.space().find(id);
         if (node == model::no_node) {
             continue; // check_mapping tells
@@ -53,88 +39,110 @@ std::vector<LabelledPart> labelled_parts(const ModelSet& models)
     return labelled;
 }
 
-/// Takes the answer of one request.
-class Answer final : public backend::LabelListener {
-public:
-    void done(std::unique_ptr<LabelRequest> request) override { request_ = std::move(request); }
-    void labels_changed() override {}
-    [[nodiscard]] std::vector<ResolvedLabel> labels()
-    {
-        return request_ != nullptr ? std::move(request_->labels) : std::vector<ResolvedLabel>{};
-    }
-
-private:
-    std::unique_ptr<LabelRequest> request_;
-};
-
-std::vector<ResolvedLabel> resolve(SimulatedLabels& labels,
-                                   const std::vector<LabelledPart>& labelled)
-{
-    auto request = std::make_unique<LabelRequest>();
-    request->kind = LabelRequest::Kind::Resolve;
-    for (const LabelledPart& each : labelled) {
-        request->names.push_back(each.part.label);
-    }
-    Answer answer;
-    labels.end_of_scan(DateTime{}); // a PLC that has not scanned yet does not answer
-    labels.attach(&answer);
-    labels.start(std::move(request));
-    labels.end_of_scan(DateTime{});
-    labels.attach(nullptr);
-    return answer.labels();
-}
-
 std::string_view reason(LabelError error)
 {
     switch (error) {
     case LabelError::Unknown:
-        return "it has none of this name";
+        return "the PLC has none of this name";
     case LabelError::NotAccessible:
-        return "it is not published";
+        return "the PLC does not publish it";
     case LabelError::Constant:
-        return "it is CONSTANT";
+        return "it is CONSTANT in the PLC";
     case LabelError::NotAName:
         return "it is an array, a structure or a bit as a whole";
     case LabelError::UnsupportedType:
-        return "no label can have its type";
+        return "it is of a type in the PLC that no label can have";
     case LabelError::None:
         break;
     }
     return {};
 }
 
-bool fits(const MappablePart& part, const backend::LabelKind& kind)
+Assignability use_of(const MappablePart& part, const backend::LabelKind& kind)
 {
-    return part.path == detail::handle_part
-               ? is_handle_label(kind.type)
-               : assignability(part.leaf, kind.type, kind.part) != Assignability::No;
+    if (part.path == detail::handle_part) {
+        return is_handle_label(kind.type) ? Assignability::Same : Assignability::No;
+    }
+    return assignability(part.leaf, kind.type, kind.part);
+}
+
+/// What of a label differs; nothing if it has the values of its part.
+std::optional<LabelDifference> difference_of(const LabelledPart& about, const ResolvedLabel& label)
+{
+    const LabelTypes types = label_types_for(about.part);
+    LabelDifference difference{.node = about.node,
+                               .part = about.part.path,
+                               .label = about.part.label,
+                               .expected = types.same.empty() ? types.checked : types.same,
+                               .found = {},
+                               .code = ModelCode::LabelUnavailable};
+    if (label.error != LabelError::None) {
+        difference.found = reason(label.error);
+        return difference;
+    }
+    const Assignability use = use_of(about.part, label.kind);
+    // Some values have no label of their own: an SByte is converted in any case.
+    if (use == Assignability::Same || (use == Assignability::Checked && types.same.empty())) {
+        return std::nullopt;
+    }
+    difference.found = declaration_of(label.kind);
+    difference.code =
+        use == Assignability::No ? ModelCode::LabelOfWrongType : ModelCode::LabelConverted;
+    return difference;
+}
+
+/// "found STRING(20), expected INT"
+std::string finding(const LabelDifference& difference)
+{
+    const bool is_there = difference.code != ModelCode::LabelUnavailable;
+    return (is_there ? "found " : "") + difference.found + ", expected " +
+           (difference.expected.empty() ? "none, as no label can have the value"
+                                        : difference.expected);
 }
 
 } // namespace
 
+std::string text(const LabelDifference& difference)
+{
+    return printable(difference.label) + " of " + to_string(difference.node) +
+           (difference.part.empty() ? "" : ": " + printable(difference.part)) + ": " +
+           finding(difference);
+}
+
+std::optional<std::vector<LabelDifference>> compare_labels(const ModelSet& models,
+                                                           const backend::LabelBackend& plc)
+{
+    const std::vector<LabelledPart> labelled = labelled_parts(models);
+    std::vector<std::string> names;
+    names.reserve(labelled.size());
+    for (const LabelledPart& each : labelled) {
+        names.push_back(each.part.label);
+    }
+    const auto labels = plc.look_up(names);
+    if (!labels || labels->size() != labelled.size()) {
+        return std::nullopt;
+    }
+    std::vector<LabelDifference> differences;
+    for (std::size_t i = 0; i < labelled.size(); ++i) {
+        if (auto difference = difference_of(labelled[i], (*labels)[i])) {
+            differences.push_back(*std::move(difference));
+        }
+    }
+    return differences;
+}
+
 Configured<ModelReports> check_labels(const ModelSet& models, Program program)
 {
-    auto labels = SimulatedLabels::create(std::move(program));
+    const auto labels = SimulatedLabels::create(std::move(program));
     if (!labels) {
-        return Unexpected{std::move(labels.error())};
+        return Unexpected{labels.error()};
     }
-    const std::vector<LabelledPart> labelled = labelled_parts(models);
-    const std::vector<ResolvedLabel> resolved = resolve(**labels, labelled);
+    const auto differences = compare_labels(models, **labels);
     ModelReports reports;
-    const auto report = [&](ModelCode code, const LabelledPart& about, std::string_view why) {
-        const std::string& path = about.part.path;
-        reports.add({code, about.node, to_string(about.node) + (path.empty() ? "" : ": " + path),
-                     printable(about.part.label) + ": " + std::string{why}});
-    };
-    for (std::size_t i = 0; i < labelled.size(); ++i) {
-        const ResolvedLabel label = i < resolved.size() ? resolved[i] : ResolvedLabel{};
-        if (label.error != LabelError::None) {
-            report(ModelCode::LabelUnavailable, labelled[i], reason(label.error));
-        } else if (!fits(labelled[i].part, label.kind)) {
-            report(ModelCode::LabelOfWrongType, labelled[i],
-                   "the part is " + (labelled[i].part.type.empty() ? "of a type without labels"
-                                                                   : labelled[i].part.type));
-        }
+    for (const LabelDifference& each : *differences) {
+        reports.add({each.code, each.node,
+                     to_string(each.node) + (each.part.empty() ? "" : ": " + printable(each.part)),
+                     printable(each.label) + ": " + finding(each)});
     }
     return reports;
 }

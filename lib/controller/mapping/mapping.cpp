@@ -56,6 +56,21 @@ std::size_t count_labels(const MethodMapping& method)
     return count;
 }
 
+std::vector<NodeId> mapped_nodes(const Mapping& mapping)
+{
+    std::vector<NodeId> nodes;
+    nodes.reserve(mapping.variables.size() + mapping.methods.size());
+    for (const auto& each : mapping.variables) {
+        nodes.push_back(each.first);
+    }
+    for (const auto& each : mapping.methods) {
+        nodes.push_back(each.first);
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+}
+
 std::size_t count_labels(const Mapping& mapping)
 {
     std::size_t count = 0;

@@ -152,17 +152,8 @@ private:
 
 std::string write_mapping_table(const model::SpaceReader& space, const Mapping& mapping)
 {
-    std::vector<NodeId> nodes;
-    for (const auto& each : mapping.variables) {
-        nodes.push_back(each.first);
-    }
-    for (const auto& each : mapping.methods) {
-        nodes.push_back(each.first);
-    }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     TableWriter writer{space};
-    for (const NodeId& id : nodes) {
+    for (const NodeId& id : mapped_nodes(mapping)) {
         const NodeIndex node = space.find(id);
         const auto variable = mapping.variables.find(id);
         const auto method = mapping.methods.find(id);

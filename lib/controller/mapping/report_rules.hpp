@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// Every code, ascending.
-inline constexpr std::array<ReportRule, 64> all_report_rules{{
+inline constexpr std::array<ReportRule, 65> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -110,6 +110,9 @@ inline constexpr std::array<ReportRule, 64> all_report_rules{{
     {ModelCode::LabelOfWrongType, ReportResult::Error, "Mapping", "Label",
      "The label's type is none that the node can have (error 1A00H)",
      "Map another label; busbar project types lists what fits"},
+    {ModelCode::LabelConverted, ReportResult::Warning, "Mapping", "Label",
+     "The label is of another type than the node, and values out of its range are refused",
+     "Declare the label as what is expected, or leave it"},
     {ModelCode::TooManyFiles, ReportResult::Error, "Import", "Limits",
      "There are too many information model files", "Delete a namespace"},
     {ModelCode::FilesTooLarge, ReportResult::Error, "Import", "Limits",

@@ -286,12 +286,16 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
     const auto more = programs(requests);
     all.insert(all.end(), more.begin(), more.end());
     if (project_ != nullptr) {
-        all.push_back(
-            project_->transfer(server_, BUSBAR_VERSION, administered_.log(),
-                               [restart = requests.restart, may_restart = requests.may_restart] {
-                                   return may_restart().transform(
-                                       [&] { restart({.reason = "the project was updated"}); });
-                               }));
+        all.push_back(project_->transfer(
+            {.server = server_,
+             .version = BUSBAR_VERSION,
+             .log = administered_.log(),
+             .labels = around_.labels,
+             .isolates_failures = config_.labels.isolates_failures,
+             .restart = [restart = requests.restart, may_restart = requests.may_restart] {
+                 return may_restart().transform(
+                     [&] { restart({.reason = "the project was updated"}); });
+             }}));
     }
     return all;
 }
@@ -421,7 +425,7 @@ TakenOver Generation::taken_over() const
         all.settings = administration::settings_document(settings_->list().changes(),
                                                          settings_->list().authors());
     }
-    all.project = project_ != nullptr ? project_->document() : std::string{};
+    all.project = project_document();
     return all;
 }
 

@@ -111,6 +111,11 @@ public:
     /// Whether edit() would; `prepared` may have it already.
     [[nodiscard]] Configured<void> check_edit(const Reading& next,
                                               const std::optional<PreparedProgram>& prepared) const;
+    /// The file of the project of model mode that it serves; empty: none.
+    [[nodiscard]] std::string project_document() const
+    {
+        return project_ != nullptr ? project_->document() : std::string{};
+    }
     /// Of a machine: what its program is changed against.
     [[nodiscard]] ProgramBase program_base() const;
     /// Whether nobody has changed settings since `next` was read.

@@ -88,6 +88,9 @@ RunningController::RunningController(Configuration configuration, Beginning begi
         }
         labels_.emplace(config, clock_);
     }
+    if (beginning.last && !beginning.last->project.empty()) {
+        expect(check_labels(reading, beginning.last->project));
+    }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
         key_log_ = expect(net::KeyLogFile::open(config.key_log, log_), config.key_log);
@@ -343,7 +346,9 @@ void RunningController::restart(const administration::RestartWish& wish)
 {
     loop_.post([this, wish] {
         try_to([&] {
-            replace(Machine::Cause::Restart, read(configuration_),
+            Reading next = read(configuration_);
+            expect(check_labels(next, current_->project_document()));
+            replace(Machine::Cause::Restart, std::move(next),
                     {.reason = wish.reason, .delay = wish.delay, .return_time = wish.return_time});
         });
     });
@@ -352,10 +357,23 @@ void RunningController::restart(const administration::RestartWish& wish)
 Configured<void> RunningController::may_restart()
 {
     try {
-        return check_listeners(read(configuration_).config);
+        const Reading next = read(configuration_);
+        return check_listeners(next.config).and_then([&] {
+            return check_labels(next, current_->project_document());
+        });
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
+}
+
+Configured<void> RunningController::check_labels(const Reading& next, const std::string& last)
+{
+    if (next.project == nullptr) {
+        return {};
+    }
+    const std::shared_ptr<const backend::LabelBackend> labels =
+        labels_ ? labels_->labels_with(next.config) : runtime_.labels();
+    return next.project->check_labels(*labels, next.config.labels.isolates_failures, last);
 }
 
 void RunningController::keep()

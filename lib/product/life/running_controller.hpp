@@ -147,6 +147,9 @@ private:
     /// Takes over another program of labels, if there is one.
     void download_labels();
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
+    /// Whether the project can have its labels of the PLC, if it is another one than `last`, the
+    /// file of the one before. Throws ConfigError if the program of its labels is none.
+    [[nodiscard]] Configured<void> check_labels(const Reading& next, const std::string& last);
     /// What restart() would take up: whether it could.
     [[nodiscard]] Configured<void> may_restart();
     /// As what it runs with.

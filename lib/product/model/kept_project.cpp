@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include <busbar/controller/project_models.hpp>
+#include <busbar/crypto/digest.hpp>
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/server/namespace_metadata.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "project_labels.hpp"
 
 namespace busbar::product {
 
@@ -20,6 +24,23 @@ using controller::ProjectPermission;
 
 constexpr const char* kept_source = "project";
 constexpr const char* operation_mode = "model mode";
+/// Which project counts whatever its labels are: its print_of().
+constexpr const char* accepted_file = "labels.accepted";
+
+std::string print_of(const std::string& document)
+{
+    const auto digest = crypto::sha256(std::as_bytes(std::span{document}));
+    return {reinterpret_cast<const char*>(digest.data()), digest.size()};
+}
+
+/// Empty if it cannot be read.
+std::string read_text(Storage& files, const char* name)
+{
+    constexpr std::size_t most = 256;
+    const auto bytes = read_file(files, name, most);
+    return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
+                 : std::string{};
+}
 
 void apply_users(const Project& project, UserConfig& users, const SettingValues& changes)
 {
@@ -211,22 +232,47 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     return published;
 }
 
-administration::TemporaryFileTransfer
-KeptProject::transfer(const server::Server& server, std::string version, LogSink& log,
-                      std::function<Configured<void>()> restart)
+Configured<void> KeptProject::check_labels(const backend::LabelBackend& plc, bool isolates_failures,
+                                           const std::string& last)
+{
+    const std::string own = document();
+    if (!served_ || own == last || read_text(files_, accepted_file) == print_of(own)) {
+        return {};
+    }
+    if (isolates_failures) {
+        return {};
+    }
+    return label_differences(*served_, plc).and_then(check_usable);
+}
+
+Configured<void> KeptProject::accept_labels()
+{
+    return controller::document_of(*store_.current()).and_then([this](const std::string& document) {
+        const std::string print = print_of(document);
+        const auto kept =
+            files_.replace(accepted_file, std::as_bytes(std::span{print}), FileAccess::Owner);
+        return kept ? Configured<void>{}
+                    : misconfigured(files_.place(accepted_file), std::string{text(kept.error())});
+    });
+}
+
+administration::TemporaryFileTransfer KeptProject::transfer(TransferNeeds needs)
 {
     service_.emplace(ProjectService::Needs{
         .store = store_,
-        .log = log,
+        .log = needs.log,
         .status =
-            [&server, version = std::move(version)] {
+            [&server = needs.server, version = std::move(needs.version)] {
                 return ProjectService::ModuleStatus{
                     operation_mode, server.is_stopped() ? "Shutdown" : "Running", version};
             },
-        .update = std::move(restart),
+        .update = std::move(needs.restart),
         .is_update_due = is_other_due_,
         .damage = recovered_ ? std::string{} : text(recovered_.error()),
-        .served = project()});
+        .served = project(),
+        .labels = std::move(needs.labels),
+        .isolates_failures = needs.isolates_failures,
+        .accept_labels = [this] { return accept_labels(); }});
     return service_->transfer();
 }
 

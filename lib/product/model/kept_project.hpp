@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include <busbar/administration/setting_list.hpp>
+#include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/project_store.hpp>
 #include <busbar/server/server.hpp>
@@ -50,12 +52,28 @@ public:
     }
     /// Its file; empty if there is none.
     [[nodiscard]] std::string document() const;
-    /// For AdministrationParts::file_transfers; once. All must outlive the server.
-    [[nodiscard]] administration::TemporaryFileTransfer
-    transfer(const server::Server& server, std::string version, LogSink& log,
-             std::function<Configured<void>()> restart);
+    /// Whether its labels can be used with the PLC (see check_usable), if it is another one than
+    /// `last`, the file of the project that was served before, and nobody has accepted it all the
+    /// same.
+    [[nodiscard]] Configured<void> check_labels(const backend::LabelBackend& plc,
+                                                bool isolates_failures, const std::string& last);
+    /// What its transfers need; all must outlive the server.
+    struct TransferNeeds {
+        const server::Server& server;
+        std::string version;
+        LogSink& log;
+        /// Of the PLC.
+        std::shared_ptr<const backend::LabelBackend> labels;
+        bool isolates_failures;
+        std::function<Configured<void>()> restart;
+    };
+    /// For AdministrationParts::file_transfers; once.
+    [[nodiscard]] administration::TemporaryFileTransfer transfer(TransferNeeds needs);
 
 private:
+    /// Keeps that the project of the store counts whatever its labels are.
+    [[nodiscard]] Configured<void> accept_labels();
+
     storage::FolderStorage files_;
     controller::ProjectStore store_;
     Configured<void> recovered_;

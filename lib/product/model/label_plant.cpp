@@ -40,6 +40,15 @@ void LabelPlant::stop()
     labels_->halt(clock_.now());
 }
 
+std::shared_ptr<const backend::LabelBackend>
+LabelPlant::labels_with(const ControllerConfig& next) const
+{
+    if (is_same(next.labels.program_text, program_text_)) {
+        return labels_;
+    }
+    return make_labels(next.labels);
+}
+
 bool LabelPlant::download(const ControllerConfig& next)
 {
     if (is_same(next.labels.program_text, program_text_)) {

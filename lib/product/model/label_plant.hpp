@@ -33,6 +33,9 @@ public:
     [[nodiscard]] int task_priority() const { return task_->realtime_priority(); }
     /// For one listener at a time.
     [[nodiscard]] std::shared_ptr<backend::LabelBackend> labels() const { return labels_; }
+    /// Those that there would be with the program of this configuration. Throws ConfigError.
+    [[nodiscard]] std::shared_ptr<const backend::LabelBackend>
+    labels_with(const ControllerConfig& next) const;
 
     /// An online change, if the configuration has another program than before: whether it has.
     /// Throws ConfigError, and then nothing has changed.

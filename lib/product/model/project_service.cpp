@@ -1,12 +1,15 @@
 #include "project_service.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/text_forms.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "core/json_writer.hpp"
+#include "project_labels.hpp"
 
 namespace busbar::product {
 
@@ -17,6 +20,9 @@ namespace {
 constexpr const char* project_source = "project";
 /// The whole project is in memory until its transfer is over.
 constexpr std::size_t max_project_size = 128U << 20U;
+
+constexpr const char* despite_labels = "update despite labels";
+constexpr std::size_t most_labels_logged = 20;
 
 constexpr const char* unknown_wish = "found none of a project's options";
 
@@ -47,6 +53,11 @@ std::string differences_report(const std::vector<controller::ProjectDifference>&
     json.end_list();
     json.end_object();
     return json.take();
+}
+
+bool is_update(std::string_view wish)
+{
+    return wish == "update" || wish == despite_labels;
 }
 
 /// The report of a verification.
@@ -139,7 +150,7 @@ Result<std::vector<std::byte>> ProjectService::generate(const TransferRequest& r
 StatusCode ProjectService::may_take(const TransferRequest& request)
 {
     const std::string wish = wish_of(request.options);
-    if (wish != "write" && wish != "verify" && wish != "update") {
+    if (wish != "write" && wish != "verify" && wish != "labels" && !is_update(wish)) {
         return refuse(status::Bad_InvalidArgument, unknown_wish);
     }
     if (wish != "write" && needs_.store.current() == nullptr) {
@@ -152,8 +163,8 @@ std::function<void()> ProjectService::preparation(const TransferRequest& request
                                                   std::span<const std::byte> bytes)
 {
     const std::string wish = wish_of(request.options);
-    if (wish == "update") {
-        return {};
+    if (wish == "labels" || is_update(wish)) {
+        return [this] { labels_ = compare_labels(); };
     }
     if (wish == "write") {
         return [this, bytes] { staged_.emplace(std::as_const(needs_.store).stage(bytes)); };
@@ -170,8 +181,9 @@ StatusCode ProjectService::take(const TransferRequest& request, std::span<const 
     const std::string wish = wish_of(request.options);
     const auto done = wish == "write"    ? write(bytes)
                       : wish == "verify" ? std::exchange(differences_, {})
-                                         : update(bytes);
-    return report(request, done, wish);
+                      : wish == "labels" ? std::exchange(labels_, {}).transform(labels_report)
+                                         : update(bytes, wish == despite_labels);
+    return report(request, done, is_update(wish) ? "update" : wish);
 }
 
 Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
@@ -189,11 +201,50 @@ Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
     return std::string{R"({"written":true})"};
 }
 
-Configured<std::string> ProjectService::update(std::span<const std::byte> bytes)
+/// For the worker.
+Configured<std::vector<controller::LabelDifference>> ProjectService::compare_labels() const
+{
+    if (needs_.labels == nullptr) {
+        return {};
+    }
+    return label_differences(*needs_.store.current(), *needs_.labels);
+}
+
+/// Whether the project may count with its labels as they are.
+Configured<void> ProjectService::take_labels(bool despite_labels)
+{
+    const auto labels = std::exchange(labels_, {});
+    if (!labels) {
+        return Unexpected{labels.error()};
+    }
+    const auto usable = check_usable(*labels);
+    if (!usable && !despite_labels && !needs_.isolates_failures) {
+        return usable;
+    }
+    if (!usable && despite_labels) {
+        if (auto accepted = needs_.accept_labels(); !accepted) {
+            return accepted;
+        }
+    }
+    for (std::size_t i = 0; i < std::min(labels->size(), most_labels_logged); ++i) {
+        needs_.log.write(LogLevel::Warning, project_source, controller::text((*labels)[i]));
+    }
+    if (labels->size() > most_labels_logged) {
+        needs_.log.write(LogLevel::Warning, project_source,
+                         std::to_string(labels->size()) + " labels in all differ from their nodes");
+    }
+    return {};
+}
+
+Configured<std::string> ProjectService::update(std::span<const std::byte> bytes,
+                                               bool despite_labels)
 {
     if (!bytes.empty()) {
         return misconfigured("update", "found a file, expected an empty one",
                              status::Bad_InvalidArgument);
+    }
+    if (auto may = take_labels(despite_labels); !may) {
+        return Unexpected{std::move(may.error())};
     }
     if (auto updated = needs_.update(); !updated) {
         return Unexpected{std::move(updated.error())};

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <busbar/administration/file_transfer.hpp>
+#include <busbar/controller/label_check.hpp>
 #include <busbar/controller/project_compare.hpp>
 #include <busbar/controller/project_store.hpp>
 #include <busbar/core/log.hpp>
@@ -22,11 +25,17 @@ namespace busbar::product {
 ///                           "status": operation mode, server status and version
 ///     GenerateFileForWrite  "write"    a project file follows
 ///                           "verify"   a project file follows
-///                           "update"   an empty file follows: the server takes up its project
+///                           "labels"   an empty file follows: the labels of the project that was
+///                                      written are compared with the PLC
+///                           "update"   an empty file follows: the server takes up its project,
+///                                      unless labels of it cannot be used with the PLC
+///                           "update despite labels"
+///                                      all the same
 ///
 /// A report is JSON: {"problem": "project:12: [network] ..."} for what was refused;
-/// {"written": true}; {"updated": true}; and {"differences": [{"where", "file", "server"}]} for a
-/// verification. A status is JSON, too: {"operationMode", "serverStatus", "version", "project"}.
+/// {"written": true}; {"updated": true}; {"differences": [{"where", "file", "server"}]} for a
+/// verification; and see labels_report(). A status is JSON, too: {"operationMode", "serverStatus",
+/// "version", "project"}.
 ///
 /// Of two tools that write at once the second is refused. Stop and restart are
 /// RequestServerStateChange of the Server. On the server's thread, but for the check of a project
@@ -53,6 +62,12 @@ public:
         std::string damage{};
         /// What the server runs then; null: none.
         const controller::Project* served{nullptr};
+        /// Of the PLC; null: nothing is compared.
+        std::shared_ptr<const backend::LabelBackend> labels{};
+        /// A label that cannot be used costs its nodes only.
+        bool isolates_failures{false};
+        /// The project of the store counts whatever its labels are.
+        std::function<Configured<void>()> accept_labels{};
     };
 
     explicit ProjectService(Needs needs);
@@ -74,11 +89,16 @@ private:
     [[nodiscard]] std::string project_state() const;
     /// What was staged becomes the project of the store.
     [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
-    [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes);
+    [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes,
+                                                 bool despite_labels);
+    [[nodiscard]] Configured<std::vector<controller::LabelDifference>> compare_labels() const;
+    [[nodiscard]] Configured<void> take_labels(bool despite_labels);
+
     Needs needs_;
     // What preparation() leaves for take().
     std::optional<Configured<controller::ProjectStore::Staged>> staged_;
     Configured<std::string> differences_;
+    Configured<std::vector<controller::LabelDifference>> labels_;
 };
 
 } // namespace busbar::product

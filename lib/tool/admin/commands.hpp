@@ -51,6 +51,8 @@ struct AdminArguments {
     TrustOrder order;
     /// Asks nothing.
     bool is_sure{false};
+    /// A project counts although labels of it cannot be used.
+    bool despite_labels{false};
     std::string new_password_file;
     std::string description;
     bool must_change{false};

@@ -1,18 +1,17 @@
-#include "node.hpp"
-
 #include <array>
 #include <memory>
 #include <optional>
 #include <span>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/controller/label_check.hpp>
 #include <busbar/controller/mapping_table.hpp>
 #include <busbar/core/text_forms.hpp>
 #include <busbar/model/data_types.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "label_types.hpp"
+#include "commands.hpp"
 #include "node_text.hpp"
 #include "reports.hpp"
 #include "tool/nodes/names.hpp"
@@ -267,7 +266,7 @@ void NodePage::add_arguments()
 void NodePage::add_parts()
 {
     for (const MappablePart& part : parts_.of(node_)) {
-        const LabelTypes types = label_types_for(part);
+        const controller::LabelTypes types = controller::label_types_for(part);
         mapping_.add({part.path, part.type, part.label, types.same, types.checked});
     }
     why_not_mapped_ = parts_.why_none(node_);

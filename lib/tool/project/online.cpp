@@ -125,13 +125,68 @@ Exit verify(Context& context, Connection& connection, const RemoteArguments& arg
     return print_differences(context, differences, "FILE", "SERVER");
 }
 
+/// Has the server compare the labels of the project that was written with its PLC.
+Json label_report(Context& context, RemoteTransfer& transfer)
+{
+    send(context, transfer, "labels", {});
+    return answer_of(transfer, "report");
+}
+
+/// Lists the labels that the PLC has not, or has of another type than their nodes.
+Exit list_labels(Context& context, Connection& connection, const RemoteArguments&)
+{
+    RemoteTransfer transfer = transfer_of(connection);
+    const Json report = label_report(context, transfer);
+    const Json* const list = report.find("labels");
+    Table table{{{"NODE", 12}, {"PART"}, {"LABEL", 12}, {"EXPECTED", 16}, {"FOUND", 12}, {"USE"}}};
+    JsonLine json;
+    json.open_object().key("labels").open_array();
+    bool is_refused = false;
+    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+        std::vector<Cell> cells;
+        json.open_object();
+        for (const char* const name : {"node", "part", "label", "expected", "found", "use"}) {
+            const std::string text = text_in(each, name);
+            json.member(name, text);
+            cells.push_back({safe(text)});
+        }
+        json.close_object();
+        is_refused = is_refused || text_in(each, "use") == "refused";
+        table.add(std::move(cells));
+    }
+    const std::string count = text_in(report, "labelCount");
+    if (context.options.is_json) {
+        json.close_array().member("labelCount", count);
+        context.out.line(json.close_object().document());
+    } else if (table.row_count() == 0) {
+        context.out.line("no differences");
+    } else {
+        table.print(context.out);
+        context.out.line(safe(count) + " labels differ");
+    }
+    return is_refused ? Exit::Failed : Exit::Good;
+}
+
 /// Has the server that runs take up what was written, as a restart does.
 Exit update(Context& context, Connection& connection, const RemoteArguments& arguments)
 {
     RemoteTransfer transfer = transfer_of(connection);
     admin::make_sure(context, arguments, "Have the server take up the project that was written?");
-    send(context, transfer, "update", {});
-    return say_done(context, "the server takes up its project");
+    const std::string converted = text_in(label_report(context, transfer), "labelCount");
+    try {
+        send(context, transfer, arguments.despite_labels ? "update despite labels" : "update", {});
+    } catch (Failure& failure) {
+        if (std::string_view{failure.what()}.find("labels cannot be used") != std::string::npos) {
+            failure.hint = "`busbar project labels` lists them all; --despite-labels has the "
+                           "project count before the PLC has its program";
+        }
+        throw;
+    }
+    const bool has_differences = !converted.empty() && converted != "0";
+    return say_done(context, "the server takes up its project" +
+                                 (has_differences ? "; `busbar project labels` lists " + converted +
+                                                        " labels of another type than their nodes"
+                                                  : std::string{}));
 }
 
 Exit restart(Context& context, Connection& connection, const RemoteArguments& arguments)
@@ -172,10 +227,15 @@ void add_online(CLI::App& project, Run& run)
     asks(
         group.add("write", "Writes a project to a server, whole or not at all.", 1, "FILE", write));
     asks(group.add("read", "Reads the project of a server.", 1, "FILE", read));
+    group.add("labels", "Lists labels of the written project that are not as the PLC has them.", 0,
+              "URL", list_labels);
     group.add("verify", "Lists what differs between a project and that of a server.", 1, "FILE",
               verify);
-    asks(group.add("update", "Has a server take up the project that was written.", 0, "URL",
-                   update));
+    CLI::App* const updates =
+        group.add("update", "Has a server take up the project that was written.", 0, "URL", update);
+    asks(updates);
+    updates->add_flag("--despite-labels", arguments.despite_labels,
+                      "also if labels of it cannot be used with the program of the PLC");
     for (CLI::App* command :
          {group.add("stop", "Stops a server.", 0, "URL", admin::shut_down),
           group.add("restart", "Restarts a server, with its project.", 0, "URL", restart)}) {

@@ -6,7 +6,6 @@
 #include <busbar/server/password_rules.hpp>
 
 #include "commands.hpp"
-#include "node.hpp"
 #include "tool/connection/user.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"

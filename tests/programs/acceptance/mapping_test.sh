@@ -137,6 +137,7 @@ for each in 104:Secret 105:Fixed 106:Line.None 107:Line.Recipe 109:Line.Row; do
 done
 kill "$pid"
 await ended
+rm -r pki/taken-over # there is no project before it that could stay in force
 serve_cell wrong.busbar
 await logged 'event 24003'
 for each in 104:Secret 105:Fixed 106:Line.None 107:Line.Recipe 109:Line.Row; do

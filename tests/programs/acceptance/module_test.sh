@@ -112,6 +112,40 @@ as hmi 0 read "$url" "$(cell 104)"
 chief 0 project write "$url" line.busbar --yes
 chief 0 project update "$url" --yes
 await in_use
+# Labels that are not the PLC's: each is told with node, expected and found type, the project does
+# not count, whichever way it would, and the one before stays in force.
+cp line.busbar unlike.busbar
+run 0 project map unlike.busbar "ns=1;i=104" Line.S
+run 0 project map unlike.busbar "ns=1;i=105" Line.Gone
+run 0 project map unlike.busbar "ns=1;i=106" Line.UDW
+chief 0 project write "$url" unlike.busbar --yes
+chief 1 project labels "$url"
+says 'i=104  *Line.S  *INT.*  *STRING(7)  *refused'
+says 'i=105  *Line.Gone  *.*the PLC has none of this name  *refused'
+says 'i=106  *Line.UDW  *DINT.*  *UDINT, DWORD  *converted'
+chief 1 project update "$url" --yes
+says '2 of its labels cannot be used'
+logged 'Line.S of ns=1;i=104: found STRING(7), expected INT; Line.Gone of ns=1;i=105' ||
+    fail "the refusal does not name the labels"
+says 'despite-labels'
+chief 1 project restart "$url" --yes --seconds 0
+says 'Line.Gone'
+as hmi 0 read --value "$url" "$(cell 104)"
+says '^12$'
+step_ends
+power_cycle
+logged 'Line.S of ns=1;i=104: found STRING(7)' || fail "the start does not say why"
+one_step
+chief 0 project status "$url"
+says 'written, an update or restart is due'
+as hmi 0 read "$url" "$(cell 104)"
+# It can count before the PLC has its program: 8.3 says what its nodes answer then.
+chief 0 project update "$url" --yes --despite-labels
+await in_use
+as hmi 3 read "$url" "$(cell 104)"
+chief 0 project write "$url" line.busbar --yes
+chief 0 project update "$url" --yes
+await in_use
 
 entry model 8.5: operation
 chief 0 project restart "$url" --yes --seconds 0

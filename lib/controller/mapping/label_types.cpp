@@ -1,0 +1,106 @@
+#include <busbar/controller/label_check.hpp>
+
+#include <string_view>
+
+#include "table_columns.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using backend::LabelType;
+using backend::TimerPart;
+
+constexpr std::array<DeclaredLabelType, declared_label_type_count> all_declared{{
+    {"BOOL", LabelType::Bit},
+    {"UINT, WORD", LabelType::UnsignedWord},
+    {"UDINT, DWORD", LabelType::UnsignedDoubleWord},
+    {"INT", LabelType::Word},
+    {"DINT", LabelType::DoubleWord},
+    {"REAL", LabelType::Float},
+    {"LREAL", LabelType::Double},
+    {"TIME", LabelType::Time},
+    {"STRING(n)", LabelType::String},
+    {"ARRAY[0..n] OF UTF16_UNIT", LabelType::UnicodeString},
+    {"any timer or counter .S", LabelType::Timer, TimerPart::Contact},
+    {"any timer or counter .C", LabelType::Timer, TimerPart::Coil},
+    {"TIMER, RETENTIVETIMER .N", LabelType::Timer, TimerPart::Current},
+    {"LTIMER, LRETENTIVETIMER .N", LabelType::LongTimer, TimerPart::Current},
+    {"COUNTER .N", LabelType::Counter, TimerPart::Current},
+    {"LCOUNTER .N", LabelType::LongCounter, TimerPart::Current},
+}};
+
+const char* timer_name(LabelType type)
+{
+    switch (type) {
+    case LabelType::Timer:
+        return "TIMER";
+    case LabelType::RetentiveTimer:
+        return "RETENTIVETIMER";
+    case LabelType::LongTimer:
+        return "LTIMER";
+    case LabelType::LongRetentiveTimer:
+        return "LRETENTIVETIMER";
+    case LabelType::Counter:
+        return "COUNTER";
+    case LabelType::LongCounter:
+        return "LCOUNTER";
+    default:
+        return "";
+    }
+}
+
+void append_to(std::string& list, std::string_view text)
+{
+    list += (list.empty() ? "" : "; ") + std::string{text};
+}
+
+} // namespace
+
+const std::array<DeclaredLabelType, declared_label_type_count>& declared_label_types()
+{
+    return all_declared;
+}
+
+std::string declaration_of(const backend::LabelKind& kind)
+{
+    switch (kind.part) {
+    case TimerPart::Contact:
+        return std::string{timer_name(kind.type)} + " .S";
+    case TimerPart::Coil:
+        return std::string{timer_name(kind.type)} + " .C";
+    case TimerPart::Current:
+        return std::string{timer_name(kind.type)} + " .N";
+    case TimerPart::None:
+        break;
+    }
+    if (kind.type == LabelType::String) {
+        return "STRING(" + std::to_string(kind.length) + ")";
+    }
+    if (kind.type == LabelType::UnicodeString) {
+        return "ARRAY[0.." + std::to_string(kind.length) + "] OF UTF16_UNIT";
+    }
+    for (const DeclaredLabelType& declared : all_declared) {
+        if (declared.type == kind.type && declared.part == TimerPart::None) {
+            return declared.text;
+        }
+    }
+    return "of a type that no label can have";
+}
+
+LabelTypes label_types_for(const MappablePart& part)
+{
+    LabelTypes types;
+    for (const DeclaredLabelType& declared : all_declared) {
+        const Assignability found =
+            part.path == detail::handle_part
+                ? (is_handle_label(declared.type) ? Assignability::Same : Assignability::No)
+                : assignability(part.leaf, declared.type, declared.part);
+        if (found != Assignability::No) {
+            append_to(found == Assignability::Same ? types.same : types.checked, declared.text);
+        }
+    }
+    return types;
+}
+
+} // namespace busbar::controller
