@@ -10,6 +10,7 @@ void add_project(CLI::App& app, Run& run)
     command->require_subcommand(1);
     project::add_settings(*command, run);
     project::add_models(*command, run);
+    project::add_instances(*command, run);
     project::add_mapping(*command, run);
     project::add_check(*command, run);
     project::add_compare(*command, run);

@@ -36,6 +36,10 @@ struct ProjectArguments {
     std::string label;
     /// A PLC's program, whose labels are looked up.
     std::string program;
+    /// Of an instance.
+    std::vector<std::string> optional;
+    bool has_all_optional{false};
+    std::string uri;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -58,6 +62,7 @@ void add_settings(CLI::App& project, Run& run);
 void add_models(CLI::App& project, Run& run);
 void add_mapping(CLI::App& project, Run& run);
 void add_check(CLI::App& project, Run& run);
+void add_instances(CLI::App& project, Run& run);
 void add_compare(CLI::App& project, Run& run);
 void add_online(CLI::App& project, Run& run);
 

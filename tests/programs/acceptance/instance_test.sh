@@ -1,0 +1,97 @@
+#!/bin/sh
+# A companion specification alone is mapped: it has types only, of which the project gets instances.
+# usage: instance_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
+. "$here/cell.sh"
+
+nodesets=$(dirname "$controller")/../tests/interop/node_modules/node-opcua-nodesets/nodesets
+own=urn:busbar:instances
+project() {
+    code=$1
+    shift
+    run "$code" project "$@"
+}
+at() { echo "nsu=$own;s=$1"; }
+
+# Without files of the OPC Foundation: a type of the cell, beside the cell's own nodes.
+cell=http://cell.example/Cell
+cell_project cell.busbar
+project 1 instance cell.busbar /Objects CellType Second
+says 'has nodes that are mapped'
+says 'expected the instance in the same namespace'
+project 0 instance cell.busbar /Objects CellType Second --namespace $cell
+says "nsu=$cell;s=Second: [0-9]* nodes added"
+project 0 instance cell.busbar /Objects CellType Second --namespace $cell
+says 'has all of it'
+project 1 instance cell.busbar /Objects NoSuchType
+says 'NoSuchType: there is no such type in the models'
+project 1 instance cell.busbar /Nowhere CellType
+says 'there is no such node'
+project 1 instance cell.busbar /Objects CellType Other --namespace http://opcfoundation.org/UA/
+says "expected one of the project's own"
+project 0 check cell.busbar
+project 0 show cell.busbar "nsu=$cell;s=Second"
+
+if [ ! -d "$nodesets" ]; then
+    echo "without node-opcua-nodesets: PackML and Machinery are left out"
+    finish
+fi
+project 0 new line.busbar
+project 0 set line.busbar "listener 1.address" 127.0.0.1 "listener 1.port" $port \
+    security.policies "" security.mode None security.allow_anonymous yes \
+    security.trust_all_clients yes
+for name in Di IA PackML Machinery; do
+    project 0 import line.busbar "$nodesets/Opc.Ua.$name.NodeSet2.xml"
+done
+says_not 'opcfoundation.org/UA/ 1' # a later namespace 0 has all of an earlier one
+project 0 csv line.busbar --all
+says_not 'PackML'
+project 0 instance line.busbar /Objects PackMLBaseObjectType Packer
+says 's=Packer: [0-9]* nodes added'
+project 1 instance line.busbar /Objects MachineIdentificationType Machine --optional Serial
+says 'no Optional member of a path that was asked for'
+project 0 instance line.busbar /Objects MachineIdentificationType Machine
+project 0 instance line.busbar /Objects MachineIdentificationType Machine --optional YearOfConstruction
+says 's=Machine: 1 nodes added'
+project 1 instance line.busbar /Objects IMachineryItemVendorNameplateType Plate
+says 'which is abstract, expected'
+project 0 csv line.busbar --all
+says "^nsu=$own;s=Packer/Status/CurMachSpeed,.*,Float"
+says "^nsu=$own;s=Packer/SetMachSpeed,.*,Handle,"
+says "^nsu=$own;s=Packer/SetMachSpeed,.*,Input.0.,.*,Float"
+says "^nsu=$own;s=Machine/YearOfConstruction,.*,UInt16"
+
+# What is mapped of it is served, and NodeIds and mapping stay when more is added.
+cat > packer.st << 'END'
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL
+    Speed : REAL := 12.5; Wanted : REAL; Set : WORD; Serial : STRING[20] := '4711'; Year : UINT := 2026;
+END_VAR
+END
+project 0 map line.busbar "$(at Packer/Status/CurMachSpeed)" Speed
+project 0 map line.busbar "$(at Packer/SetMachSpeed)" Set Handle
+project 0 map line.busbar "$(at Packer/SetMachSpeed)" Wanted 'Input[0]'
+project 0 map line.busbar "$(at Machine/SerialNumber)" Serial
+project 0 map line.busbar "$(at Machine/YearOfConstruction)" Year
+project 0 check line.busbar --program packer.st
+project 0 instance line.busbar /Objects MachineryItemState_StateMachineType State
+project 0 csv line.busbar
+says "s=Packer/Status/CurMachSpeed,.*,Speed,"
+cell_controller '' '' | sed 's/line.st/packer.st/; /^\[\[plc/,$d' > module.toml
+cat >> module.toml << 'END'
+[[plc.program]]
+kind = "acknowledge"
+target = "Set"
+END
+serve_cell line.busbar
+get "$(at Packer/Status/CurMachSpeed)" '^12.5$'
+get "$(at Machine/SerialNumber)" '4711'
+get "$(at Machine/YearOfConstruction)" '^2026$'
+run 0 --trust call "$url" "$(at Packer)" "$(at Packer/SetMachSpeed)" 80.5
+run 0 --trust browse "$url" "$(at Packer/Status)"
+says 'CurMachSpeed'
+kill "$pid"
+await ended
+finish
