@@ -36,6 +36,12 @@ enum class Assignability : std::uint8_t { No, Checked, Same };
     return type == backend::LabelType::UnsignedWord;
 }
 
+/// Whether a label can be the quality of a Variable or the Done of a Method, which is 0 or not.
+[[nodiscard]] BUSBAR_API bool is_quality_label(backend::LabelType type);
+/// Whether values can be scaled (Scaling): numbers, but for enumerations, and labels with numbers.
+[[nodiscard]] BUSBAR_API bool is_scalable(LeafType leaf);
+[[nodiscard]] BUSBAR_API bool is_scalable(backend::LabelType type, backend::TimerPart part);
+
 struct ConversionOptions {
     /// Minutes that the PLC's clock is ahead of UTC, for DateTime: a label holds it as seconds
     /// since 2000-01-01 00:00:00 by that clock. 0: its clock shows UTC.
@@ -49,6 +55,11 @@ public:
     /// Returns nothing where assignability() returns No.
     [[nodiscard]] static std::optional<LabelConversion>
     of(LeafType leaf, const backend::LabelKind& label, const ConversionOptions& options = {});
+
+    /// Returns a conversion whose value is `offset + factor * label`. Nothing unless is_scalable()
+    /// is true for both.
+    [[nodiscard]] static std::optional<LabelConversion>
+    scaled(LeafType leaf, const backend::LabelKind& label, double factor, double offset);
 
     /// The size of the label in bytes, see backend::size_of().
     [[nodiscard]] std::size_t label_size() const { return label_size_; }
@@ -82,6 +93,8 @@ public:
 
     [[nodiscard]] std::size_t characters() const { return characters_; }
     [[nodiscard]] std::int64_t offset_seconds() const { return offset_seconds_; }
+    [[nodiscard]] double factor() const { return factor_; }
+    [[nodiscard]] double offset() const { return offset_; }
 
     using Read = StatusCode (*)(const LabelConversion&, const std::byte* label, void* value);
     using Write = StatusCode (*)(const LabelConversion&, const void* value, std::byte* label);
@@ -100,6 +113,8 @@ private:
     /// For a text, the number of characters that are used ("valid number of characters").
     std::uint32_t characters_;
     std::int64_t offset_seconds_;
+    double factor_{1};
+    double offset_{0};
 };
 
 } // namespace busbar::controller

@@ -9,4 +9,8 @@ namespace busbar::controller::detail {
 [[nodiscard]] LabelConversion::Functions conversion_functions(BuiltInType leaf,
                                                               backend::LabelType label);
 
+/// What scales between them; is_scalable() must say so of both.
+[[nodiscard]] LabelConversion::Functions scaled_functions(BuiltInType leaf,
+                                                          backend::LabelType label);
+
 } // namespace busbar::controller::detail

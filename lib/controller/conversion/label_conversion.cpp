@@ -37,6 +37,19 @@ std::optional<LabelConversion> LabelConversion::of(LeafType leaf, const LabelKin
     return LabelConversion{leaf, detail::conversion_functions(leaf.built_in, type), label, options};
 }
 
+std::optional<LabelConversion> LabelConversion::scaled(LeafType leaf, const LabelKind& label,
+                                                       double factor, double offset)
+{
+    if (!is_scalable(leaf) || !is_scalable(label.type, label.part)) {
+        return std::nullopt;
+    }
+    const LabelType type = backend::value_type(label.type, label.part);
+    LabelConversion made{leaf, detail::scaled_functions(leaf.built_in, type), label, {}};
+    made.factor_ = factor;
+    made.offset_ = offset;
+    return made;
+}
+
 Result<Variant> LabelConversion::read(std::span<const std::byte> label) const
 {
     if (label.size() != label_size_) {

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <array>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -196,6 +197,57 @@ TEST_CASE("8.2 Integers: a value of another type, a label of another size", "[8.
     mapping.label.pop_back();
     CHECK(mapping.write(Variant{std::int16_t{1}}) == status::Bad_InternalError);
     CHECK(mapping.read().error() == status::Bad_InternalError);
+}
+
+TEST_CASE("Scaled numbers go both ways, are rounded, and stay in the ranges of both types")
+{
+    using controller::LabelConversion;
+    const auto scaled = [](BuiltInType type, LabelType label, double factor, double offset) {
+        return LabelConversion::scaled({type}, {label}, factor, offset);
+    };
+    const auto read = [](const LabelConversion& conversion, auto raw) {
+        std::array<std::byte, sizeof raw> bytes{};
+        std::memcpy(bytes.data(), &raw, sizeof raw);
+        return conversion.read(bytes);
+    };
+    // 0..27648 as -10..90
+    const auto analog = scaled(BuiltInType::Double, LabelType::Word, 100.0 / 27'648, -10);
+    REQUIRE(analog);
+    CHECK(read(*analog, std::int16_t{0}) == Variant{-10.0});
+    CHECK(read(*analog, std::int16_t{13'824}) == Variant{40.0});
+    CHECK(read(*analog, std::int16_t{27'648}).value().get_if<double>() != nullptr);
+    std::array<std::byte, 2> word{};
+    CHECK(analog->write(Variant{40.0}, word) == status::Good);
+    std::int16_t raw = 0;
+    std::memcpy(&raw, word.data(), sizeof raw);
+    CHECK(raw == 13'824);
+    CHECK(analog->write(Variant{1e6}, word) == status::Bad_OutOfRange);
+    CHECK(analog->write(Variant{std::numeric_limits<double>::quiet_NaN()}, word) ==
+          status::Bad_OutOfRange);
+    CHECK(analog->write(Variant{std::numeric_limits<double>::infinity()}, word) ==
+          status::Bad_OutOfRange);
+    CHECK(analog->write(Variant{40.0F}, word) == status::Bad_TypeMismatch);
+    // Integers are rounded; what the type cannot have is told.
+    const auto whole = scaled(BuiltInType::SByte, LabelType::Float, 0.5, 0);
+    REQUIRE(whole);
+    CHECK(read(*whole, 3.0F) == Variant{std::int8_t{2}});
+    CHECK(read(*whole, -3.0F) == Variant{std::int8_t{-2}});
+    CHECK(read(*whole, 254.0F) == Variant{std::int8_t{127}});
+    CHECK(read(*whole, 256.0F).error() == status::Bad_OutOfRange);
+    CHECK(read(*whole, std::numeric_limits<float>::quiet_NaN()).error() == status::Bad_OutOfRange);
+    const auto large = scaled(BuiltInType::UInt64, LabelType::Double, 1, 0);
+    REQUIRE(large);
+    CHECK(read(*large, 18446744073709551616.0).error() == status::Bad_OutOfRange);
+    CHECK(read(*large, -1.0).error() == status::Bad_OutOfRange);
+    const auto small = scaled(BuiltInType::Float, LabelType::Double, 1, 0);
+    CHECK(read(*small, 1e39).error() == status::Bad_OutOfRange);
+    // Only numbers.
+    CHECK_FALSE(scaled(BuiltInType::Boolean, LabelType::Word, 1, 0));
+    CHECK_FALSE(scaled(BuiltInType::Double, LabelType::Bit, 1, 0));
+    CHECK_FALSE(scaled(BuiltInType::Double, LabelType::String, 1, 0));
+    CHECK_FALSE(LabelConversion::scaled({BuiltInType::Int32, true}, {LabelType::Word}, 1, 0));
+    CHECK(LabelConversion::scaled({BuiltInType::Double}, {LabelType::Timer, TimerPart::Current}, 1,
+                                  0));
 }
 
 } // namespace number_conversion_test
