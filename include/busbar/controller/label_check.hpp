@@ -34,6 +34,11 @@ declared_label_types();
 /// Returns "STRING(20)", "TIMER .N".
 [[nodiscard]] BUSBAR_API std::string declaration_of(const backend::LabelKind& kind);
 
+/// Returns assignability() of the part's value; for a Handle, a Quality and a scaled value Same or
+/// No.
+[[nodiscard]] BUSBAR_API Assignability label_use(const MappablePart& part, backend::LabelType type,
+                                                 backend::TimerPart timer);
+
 /// Lists of declared types ("INT; UINT, WORD"), by how they suit a part of a node (manual of model
 /// mode, 8.2).
 struct LabelTypes {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -58,12 +59,36 @@ struct MappedPart {
     friend bool operator==(const MappedPart&, const MappedPart&) = default;
 };
 
+/// How numbers of labels become those of a Variable: linearly, `raw_low` as `low` and `raw_high` as
+/// `high`, and likewise beyond these.
+struct Scaling {
+    double raw_low{0};
+    /// Equal to raw_low if nothing is scaled.
+    double raw_high{0};
+    double low{0};
+    /// Equal to low if the EURange of the Variable is meant (Part 8, 5.3.2.3).
+    double high{0};
+
+    [[nodiscard]] bool is_set() const { return raw_low != raw_high; }
+    [[nodiscard]] bool has_range() const { return low != high; }
+    friend bool operator==(const Scaling&, const Scaling&) = default;
+};
+/// Returns "0..27648=0..100", or "0..27648" for the EURange; empty if it is not set.
+[[nodiscard]] BUSBAR_API std::string to_text(const Scaling& scaling);
+/// Returns nothing for any other text, for numbers that are not finite and for a range of one
+/// number.
+[[nodiscard]] BUSBAR_API std::optional<Scaling> parse_scaling(std::string_view text);
+
 /// The mapping of a Variable.
 struct DataMapping {
     MappedPart value{};
     /// As in the file; empty if it had none. Changes of the value leave it as it is: it is computed
     /// again when the mapping is written.
     std::string sign{};
+    /// A label that says how good the value is: 0 is Good, anything else of 16 bits or less
+    /// Bad_DeviceFailure, and of 32 bits a StatusCode. Empty: it is as good as the label's own.
+    std::string quality{};
+    Scaling scaling{};
 
     friend bool operator==(const DataMapping&, const DataMapping&) = default;
 };
@@ -76,6 +101,11 @@ struct MethodMapping {
     std::vector<MappedPart> arguments{};
     /// Like DataMapping::sign.
     std::string sign{};
+    /// The label that the program sets when it is done: a Call is answered then, with the
+    /// OutputArguments. Empty: it is answered when the handle is set.
+    std::string done{};
+    /// As `arguments`, of OutputArguments.
+    std::vector<MappedPart> outputs{};
 
     friend bool operator==(const MethodMapping&, const MethodMapping&) = default;
 };
@@ -91,6 +121,7 @@ struct Mapping {
 /// Returns the number of labels in a part and its parts: units of mapped data (manual of model
 /// mode, 2.1).
 [[nodiscard]] BUSBAR_API std::size_t count_labels(const MappedPart& part);
+[[nodiscard]] BUSBAR_API std::size_t count_labels(const DataMapping& variable);
 [[nodiscard]] BUSBAR_API std::size_t count_labels(const MethodMapping& method);
 [[nodiscard]] BUSBAR_API std::size_t count_labels(const Mapping& mapping);
 

@@ -21,6 +21,11 @@ namespace busbar::controller {
 inline constexpr std::string_view mapping_namespace =
     "https://www.mitsubishielectric.com/fa/OPCUA/extension/";
 
+/// Of the element <Addition>, which stands in an <Extension> of its own beside such a mapping and
+/// has what the format does not: the attributes Quality and Scaling of a Variable, Done of a
+/// Method, whose mapped OutputArguments are in it as those of <Input> are, in an <Output>.
+inline constexpr std::string_view addition_namespace = "urn:busbar:mapping";
+
 struct ReadMapping {
     Mapping mapping{};
     ModelReports reports{};

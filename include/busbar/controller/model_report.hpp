@@ -69,6 +69,8 @@ enum class ModelCode : std::uint16_t {
     LabelUnavailable = 320,
     LabelOfWrongType = 321,
     LabelConverted = 322,
+    ScalingInvalid = 323,
+    QualityAlone = 324,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,
@@ -91,6 +93,7 @@ enum class ModelCode : std::uint16_t {
     TablePart = 505,
     TableNumber = 506,
     TableRepeated = 507,
+    TableScaling = 508,
 };
 
 /// The properties common to all reports with a code; constant texts.

@@ -8,7 +8,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "controller/conversion/field_step.hpp"
-#include "controller/mapping/method_arguments.hpp"
+#include "controller/mapping/node_properties.hpp"
 
 namespace busbar::controller {
 

@@ -20,6 +20,7 @@ void ExtensionReader::read(const NodeId& node, NodeClass node_class, const std::
 {
     // Most nodes have no mapping; the text is as pugixml writes it, without entities in a URI.
     if (xml.find(mapping_namespace) == std::string::npos &&
+        xml.find(addition_namespace) == std::string::npos &&
         xml.find("Mapping") == std::string::npos) {
         return;
     }
@@ -32,17 +33,116 @@ void ExtensionReader::read(const NodeId& node, NodeClass node_class, const std::
         return;
     }
     for (const pugi::xml_node& kept : document.children()) {
-        if (local_name(kept) != "Extensions") {
-            continue;
+        if (local_name(kept) == "Extensions") {
+            read_extensions(kept, to);
         }
+    }
+    // A mapping may stand behind what is added to it.
+    for (const pugi::xml_node& kept : document.children()) {
         for (const pugi::xml_node& extension : kept.children()) {
-            if (local_name(extension) == "Extension") {
-                read_extension(extension, to);
-            } else if (has_mapping_name(extension) &&
-                       is_elsewhere_in_mapping_namespace(extension)) {
-                report(ModelCode::FormatInvalid, {}, "it is not in an <Extension>");
+            if (local_name(kept) == "Extensions" && local_name(extension) == "Extension") {
+                read_additions(extension, to);
             }
         }
+    }
+    check_sign(to);
+}
+
+void ExtensionReader::read_extensions(const pugi::xml_node& extensions, Mapping& to)
+{
+    for (const pugi::xml_node& extension : extensions.children()) {
+        if (local_name(extension) == "Extension") {
+            read_extension(extension, to);
+        } else if (has_mapping_name(extension) && is_elsewhere_in_mapping_namespace(extension)) {
+            report(ModelCode::FormatInvalid, {}, "it is not in an <Extension>");
+        }
+    }
+}
+
+void ExtensionReader::check_sign(const Mapping& mapping)
+{
+    const auto check = [&](const auto& all) {
+        const auto found = all.find(*node_);
+        if (found != all.end() && is_own_sign(found->second.sign) &&
+            found->second.sign != sign_of(found->second)) {
+            report(ModelCode::ChangedElsewhere, {}, found->second.sign);
+        }
+    };
+    check(mapping.variables);
+    check(mapping.methods);
+}
+
+void ExtensionReader::read_additions(const pugi::xml_node& extension, Mapping& to)
+{
+    for (const pugi::xml_node& child : extension.children()) {
+        if (!is_addition(child)) {
+            continue;
+        }
+        const auto variable = to.variables.find(*node_);
+        const auto method = to.methods.find(*node_);
+        if (variable != to.variables.end()) {
+            read_addition(child, variable->second);
+        } else if (method != to.methods.end()) {
+            read_addition(child, method->second);
+        } else {
+            report(ModelCode::FormatInvalid, {}, "an <Addition> to no mapping");
+        }
+    }
+}
+
+/// False, and reported, for a name that is too long.
+bool ExtensionReader::take_label(const pugi::xml_attribute& xml, std::string& to)
+{
+    const std::string_view label = xml.value();
+    if (label.empty() || character_count(label) > limits_.max_label_length) {
+        report(ModelCode::AttributeInvalid, {},
+               std::string{xml.name()} + "=\"" + printable(label, 80) + '"');
+        return false;
+    }
+    to = label;
+    return true;
+}
+
+void ExtensionReader::read_addition(const pugi::xml_node& xml, DataMapping& to)
+{
+    for (const pugi::xml_attribute& attribute : xml.attributes()) {
+        const std::string_view name = attribute.name();
+        if (name == "Quality") {
+            static_cast<void>(take_label(attribute, to.quality));
+        } else if (name == "Scaling") {
+            if (const auto scaling = parse_scaling(attribute.value())) {
+                to.scaling = *scaling;
+            } else {
+                report(ModelCode::AttributeInvalid, {},
+                       "Scaling=\"" + printable(attribute.value(), 80) +
+                           "\", expected \"0..27648=0..100\" or \"0..27648\"");
+            }
+        } else if (name != "xmlns") {
+            report(ModelCode::AttributeUnknown, {}, name);
+        }
+    }
+}
+
+void ExtensionReader::read_addition(const pugi::xml_node& xml, MethodMapping& to)
+{
+    for (const pugi::xml_attribute& attribute : xml.attributes()) {
+        const std::string_view name = attribute.name();
+        if (name == "Done") {
+            static_cast<void>(take_label(attribute, to.done));
+        } else if (name != "xmlns") {
+            report(ModelCode::AttributeUnknown, {}, name);
+        }
+    }
+    keeps_format_ = true;
+    for (const pugi::xml_node& child : xml.children()) {
+        if (child.type() == pugi::node_element && std::string_view{child.name()} == "Output") {
+            read_arguments(child, to.outputs);
+        } else if (child.type() == pugi::node_element) {
+            report(ModelCode::ElementUnknown, {}, child.name());
+        }
+    }
+    if (!keeps_format_) {
+        to.outputs.clear();
     }
 }
 
@@ -51,6 +151,9 @@ void ExtensionReader::read_extension(const pugi::xml_node& xml, Mapping& to)
     for (const pugi::xml_node& child : xml.children()) {
         if (child.type() != pugi::node_element) {
             continue;
+        }
+        if (is_addition(child)) {
+            continue; // once there is the mapping
         }
         if (is_in_mapping_namespace(child)) {
             read_mapping(child, to);
@@ -86,13 +189,10 @@ void ExtensionReader::read_data(const pugi::xml_node& xml, Mapping& to)
     if (!read_attributes(xml, ExtensionElement::DataMapping, {}, attributes)) {
         return;
     }
-    DataMapping mapping{std::move(attributes.part), std::move(attributes.sign)};
+    DataMapping mapping{.value = std::move(attributes.part), .sign = std::move(attributes.sign)};
     read_value(xml, 1, {}, mapping.value);
     if (!keeps_format_) {
         return;
-    }
-    if (is_own_sign(mapping.sign) && mapping.sign != sign_of(mapping)) {
-        report(ModelCode::ChangedElsewhere, {}, mapping.sign);
     }
     to.variables.emplace(*node_, std::move(mapping));
 }
@@ -115,9 +215,6 @@ void ExtensionReader::read_method(const pugi::xml_node& xml, Mapping& to)
     }
     std::stable_sort(mapping.arguments.begin(), mapping.arguments.end(),
                      [](const auto& a, const auto& b) { return a.number < b.number; });
-    if (is_own_sign(mapping.sign) && mapping.sign != sign_of(mapping)) {
-        report(ModelCode::ChangedElsewhere, {}, mapping.sign);
-    }
     to.methods.emplace(*node_, std::move(mapping));
 }
 
@@ -151,7 +248,14 @@ void ExtensionReader::read_handle(const pugi::xml_node& xml, MethodMapping& to)
 void ExtensionReader::read_input(const pugi::xml_node& xml, MethodMapping& to)
 {
     PartAttributes attributes;
-    if (!read_attributes(xml, ExtensionElement::Input, {}, attributes) || !has_only_elements(xml)) {
+    if (read_attributes(xml, ExtensionElement::Input, {}, attributes)) {
+        read_arguments(xml, to.arguments);
+    }
+}
+
+void ExtensionReader::read_arguments(const pugi::xml_node& xml, std::vector<MappedPart>& to)
+{
+    if (!has_only_elements(xml)) {
         return;
     }
     for (const pugi::xml_node& child : xml.children()) {
@@ -166,7 +270,7 @@ void ExtensionReader::read_input(const pugi::xml_node& xml, MethodMapping& to)
     }
 }
 
-void ExtensionReader::read_argument(const pugi::xml_node& xml, MethodMapping& to)
+void ExtensionReader::read_argument(const pugi::xml_node& xml, std::vector<MappedPart>& to)
 {
     PartAttributes attributes;
     if (!read_attributes(xml, ExtensionElement::Argument, {}, attributes)) {
@@ -176,7 +280,7 @@ void ExtensionReader::read_argument(const pugi::xml_node& xml, MethodMapping& to
     shown.kind = MappedPart::Kind::Element;
     read_value(xml, 1, PartPlace{nullptr, &shown}, attributes.part);
     if (keeps_format_) {
-        to.arguments.push_back(std::move(attributes.part));
+        to.push_back(std::move(attributes.part));
     }
 }
 

@@ -33,7 +33,14 @@ private:
     void read_method_part(const pugi::xml_node& xml, MethodMapping& to);
     void read_handle(const pugi::xml_node& xml, MethodMapping& to);
     void read_input(const pugi::xml_node& xml, MethodMapping& to);
-    void read_argument(const pugi::xml_node& xml, MethodMapping& to);
+    void read_arguments(const pugi::xml_node& xml, std::vector<MappedPart>& to);
+    void read_argument(const pugi::xml_node& xml, std::vector<MappedPart>& to);
+    void read_additions(const pugi::xml_node& extension, Mapping& to);
+    void read_addition(const pugi::xml_node& xml, DataMapping& to);
+    void read_addition(const pugi::xml_node& xml, MethodMapping& to);
+    void read_extensions(const pugi::xml_node& extensions, Mapping& to);
+    [[nodiscard]] bool take_label(const pugi::xml_attribute& xml, std::string& to);
+    void check_sign(const Mapping& mapping);
 
     [[nodiscard]] bool read_attributes(const pugi::xml_node& xml, ExtensionElement element,
                                        const PartPlace& place, PartAttributes& to);

@@ -80,20 +80,65 @@ void put_data(pugi::xml_node to, const DataMapping& mapping)
     put_value(append_mapping(to, ExtensionElement::DataMapping, sign_of(mapping)), mapping.value);
 }
 
+void put_arguments(pugi::xml_node to, const std::vector<MappedPart>& arguments)
+{
+    for (const MappedPart& argument : arguments) {
+        const pugi::xml_node child = append(to, ExtensionElement::Argument);
+        put(child, ExtensionAttribute::Num, std::to_string(argument.number));
+        put_value(child, argument);
+    }
+}
+
 void put_method(pugi::xml_node to, const MethodMapping& mapping)
 {
     pugi::xml_node xml = append_mapping(to, ExtensionElement::MethodMapping, sign_of(mapping));
     if (!mapping.handle.empty()) {
         put(append(xml, ExtensionElement::Handle), ExtensionAttribute::Data, mapping.handle);
     }
-    if (mapping.arguments.empty()) {
-        return;
+    if (!mapping.arguments.empty()) {
+        put_arguments(append(xml, ExtensionElement::Input), mapping.arguments);
     }
-    const pugi::xml_node input = append(xml, ExtensionElement::Input);
-    for (const MappedPart& argument : mapping.arguments) {
-        const pugi::xml_node child = append(input, ExtensionElement::Argument);
-        put(child, ExtensionAttribute::Num, std::to_string(argument.number));
-        put_value(child, argument);
+}
+
+bool has_addition(const DataMapping& mapping)
+{
+    return !mapping.quality.empty() || mapping.scaling.is_set();
+}
+
+bool has_addition(const MethodMapping& mapping)
+{
+    return !mapping.done.empty() || !mapping.outputs.empty();
+}
+
+/// An element <Addition>; `to` is an <Extension> of its own.
+pugi::xml_node append_addition(pugi::xml_node to)
+{
+    const pugi::xml_node xml = to.append_child("Addition");
+    pugi::xml_node{xml}.append_attribute("xmlns").set_value(
+        std::string{addition_namespace}.c_str());
+    return xml;
+}
+
+void put_text(pugi::xml_node xml, const char* attribute, const std::string& value)
+{
+    if (!value.empty()) {
+        xml.append_attribute(attribute).set_value(value.c_str());
+    }
+}
+
+void put_addition(pugi::xml_node to, const DataMapping& mapping)
+{
+    const pugi::xml_node xml = append_addition(to);
+    put_text(xml, "Quality", mapping.quality);
+    put_text(xml, "Scaling", to_text(mapping.scaling));
+}
+
+void put_addition(pugi::xml_node to, const MethodMapping& mapping)
+{
+    pugi::xml_node xml = append_addition(to);
+    put_text(xml, "Done", mapping.done);
+    if (!mapping.outputs.empty()) {
+        put_arguments(xml.append_child("Output"), mapping.outputs);
     }
 }
 
@@ -113,7 +158,7 @@ void take_mappings(pugi::xml_node extensions)
         for (pugi::xml_node child = extension.first_child(); child;) {
             const pugi::xml_node after = child.next_sibling();
             if (detail::local_name(extension) == "Extension" &&
-                detail::is_in_mapping_namespace(child)) {
+                (detail::is_in_mapping_namespace(child) || detail::is_addition(child))) {
                 extension.remove_child(child);
                 has_changed = true;
             }
@@ -183,7 +228,8 @@ private:
 
 bool has_mapping(const model::NodeSetNodeExtras& extras)
 {
-    return extras.elements.find(mapping_namespace) != std::string::npos;
+    return extras.elements.find(mapping_namespace) != std::string::npos ||
+           extras.elements.find(addition_namespace) != std::string::npos;
 }
 
 } // namespace
@@ -210,17 +256,20 @@ void write_mapping(const Mapping& mapping, std::span<const std::uint16_t> namesp
     copy(mapping.variables, kept.variables);
     copy(mapping.methods, kept.methods);
     drop_unmapped(kept);
-    const auto write = [&](const NodeId& id, const auto& put_mapping) {
+    const auto write = [&](const NodeId& id, const auto& each, const auto& put_mapping) {
         std::string& elements = extras.nodes[id].elements;
         KeptElements xml{elements};
-        put_mapping(xml.append());
+        put_mapping(xml.append(), each);
+        if (has_addition(each)) {
+            put_addition(xml.append(), each);
+        }
         elements = xml.text();
     };
-    for (const auto& each : kept.variables) {
-        write(each.first, [&](pugi::xml_node xml) { put_data(xml, each.second); });
+    for (const auto& [id, each] : kept.variables) {
+        write(id, each, put_data);
     }
-    for (const auto& each : kept.methods) {
-        write(each.first, [&](pugi::xml_node xml) { put_method(xml, each.second); });
+    for (const auto& [id, each] : kept.methods) {
+        write(id, each, put_method);
     }
 }
 

@@ -37,6 +37,13 @@ namespace busbar::controller::detail {
     return declared.value() == mapping_namespace;
 }
 
+/// What a mapping has beside the format.
+[[nodiscard]] inline bool is_addition(const pugi::xml_node& xml)
+{
+    return std::string_view{xml.name()} == "Addition" &&
+           std::string_view{xml.attribute("xmlns").value()} == addition_namespace;
+}
+
 /// In mapping_namespace as XML has it: by a prefix or a declaration further out.
 [[nodiscard]] inline bool is_elsewhere_in_mapping_namespace(const pugi::xml_node& xml)
 {

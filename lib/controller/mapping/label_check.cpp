@@ -6,8 +6,6 @@
 #include <busbar/controller/simulated_labels.hpp>
 #include <busbar/core/text.hpp>
 
-#include "table_columns.hpp"
-
 namespace busbar::controller {
 
 namespace {
@@ -58,14 +56,6 @@ std::string_view reason(LabelError error)
     return {};
 }
 
-Assignability use_of(const MappablePart& part, const backend::LabelKind& kind)
-{
-    if (part.path == detail::handle_part) {
-        return is_handle_label(kind.type) ? Assignability::Same : Assignability::No;
-    }
-    return assignability(part.leaf, kind.type, kind.part);
-}
-
 /// What of a label differs; nothing if it has the values of its part.
 std::optional<LabelDifference> difference_of(const LabelledPart& about, const ResolvedLabel& label)
 {
@@ -80,7 +70,7 @@ std::optional<LabelDifference> difference_of(const LabelledPart& about, const Re
         difference.found = reason(label.error);
         return difference;
     }
-    const Assignability use = use_of(about.part, label.kind);
+    const Assignability use = label_use(about.part, label.kind.type, label.kind.part);
     // Some values have no label of their own: an SByte is converted in any case.
     if (use == Assignability::Same || (use == Assignability::Checked && types.same.empty())) {
         return std::nullopt;

@@ -88,14 +88,24 @@ std::string declaration_of(const backend::LabelKind& kind)
     return "of a type that no label can have";
 }
 
+Assignability label_use(const MappablePart& part, LabelType type, TimerPart timer)
+{
+    const auto all_or_none = [](bool can) { return can ? Assignability::Same : Assignability::No; };
+    if (part.path == detail::handle_part) {
+        return all_or_none(is_handle_label(type));
+    }
+    if (part.path == detail::quality_part || part.path == detail::done_part) {
+        return all_or_none(is_quality_label(type));
+    }
+    return part.is_scaled ? all_or_none(is_scalable(part.leaf) && is_scalable(type, timer))
+                          : assignability(part.leaf, type, timer);
+}
+
 LabelTypes label_types_for(const MappablePart& part)
 {
     LabelTypes types;
     for (const DeclaredLabelType& declared : all_declared) {
-        const Assignability found =
-            part.path == detail::handle_part
-                ? (is_handle_label(declared.type) ? Assignability::Same : Assignability::No)
-                : assignability(part.leaf, declared.type, declared.part);
+        const Assignability found = label_use(part, declared.type, declared.part);
         if (found != Assignability::No) {
             append_to(found == Assignability::Same ? types.same : types.checked, declared.text);
         }

@@ -1,5 +1,6 @@
 #include <busbar/controller/mappable_parts.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -7,7 +8,7 @@
 #include <busbar/controller/model_set.hpp>
 #include <busbar/controller/value_shape.hpp>
 
-#include "method_arguments.hpp"
+#include "node_properties.hpp"
 #include "table_columns.hpp"
 #include "value_check.hpp"
 
@@ -57,7 +58,7 @@ public:
     }
 
     void add_value(const ValueDeclaration& declaration, const MappedPart* mapped,
-                   const std::string& prefix)
+                   const std::string& prefix, bool is_scaled = false)
     {
         const MappedPaths paths{mapped, prefix};
         std::unordered_map<std::string, std::string> labels{paths.labels.begin(),
@@ -68,7 +69,8 @@ public:
                     MappablePart part{prefix + shape->leaf_path(i),
                                       type_text(shape->leaf_type(i)),
                                       {},
-                                      shape->leaf_type(i)};
+                                      shape->leaf_type(i),
+                                      is_scaled};
                     if (auto label = labels.extract(part.path)) {
                         part.label = std::move(label.mapped());
                     }
@@ -92,35 +94,42 @@ private:
     std::vector<MappablePart> parts_;
 };
 
-const MappedPart* argument_of(const MethodMapping* method, std::size_t number)
+const MappedPart* argument_of(const std::vector<MappedPart>& arguments, std::size_t number)
 {
-    if (method != nullptr) {
-        for (const MappedPart& argument : method->arguments) {
-            if (argument.number == number) {
-                return &argument;
-            }
-        }
+    const auto found =
+        std::find_if(arguments.begin(), arguments.end(),
+                     [&](const MappedPart& argument) { return argument.number == number; });
+    return found != arguments.end() ? &*found : nullptr;
+}
+
+void add_arguments(Lister& lister, const std::vector<Argument>& arguments,
+                   const std::vector<MappedPart>& mapped, std::string_view place)
+{
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const Argument& each = arguments[i];
+        lister.add_value({each.data_type, each.value_rank, each.array_dimensions.span(), true},
+                         argument_of(mapped, i),
+                         std::string{place} + '[' + std::to_string(i) + ']');
     }
-    return nullptr;
 }
 
 void add_method(Lister& lister, const model::SpaceReader& space, model::NodeIndex node,
-                const MethodMapping* mapped)
+                const MethodMapping& mapped)
 {
-    if (!detail::arguments_of(space, node, "OutputArguments").empty()) {
-        return;
-    }
+    const std::vector<Argument> outputs = detail::arguments_of(space, node, "OutputArguments");
     lister.add({std::string{detail::handle_part},
                 std::string{name(BuiltInType::UInt16)},
-                mapped != nullptr ? mapped->handle : std::string{},
+                mapped.handle,
                 {BuiltInType::UInt16}});
-    const std::vector<Argument> inputs = detail::arguments_of(space, node, "InputArguments");
-    for (std::size_t i = 0; i < inputs.size(); ++i) {
-        const std::string prefix = std::string{detail::input_part} + '[' + std::to_string(i) + ']';
-        lister.add_value(
-            {inputs[i].data_type, inputs[i].value_rank, inputs[i].array_dimensions.span(), true},
-            argument_of(mapped, i), prefix);
+    if (!outputs.empty() || !mapped.done.empty()) {
+        lister.add({std::string{detail::done_part},
+                    std::string{name(BuiltInType::Boolean)},
+                    mapped.done,
+                    {BuiltInType::Boolean}});
     }
+    add_arguments(lister, detail::arguments_of(space, node, "InputArguments"), mapped.arguments,
+                  detail::input_part);
+    add_arguments(lister, outputs, mapped.outputs, detail::output_part);
 }
 
 } // namespace
@@ -139,9 +148,7 @@ std::string MappableParts::why_none(model::NodeIndex node)
                                                   : content(detail::code_of(place));
     }
     if (space.node_class(node) == NodeClass::Method) {
-        return detail::arguments_of(space, node, "OutputArguments").empty()
-                   ? std::string{}
-                   : content(ModelCode::MethodHasOutputs);
+        return {};
     }
     const model::VariableAttributes attributes = space.variable(node);
     const ModelLimits& limits = models_.limits();
@@ -171,14 +178,20 @@ std::vector<MappablePart> MappableParts::of(model::NodeIndex node)
     const Mapping& mapping = models_.mapping();
     if (space.node_class(node) == NodeClass::Method) {
         const auto found = mapping.methods.find(space.node_id(node));
-        add_method(lister, space, node, found != mapping.methods.end() ? &found->second : nullptr);
+        add_method(lister, space, node,
+                   found != mapping.methods.end() ? found->second : MethodMapping{});
         return lister.take();
     }
     const auto found = mapping.variables.find(space.node_id(node));
     const model::VariableAttributes attributes = space.variable(node);
     lister.add_value(
         {space.data_type_id(node), attributes.value_rank, attributes.array_dimensions, false},
-        found != mapping.variables.end() ? &found->second.value : nullptr, {});
+        found != mapping.variables.end() ? &found->second.value : nullptr, {},
+        found != mapping.variables.end() && found->second.scaling.is_set());
+    if (found != mapping.variables.end() && !found->second.quality.empty()) {
+        lister.add({std::string{detail::quality_part}, std::string{name(BuiltInType::StatusCode)},
+                    found->second.quality});
+    }
     return lister.take();
 }
 

@@ -47,9 +47,17 @@ std::size_t count_labels(const MappedPart& part)
     return count;
 }
 
+std::size_t count_labels(const DataMapping& variable)
+{
+    return count_labels(variable.value) + (variable.quality.empty() ? 0 : 1);
+}
+
 std::size_t count_labels(const MethodMapping& method)
 {
-    std::size_t count = method.handle.empty() ? 0 : 1;
+    std::size_t count = (method.handle.empty() ? 0U : 1U) + (method.done.empty() ? 0U : 1U);
+    for (const MappedPart& output : method.outputs) {
+        count += count_labels(output);
+    }
     for (const MappedPart& argument : method.arguments) {
         count += count_labels(argument);
     }
@@ -75,7 +83,7 @@ std::size_t count_labels(const Mapping& mapping)
 {
     std::size_t count = 0;
     for (const auto& [id, variable] : mapping.variables) {
-        count += count_labels(variable.value);
+        count += count_labels(variable);
     }
     for (const auto& [id, method] : mapping.methods) {
         count += count_labels(method);
@@ -110,6 +118,7 @@ void drop_unmapped(Mapping& mapping)
     }
     for (auto each = mapping.methods.begin(); each != mapping.methods.end();) {
         drop_from(each->second.arguments);
+        drop_from(each->second.outputs);
         each = count_labels(each->second) == 0 ? mapping.methods.erase(each) : std::next(each);
     }
 }

@@ -9,7 +9,8 @@
 #include <busbar/types/ids.hpp>
 
 #include "extension_attributes.hpp"
-#include "method_arguments.hpp"
+#include "node_properties.hpp"
+#include "table_columns.hpp"
 #include "unsupported_types.hpp"
 #include "value_check.hpp"
 
@@ -64,7 +65,10 @@ public:
 private:
     void check_variables();
     void check_methods();
-    void check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node);
+    void check_arguments(const NodeId& id, const std::vector<MappedPart>& mapped_arguments,
+                         const std::vector<Argument>& arguments, const char* place);
+    void check_additions(const NodeId& id, const DataMapping& mapping, NodeIndex node);
+    void check_method_labels(const NodeId& id, const MethodMapping& method);
     [[nodiscard]] NodeIndex find(const NodeId& id, NodeClass node_class);
     void check_labels(const NodeId& id, const MappedPart& part, const std::string& path);
     void check_label(const NodeId& id, const std::string& label, const std::string& path);
@@ -133,38 +137,85 @@ void Run::check_variables()
 {
     for (const auto* each : in_order(mapping_.variables)) {
         check_labels(each->first, each->second.value, {});
+        if (!each->second.quality.empty()) {
+            check_label(each->first, each->second.quality, std::string{detail::quality_part});
+        }
         const NodeIndex node = find(each->first, NodeClass::Variable);
         if (node != model::no_node) {
             values_.check(each->first, {}, declaration_of(node), each->second.value);
+            check_additions(each->first, each->second, node);
         }
+    }
+}
+
+/// A quality and a scaling.
+void Run::check_additions(const NodeId& id, const DataMapping& mapping, NodeIndex node)
+{
+    const bool is_scaled = mapping.scaling.is_set();
+    if (count_labels(mapping.value) == 0) {
+        if (is_scaled || !mapping.quality.empty()) {
+            report(ModelCode::QualityAlone, id, {}, {});
+        }
+        return;
+    }
+    const std::string scaling{detail::scaling_part};
+    if (is_scaled && !detail::scaling_of(space_, node, mapping.scaling)) {
+        report(ModelCode::ScalingInvalid, id, scaling,
+               "found " + to_text(mapping.scaling) +
+                   " and no EURange, expected the range of the Variable, too: " +
+                   to_text(mapping.scaling) + "=0..100");
+    }
+    if (is_scaled && !values_.is_numeric(declaration_of(node), mapping.value)) {
+        report(ModelCode::ScalingInvalid, id, scaling,
+               "found the DataType " +
+                   space_.browse_name(space_.variable(node).data_type).name.str() +
+                   ", expected a number or an array of numbers");
     }
 }
 
 void Run::check_methods()
 {
     for (const auto* each : in_order(mapping_.methods)) {
-        if (!each->second.handle.empty()) {
-            check_label(each->first, each->second.handle, "Handle");
-        }
-        for (const MappedPart& argument : each->second.arguments) {
-            check_labels(each->first, argument, "Input[" + std::to_string(argument.number) + ']');
-        }
+        const MethodMapping& method = each->second;
+        check_method_labels(each->first, method);
         const NodeIndex node = find(each->first, NodeClass::Method);
-        if (node != model::no_node) {
-            if (!detail::arguments_of(space_, node, "OutputArguments").empty()) {
-                report(ModelCode::MethodHasOutputs, each->first, {}, {});
-            }
-            check_arguments(each->first, each->second, node);
+        if (node == model::no_node) {
+            continue;
         }
+        const auto outputs = detail::arguments_of(space_, node, "OutputArguments");
+        const bool has_outputs = !outputs.empty() || !method.outputs.empty();
+        if ((has_outputs && method.done.empty()) ||
+            (!method.done.empty() && method.handle.empty())) {
+            report(ModelCode::MethodHasOutputs, each->first, {}, {});
+        }
+        check_arguments(each->first, method.arguments,
+                        detail::arguments_of(space_, node, "InputArguments"), "Input[");
+        check_arguments(each->first, method.outputs, outputs, "Output[");
     }
 }
 
-void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node)
+void Run::check_method_labels(const NodeId& id, const MethodMapping& method)
 {
-    const std::vector<Argument> arguments = detail::arguments_of(space_, node, "InputArguments");
+    for (const auto& [label, part] :
+         {std::pair{&method.handle, detail::handle_part}, {&method.done, detail::done_part}}) {
+        if (!label->empty()) {
+            check_label(id, *label, std::string{part});
+        }
+    }
+    for (const MappedPart& argument : method.arguments) {
+        check_labels(id, argument, "Input[" + std::to_string(argument.number) + ']');
+    }
+    for (const MappedPart& output : method.outputs) {
+        check_labels(id, output, "Output[" + std::to_string(output.number) + ']');
+    }
+}
+
+void Run::check_arguments(const NodeId& id, const std::vector<MappedPart>& mapped_arguments,
+                          const std::vector<Argument>& arguments, const char* place)
+{
     std::vector<bool> is_mapped(arguments.size());
-    for (const MappedPart& mapped : method.arguments) {
-        const std::string path = "Input[" + std::to_string(mapped.number) + ']';
+    for (const MappedPart& mapped : mapped_arguments) {
+        const std::string path = place + std::to_string(mapped.number) + ']';
         if (mapped.number >= arguments.size()) {
             report(ModelCode::ArgumentUnknown, id, path, {});
             continue;

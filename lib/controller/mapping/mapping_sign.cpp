@@ -62,6 +62,11 @@ std::string sign_of(const DataMapping& mapping)
     drop_unmapped(value);
     std::string content = "data";
     add(content, value);
+    // Not of a mapping as the manual has it, so that its sign is what it was before.
+    if (!mapping.quality.empty() || mapping.scaling.is_set()) {
+        add(content, mapping.quality);
+        add(content, to_text(mapping.scaling));
+    }
     return digest_of(content);
 }
 
@@ -73,6 +78,13 @@ std::string sign_of(const MethodMapping& mapping)
     std::string content = "method";
     add(content, mapping.handle);
     add_all(content, arguments.parts);
+    if (!mapping.done.empty() || !mapping.outputs.empty()) {
+        add(content, mapping.done);
+        MappedPart outputs;
+        outputs.parts = mapping.outputs;
+        drop_unmapped(outputs);
+        add_all(content, outputs.parts);
+    }
     return digest_of(content);
 }
 

@@ -67,12 +67,31 @@ NodeIndex find_path(std::string_view text, const model::SpaceReader& space)
     return at;
 }
 
+/// A Variable while its lines come.
+struct VariableTree {
+    PartTree value;
+    std::string quality;
+    Scaling scaling;
+};
+
 /// A Method while its lines come.
 struct MethodTree {
     std::string handle;
+    std::string done;
     /// By the numbers of arguments.
     std::map<std::uint32_t, PartTree> inputs;
+    std::map<std::uint32_t, PartTree> outputs;
 };
+
+std::vector<MappedPart> take_arguments(std::map<std::uint32_t, PartTree>& trees)
+{
+    std::vector<MappedPart> arguments;
+    for (auto& [number, argument] : trees) {
+        arguments.push_back(argument.take());
+        arguments.back().number = number;
+    }
+    return arguments;
+}
 
 class TableReader {
 public:
@@ -88,15 +107,16 @@ public:
             read_lines();
         }
         for (auto& [id, tree] : variables_) {
-            result_.mapping.variables[id].value = tree.take();
+            result_.mapping.variables[id] = {.value = tree.value.take(),
+                                             .quality = std::move(tree.quality),
+                                             .scaling = tree.scaling};
         }
         for (auto& [id, tree] : methods_) {
             MethodMapping& mapping = result_.mapping.methods[id];
             mapping.handle = std::move(tree.handle);
-            for (auto& [number, argument] : tree.inputs) {
-                mapping.arguments.push_back(argument.take());
-                mapping.arguments.back().number = number;
-            }
+            mapping.done = std::move(tree.done);
+            mapping.arguments = take_arguments(tree.inputs);
+            mapping.outputs = take_arguments(tree.outputs);
         }
         return std::move(result_);
     }
@@ -109,6 +129,10 @@ private:
     [[nodiscard]] bool read_specification(ArraySpecification& to);
     void read_variable(const NodeId& id, const MappedPart& line);
     void read_method(const NodeId& id, const MappedPart& line);
+    void read_argument(std::map<std::uint32_t, PartTree>& trees, std::string_view path,
+                       std::string_view rest, const MappedPart& line);
+    void read_label(std::string& to, std::string_view path, const MappedPart& line);
+    void read_scaling(Scaling& to, const MappedPart& line);
     void read_part(PartTree& tree, std::string_view path, const MappedPart& line);
 
     [[nodiscard]] const std::string& field(TableColumn column) const
@@ -131,7 +155,7 @@ private:
     TableFields table_;
     std::vector<std::string> fields_;
     std::array<std::optional<std::size_t>, detail::table_columns.size()> positions_;
-    std::unordered_map<NodeId, PartTree> variables_;
+    std::unordered_map<NodeId, VariableTree> variables_;
     std::unordered_map<NodeId, MethodTree> methods_;
     ReadMappingTable result_;
 };
@@ -254,32 +278,71 @@ NodeIndex TableReader::find_node() const
 
 void TableReader::read_variable(const NodeId& id, const MappedPart& line)
 {
-    read_part(variables_[id], field(TableColumn::Part), line);
+    VariableTree& variable = variables_[id];
+    const std::string_view path = field(TableColumn::Part);
+    if (path == detail::quality_part) {
+        read_label(variable.quality, path, line);
+    } else if (path == detail::scaling_part) {
+        read_scaling(variable.scaling, line);
+    } else {
+        read_part(variable.value, path, line);
+    }
+}
+
+/// Of what has no parts.
+void TableReader::read_label(std::string& to, std::string_view path, const MappedPart& line)
+{
+    if (!to.empty()) {
+        report(ModelCode::TableRepeated, path);
+        return;
+    }
+    to = line.label;
+}
+
+void TableReader::read_scaling(Scaling& to, const MappedPart& line)
+{
+    if (to.is_set()) {
+        report(ModelCode::TableRepeated, detail::scaling_part);
+        return;
+    }
+    const auto scaling = parse_scaling(line.label);
+    if (!scaling) {
+        report(ModelCode::TableScaling, "found " + line.label);
+        return;
+    }
+    to = *scaling;
 }
 
 void TableReader::read_method(const NodeId& id, const MappedPart& line)
 {
     const std::string_view path = field(TableColumn::Part);
     MethodTree& method = methods_[id];
+    const auto is_below = [&](std::string_view place) {
+        return path.starts_with(place) && path.size() > place.size();
+    };
     if (path == detail::handle_part) {
-        if (!method.handle.empty()) {
-            report(ModelCode::TableRepeated, path);
-            return;
-        }
-        method.handle = line.label;
-    } else if (path.starts_with(detail::input_part) && path.size() > detail::input_part.size()) {
-        const std::string_view rest = path.substr(detail::input_part.size());
-        const auto steps =
-            detail::read_part_path(rest, limits_.max_part_levels, limits_.max_elements);
-        if (!steps || steps->front().kind != MappedPart::Kind::Element) {
-            report(ModelCode::TablePart, path);
-            return;
-        }
-        // The argument's own number is in front.
-        read_part(method.inputs[steps->front().number], rest.substr(rest.find(']') + 1), line);
+        read_label(method.handle, path, line);
+    } else if (path == detail::done_part) {
+        read_label(method.done, path, line);
+    } else if (is_below(detail::input_part)) {
+        read_argument(method.inputs, path, path.substr(detail::input_part.size()), line);
+    } else if (is_below(detail::output_part)) {
+        read_argument(method.outputs, path, path.substr(detail::output_part.size()), line);
     } else {
         report(ModelCode::TablePart, path);
     }
+}
+
+void TableReader::read_argument(std::map<std::uint32_t, PartTree>& trees, std::string_view path,
+                                std::string_view rest, const MappedPart& line)
+{
+    const auto steps = detail::read_part_path(rest, limits_.max_part_levels, limits_.max_elements);
+    if (!steps || steps->front().kind != MappedPart::Kind::Element) {
+        report(ModelCode::TablePart, path);
+        return;
+    }
+    // The argument's own number is in front.
+    read_part(trees[steps->front().number], rest.substr(rest.find(']') + 1), line);
 }
 
 void TableReader::read_part(PartTree& tree, std::string_view path, const MappedPart& line)

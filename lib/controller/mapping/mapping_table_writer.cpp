@@ -33,6 +33,10 @@ public:
     {
         begin(node);
         write_part(mapping.value, {});
+        if (!mapping.quality.empty()) {
+            write_line({.label = mapping.quality}, std::string{detail::quality_part});
+        }
+        write_scaling(mapping);
     }
     void write(NodeIndex node, const MethodMapping& mapping)
     {
@@ -40,20 +44,24 @@ public:
         if (!mapping.handle.empty()) {
             write_line({.label = mapping.handle}, std::string{detail::handle_part});
         }
-        for (const MappedPart& argument : mapping.arguments) {
-            write_part(argument, std::string{detail::input_part} + '[' +
-                                     std::to_string(argument.number) + ']');
+        if (!mapping.done.empty()) {
+            write_line({.label = mapping.done}, std::string{detail::done_part});
         }
+        write_arguments(mapping.arguments, detail::input_part);
+        write_arguments(mapping.outputs, detail::output_part);
     }
-    /// All that there is to map, with the array specifications of `mapped`, which may be null.
-    void write(NodeIndex node, const std::vector<MappablePart>& parts, const MappedPart* mapped)
+    /// All that there is to map, with what `mapped`, which may be null, says of the node besides.
+    void write(NodeIndex node, const std::vector<MappablePart>& parts, const DataMapping* mapped)
     {
         begin(node);
         if (mapped != nullptr) {
-            write_specifications(*mapped, {});
+            write_specifications(mapped->value, {});
         }
         for (const MappablePart& part : parts) {
             write_line({.label = part.label}, part.path, part.type);
+        }
+        if (mapped != nullptr) {
+            write_scaling(*mapped);
         }
     }
     [[nodiscard]] std::string take() { return std::move(text_); }
@@ -106,6 +114,18 @@ private:
         return model::no_node;
     }
 
+    void write_scaling(const DataMapping& mapping)
+    {
+        if (mapping.scaling.is_set()) {
+            write_line({.label = to_text(mapping.scaling)}, std::string{detail::scaling_part});
+        }
+    }
+    void write_arguments(const std::vector<MappedPart>& arguments, std::string_view place)
+    {
+        for (const MappedPart& argument : arguments) {
+            write_part(argument, std::string{place} + '[' + std::to_string(argument.number) + ']');
+        }
+    }
     void write_part(const MappedPart& part, const std::string& path)
     {
         if (!part.label.empty() || part.specification.rank != ArraySpecification::none) {
@@ -179,7 +199,7 @@ std::string write_mappable_table(const ModelSet& models)
         const std::vector<MappablePart> found = parts.of(node);
         const auto mapped = variables.find(id);
         if (!found.empty()) {
-            writer.write(node, found, mapped != variables.end() ? &mapped->second.value : nullptr);
+            writer.write(node, found, mapped != variables.end() ? &mapped->second : nullptr);
         }
     }
     return writer.take();

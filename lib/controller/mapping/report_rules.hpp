@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// Every code, ascending.
-inline constexpr std::array<ReportRule, 65> all_report_rules{{
+inline constexpr std::array<ReportRule, 68> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -102,8 +102,9 @@ inline constexpr std::array<ReportRule, 65> all_report_rules{{
     {ModelCode::TypeUnsupported, ReportResult::Warning, "Mapping", "Node",
      "The product does not support instances of the type", "Take the node out of the model"},
     {ModelCode::MethodHasOutputs, ReportResult::Error, "Mapping", "Assignment",
-     "A Method with OutputArguments cannot be mapped",
-     "Clear the mapping, or take the OutputArguments out of the model"},
+     "A Method with OutputArguments is mapped without Handle and Done",
+     "Map both, Done to a label that the program sets when the outputs are there, or clear the "
+     "mapping"},
     {ModelCode::LabelUnavailable, ReportResult::Error, "Mapping", "Label",
      "The PLC's program has no such label that can be used (error 1921H)",
      "Correct the name, or declare and publish the label"},
@@ -113,6 +114,11 @@ inline constexpr std::array<ReportRule, 65> all_report_rules{{
     {ModelCode::LabelConverted, ReportResult::Warning, "Mapping", "Label",
      "The label is of another type than the node, and values out of its range are refused",
      "Declare the label as what is expected, or leave it"},
+    {ModelCode::ScalingInvalid, ReportResult::Error, "Mapping", "Scaling",
+     "The Variable cannot be scaled so", "Correct the scaling, or clear the mapping"},
+    {ModelCode::QualityAlone, ReportResult::Error, "Mapping", "Quality",
+     "A Variable without a label of its own has a quality or a scaling",
+     "Map the Variable, or clear the mapping"},
     {ModelCode::TooManyFiles, ReportResult::Error, "Import", "Limits",
      "There are too many information model files", "Delete a namespace"},
     {ModelCode::FilesTooLarge, ReportResult::Error, "Import", "Limits",
@@ -151,11 +157,14 @@ inline constexpr std::array<ReportRule, 65> all_report_rules{{
      "Correct NodeId or Path"},
     {ModelCode::TablePart, ReportResult::Error, "Mapping table", "Table",
      "This is no part of a value",
-     "Write it as [0], .Name or [0].Name, of a Method as Handle, Input[0] or Input[0].Name"},
+     "Write it as [0], .Name or [0].Name, of a Variable also as Quality or Scaling, of a Method as "
+     "Handle, Done, Input[0], Input[0].Name or Output[0]"},
     {ModelCode::TableNumber, ReportResult::Error, "Mapping table", "Table",
      "A rank or dimension is no possible number", "Correct the number"},
     {ModelCode::TableRepeated, ReportResult::Error, "Mapping table", "Table",
      "The part has been in a line before", "Keep one of the lines"},
+    {ModelCode::TableScaling, ReportResult::Error, "Mapping table", "Table", "This is no scaling",
+     "Write it as 0..27648=0..100, or as 0..27648 where the Variable has an EURange"},
 }};
 static_assert(std::is_sorted(all_report_rules.begin(), all_report_rules.end(),
                              [](const ReportRule& a, const ReportRule& b) {

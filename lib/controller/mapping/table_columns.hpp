@@ -14,6 +14,11 @@ inline constexpr std::array<std::string_view, 8> table_columns{
 
 /// What the parts of a Method begin with.
 inline constexpr std::string_view handle_part = "Handle";
+inline constexpr std::string_view done_part = "Done";
 inline constexpr std::string_view input_part = "Input";
+inline constexpr std::string_view output_part = "Output";
+/// Of a Variable, beside the parts of its value. Scaling has a text in the place of a label.
+inline constexpr std::string_view quality_part = "Quality";
+inline constexpr std::string_view scaling_part = "Scaling";
 
 } // namespace busbar::controller::detail

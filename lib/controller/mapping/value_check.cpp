@@ -106,6 +106,21 @@ std::size_t ValueCheck::words(const ValueDeclaration& declaration, const MappedP
     return shape ? shape->words() : 0;
 }
 
+bool ValueCheck::is_numeric(const ValueDeclaration& declaration, const MappedPart& value) const
+{
+    const auto shape = ValueShape::of(space_, types_, declaration, arrays_of(value), limits_);
+    if (!shape) {
+        return true; // which check() tells
+    }
+    for (std::size_t i = 0; i < shape->leaf_count(); ++i) {
+        const std::string path = shape->leaf_path(i);
+        if (!is_scalable(shape->leaf_type(i)) || path.find('.') != std::string::npos) {
+            return false;
+        }
+    }
+    return true;
+}
+
 void ValueCheck::check_specification(const ValueDeclaration& declaration, const MappedPart& value)
 {
     const ArraySpecification& specification = value.specification;

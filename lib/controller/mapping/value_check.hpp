@@ -32,6 +32,11 @@ public:
     [[nodiscard]] std::size_t words(const ValueDeclaration& declaration,
                                     const MappedPart* value) const;
 
+    /// Whether all labels of a Variable that is mapped so are those of numbers, which can be
+    /// scaled.
+    [[nodiscard]] bool is_numeric(const ValueDeclaration& declaration,
+                                  const MappedPart& value) const;
+
 private:
     void check_specification(const ValueDeclaration& declaration, const MappedPart& value);
     void check_part(const MappedPart& part, const std::string& path, const ValueShape& shape);

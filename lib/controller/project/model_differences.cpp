@@ -52,15 +52,20 @@ void collect_labels(const pugi::xml_node& element, const std::string& path, std:
     if (const pugi::xml_attribute label = element.attribute("Data")) {
         labels[path] = label.value();
     }
+    for (const char* const addition : {"Quality", "Scaling", "Done"}) {
+        if (const pugi::xml_attribute label = element.attribute(addition)) {
+            labels[addition] = label.value();
+        }
+    }
     for (const pugi::xml_node& each : element.children()) {
         const std::string_view name = each.name();
         const std::string number = "[" + std::string{each.attribute("Num").value()} + "]";
-        const std::string step = name == "Element" ? number
-                                 : name == "Field"
-                                     ? "." + std::string{each.attribute("Name").value()}
-                                 : name == "Argument" ? "Input" + number
-                                 : name == "Handle"   ? "Handle"
-                                                      : "";
+        const std::string step =
+            name == "Element"    ? number
+            : name == "Field"    ? "." + std::string{each.attribute("Name").value()}
+            : name == "Argument" ? number
+            : name == "Handle" || name == "Input" || name == "Output" ? std::string{name}
+                                                                      : "";
         if (level < max_levels) {
             collect_labels(each, path + step, level + 1, labels);
         }

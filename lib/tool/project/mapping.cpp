@@ -74,19 +74,34 @@ void merge(MappedPart& into, const MappedPart& from)
     }
 }
 
+void merge(std::string& into, const std::string& from)
+{
+    into = from.empty() ? into : from;
+}
+
+void merge(std::vector<MappedPart>& arguments, const std::vector<MappedPart>& from)
+{
+    MappedPart all{.parts = std::move(arguments)};
+    merge(all, MappedPart{.parts = from});
+    arguments = std::move(all.parts);
+    std::sort(arguments.begin(), arguments.end(),
+              [](const auto& a, const auto& b) { return a.number < b.number; });
+}
+
 void merge(Mapping& into, const Mapping& from)
 {
     for (const auto& [node, mapping] : from.variables) {
-        merge(into.variables[node].value, mapping.value);
+        controller::DataMapping& variable = into.variables[node];
+        merge(variable.value, mapping.value);
+        merge(variable.quality, mapping.quality);
+        variable.scaling = mapping.scaling.is_set() ? mapping.scaling : variable.scaling;
     }
     for (const auto& [node, mapping] : from.methods) {
         controller::MethodMapping& method = into.methods[node];
-        method.handle = mapping.handle.empty() ? method.handle : mapping.handle;
-        MappedPart all{.parts = std::move(method.arguments)};
-        merge(all, MappedPart{.parts = mapping.arguments});
-        method.arguments = std::move(all.parts);
-        std::sort(method.arguments.begin(), method.arguments.end(),
-                  [](const auto& a, const auto& b) { return a.number < b.number; });
+        merge(method.handle, mapping.handle);
+        merge(method.done, mapping.done);
+        merge(method.arguments, mapping.arguments);
+        merge(method.outputs, mapping.outputs);
     }
 }
 
@@ -118,8 +133,9 @@ Exit map_node(Context& context, const ProjectArguments& arguments)
     const auto& words = arguments.words;
     controller::Project project = open_project(words[0]);
     ModelSet models = open_models(project);
-    const std::string part = words.size() > 3 ? words[3] : "";
     const bool is_cleared = words[2].empty();
+    const bool has_part = words.size() > 3 && !(is_cleared && words[3] == "Scaling");
+    const std::string part = has_part ? words[3] : "";
     const Mapping changed = mapping_of(context, models, words[1], "Part,Label",
                                        quoted(part) + "," + quoted(is_cleared ? "x" : words[2]));
     if (is_cleared) {
@@ -179,27 +195,47 @@ std::size_t count_lost(const MappedPart& part, const MappedPart* other)
     return lost;
 }
 
-/// A Method as a value, whose parts are its arguments.
+MappedPart field_of(const char* name, std::string label, std::vector<MappedPart> parts = {})
+{
+    return {.kind = MappedPart::Kind::Field,
+            .name = name,
+            .label = std::move(label),
+            .parts = std::move(parts)};
+}
+
+/// All labels of a node as parts of one value.
 MappedPart part_of(const controller::MethodMapping& method)
 {
-    return {.label = method.handle, .parts = method.arguments};
+    return {.label = method.handle,
+            .parts = {field_of("Done", method.done), field_of("Input", {}, method.arguments),
+                      field_of("Output", {}, method.outputs)}};
+}
+MappedPart part_of(const controller::DataMapping& variable)
+{
+    return {.parts = {field_of("Quality", variable.quality),
+                      field_of("Scaling", to_text(variable.scaling)),
+                      field_of("Value", {}, {variable.value})}};
+}
+
+/// How many labels of nodes `kept` has none for.
+template <typename Map>
+std::size_t count_lost(const Map& mapping, const Map& kept)
+{
+    std::size_t lost = 0;
+    for (const auto& [node, each] : mapping) {
+        const auto other = kept.find(node);
+        const MappedPart same = other != kept.end() ? part_of(other->second) : MappedPart{};
+        lost += count_lost(part_of(each), &same);
+    }
+    return lost;
 }
 
 /// Throws Failure unless the user lets the labels go that `kept` has no line for.
 void make_sure_of_loss(Context& context, const ProjectArguments& arguments, const Mapping& mapping,
                        const Mapping& kept)
 {
-    std::size_t lost = 0;
-    for (const auto& [node, variable] : mapping.variables) {
-        const auto other = kept.variables.find(node);
-        lost += count_lost(variable.value,
-                           other != kept.variables.end() ? &other->second.value : nullptr);
-    }
-    for (const auto& [node, method] : mapping.methods) {
-        const auto other = kept.methods.find(node);
-        const MappedPart same = other != kept.methods.end() ? part_of(other->second) : MappedPart{};
-        lost += count_lost(part_of(method), &same);
-    }
+    const std::size_t lost =
+        count_lost(mapping.variables, kept.variables) + count_lost(mapping.methods, kept.methods);
     if (lost != 0 && !arguments.is_sure &&
         !confirm(context, "take " + std::to_string(lost) + " labels away?")) {
         throw Failure{Exit::Failed,

@@ -324,4 +324,65 @@ TEST_CASE("2.1 Check: instances of types that the product does not support", "[2
     CHECK(any.check().reports.is_empty());
 }
 
+TEST_CASE("Check: a scaling is for numbers, and wants a range")
+{
+    const std::string eu_range =
+        "<UAVariable NodeId=\"ns=1;s=R\" BrowseName=\"EURange\" DataType=\"i=884\"><References>"
+        "<Reference ReferenceType=\"i=46\" IsForward=\"false\">ns=1;s=D</Reference>"
+        "<Reference ReferenceType=\"i=40\">i=68</Reference></References><Value><ExtensionObject "
+        "xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\"><TypeId><Identifier>i=885"
+        "</Identifier></TypeId><Body><Range><Low>-50</Low><High>150</High></Range></Body>"
+        "</ExtensionObject></Value></UAVariable>\n";
+    CheckFixture project{variable("s=D", {}, "DataType=\"i=11\"") + eu_range +
+                         variable("s=N", {}, "DataType=\"i=4\"") +
+                         variable("s=T", {}, "DataType=\"i=12\"")};
+    const auto found = [&](const std::string& name, const Scaling& scaling,
+                           const std::string& quality = {}) {
+        project.models.mapping().variables = {};
+        DataMapping& mapping = project.models.mapping().variables[project.id(name)];
+        mapping.value.label = "Label";
+        mapping.scaling = scaling;
+        mapping.quality = quality;
+        return lines(project.check().reports);
+    };
+    CHECK(found("D", {0, 100, 0, 1}).empty());
+    CHECK(found("D", {0, 100}, "Quality").empty());
+    CHECK(found("N", {0, 100, 0, 1}).empty());
+    CHECK(found("N", {0, 100}).find("M323 ns=1;s=N: Scaling: ") != std::string::npos);
+    CHECK(found("N", {0, 100}).find("found 0..100 and no EURange, expected") != std::string::npos);
+    CHECK(found("T", {0, 100, 0, 1}).find("found the DataType String, expected a number") !=
+          std::string::npos);
+    project.models.mapping().variables = {};
+    project.models.mapping().variables[project.id("N")].quality = "Quality";
+    CHECK(has(project.check().reports, ModelCode::QualityAlone));
+}
+
+TEST_CASE("Check: OutputArguments want a Handle and a Done")
+{
+    const std::string outputs =
+        "<UAVariable NodeId=\"ns=1;s=O\" BrowseName=\"OutputArguments\" DataType=\"i=296\" "
+        "ValueRank=\"1\" ArrayDimensions=\"1\"><References>"
+        "<Reference ReferenceType=\"i=46\" IsForward=\"false\">ns=1;s=M</Reference>"
+        "<Reference ReferenceType=\"i=40\">i=68</Reference></References><Value>"
+        "<ListOfExtensionObject xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\">"
+        "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
+        "<Name>Out</Name><DataType><Identifier>i=4</Identifier></DataType><ValueRank>-1"
+        "</ValueRank><ArrayDimensions/></Argument></Body></ExtensionObject>"
+        "</ListOfExtensionObject></Value></UAVariable>\n";
+    CheckFixture project{cell() + method("s=M") + outputs};
+    MethodMapping& mapping = project.models.mapping().methods[project.id("M")];
+    mapping.handle = "Start";
+    CHECK(has(project.check().reports, ModelCode::MethodHasOutputs));
+    mapping.done = "Ready";
+    CHECK(project.check().reports.is_empty());
+    mapping.outputs.push_back({.number = 0, .label = "Result"});
+    CHECK(project.check().reports.is_empty());
+    CHECK(project.check().counters.labels == 3);
+    mapping.outputs.push_back({.number = 1, .label = "Result"});
+    CHECK(has(project.check().reports, ModelCode::ArgumentUnknown));
+    mapping.outputs.pop_back();
+    mapping.handle.clear();
+    CHECK(has(project.check().reports, ModelCode::MethodHasOutputs));
+}
+
 } // namespace mapping_check_test

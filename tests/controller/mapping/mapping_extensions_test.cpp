@@ -280,4 +280,62 @@ TEST_CASE("A-8 Limits: levels and parts are bounded", "[A-8]")
     CHECK(has(many.result.reports, ModelCode::TooManyParts));
 }
 
+TEST_CASE("Additions: quality and scaling, Done and outputs are exported and imported")
+{
+    ModelFixture project;
+    project.import(file("urn:t", cell() + variable("s=V") + method("s=M")));
+    DataMapping& variable = project.models.mapping().variables[project.id("V")];
+    variable.value.label = "Raw";
+    variable.quality = "Quality";
+    variable.scaling = {0, 1'000, 0, 50};
+    MethodMapping& called = project.models.mapping().methods[project.id("M")];
+    called.handle = "Start";
+    called.done = "Ready";
+    called.outputs.push_back({.number = 0, .is_array = true});
+    called.outputs.back().parts.push_back(
+        {.kind = MappedPart::Kind::Element, .number = 2, .label = "Result"});
+    const std::string text = project.exported();
+    ModelFixture again;
+    const ImportResult imported = again.import(text);
+    CAPTURE(text, lines(imported.reports));
+    CHECK(imported.reports.is_empty());
+    CHECK(again.exported() == text);
+    const DataMapping& read = again.models.mapping().variables.at(again.id("V"));
+    CHECK(read.quality == "Quality");
+    CHECK(read.scaling == variable.scaling);
+    const MethodMapping& method_read = again.models.mapping().methods.at(again.id("M"));
+    CHECK(method_read.done == "Ready");
+    CHECK(method_read.outputs == called.outputs);
+    // Without them nothing of it is left.
+    again.models.mapping().variables.clear();
+    again.models.mapping().methods.clear();
+    CHECK(again.exported().find("Addition") == std::string::npos);
+    // The sign tells who changed one of them.
+    std::string changed = text;
+    changed.replace(changed.find("0..1000"), 7, "0..2000");
+    CHECK(has(again.import(changed).reports, ModelCode::ChangedElsewhere));
+}
+
+TEST_CASE("Additions: what does not keep to the format is left out and told")
+{
+    const auto reports = [](const std::string& addition, bool is_mapped = true) {
+        ModelFixture project;
+        const std::string mapping = is_mapped ? "<Extension><DataMapping xmlns=\"" +
+                                                    std::string{mapping_namespace} +
+                                                    "\" Data=\"a\"/></Extension>"
+                                              : "";
+        return lines(project
+                         .import(file("urn:t", variable("s=V", "<Extensions><Extension><Addition "
+                                                               "xmlns=\"urn:busbar:mapping\" " +
+                                                                   addition + "/></Extension>" +
+                                                                   mapping + "</Extensions>")))
+                         .reports);
+    };
+    CHECK(reports("Quality=\"q\" Scaling=\"0..1=2..3\"").empty());
+    CHECK(reports("Scaling=\"0\"").find("M204") != std::string::npos);
+    CHECK(reports("Quality=\"\"").find("M204") != std::string::npos);
+    CHECK(reports("Done=\"x\"").find("M202") != std::string::npos);
+    CHECK(reports("Quality=\"q\"", false).find("M207") != std::string::npos);
+}
+
 } // namespace mapping_extensions_test

@@ -132,7 +132,7 @@ TEST_CASE("9.5 Table: errors have the line, and the other lines count", "[9.5]")
     CHECK(error("ns=1;s=A,,.a\\,x") == "505 line 4");
     CHECK(error("ns=1;s=A,,[0][0][0][0],x") == "505 line 4");
     CHECK(error("ns=1;s=A,,[1000000],x") == "505 line 4");
-    CHECK(error("ns=1;s=M,,Output[0],x") == "505 line 4");
+    CHECK(error("ns=1;s=M,,Outcome[0],x") == "505 line 4");
     CHECK(error("ns=1;s=M,,Input.A,x") == "505 line 4");
     CHECK(error("ns=1;s=A,,,,4") == "506 line 4");
     CHECK(error("ns=1;s=A,,,,1,0") == "506 line 4");
@@ -215,6 +215,61 @@ TEST_CASE("9.4 Table: all that there is to map, mapped or not", "[9.4][9.5]")
           "It is neither a Variable nor a Method");
     CHECK(find_table_node("/Objects/1:Three", space) == model::no_node);
     CHECK(find_table_node("nonsense", space) == model::no_node);
+}
+
+TEST_CASE("Table: quality, scaling, Done and outputs are written and read as the same")
+{
+    TableFixture project;
+    Mapping& mapping = project.models.mapping();
+    DataMapping& variable = mapping.variables[project.id("A")];
+    variable.value.label = "Raw";
+    variable.quality = "Raw_Q";
+    variable.scaling = {0, 27'648, -10, 0.1};
+    mapping.variables[project.id("B")].value.label = "Other";
+    mapping.variables[project.id("B")].scaling = {4'000, 20'000};
+    MethodMapping& called = mapping.methods[project.id("M")];
+    called.handle = "Start";
+    called.done = "Ready";
+    called.outputs.push_back({.number = 1, .label = "Result"});
+    const std::string text = write_mapping_table(project.models.space(), mapping);
+    CHECK(text == head + "nsu=urn:t;s=A,/Objects/1:A,,Raw,,,,\r\n"
+                         "nsu=urn:t;s=A,/Objects/1:A,Quality,Raw_Q,,,,\r\n"
+                         "nsu=urn:t;s=A,/Objects/1:A,Scaling,0..27648=-10..0.1,,,,\r\n"
+                         "nsu=urn:t;s=B,/Objects/1:B,,Other,,,,\r\n"
+                         "nsu=urn:t;s=B,/Objects/1:B,Scaling,4000..20000,,,,\r\n"
+                         "nsu=urn:t;s=M,/Objects/1:Cell/1:M,Handle,Start,,,,\r\n"
+                         "nsu=urn:t;s=M,/Objects/1:Cell/1:M,Done,Ready,,,,\r\n"
+                         "nsu=urn:t;s=M,/Objects/1:Cell/1:M,Output[1],Result,,,,\r\n");
+    const ReadMappingTable read_back = project.read(text);
+    CAPTURE(lines(read_back.reports));
+    CHECK(read_back.reports.is_empty());
+    CHECK(read_back.mapping == mapping);
+    CHECK(count_labels(mapping) == 6);
+}
+
+TEST_CASE("Table: what is no scaling is told with line, found and expected")
+{
+    TableFixture project;
+    const auto message = [&](const std::string& scaling) {
+        return lines(
+            project.read("NodeId,Part,Label\nns=1;s=A,,Raw\nns=1;s=A,Scaling," + scaling + "\n")
+                .reports);
+    };
+    CHECK(message("0..100").empty());
+    CHECK(message("-1e3..1.5=0..-2").empty());
+    for (const char* const wrong :
+         {"abc", "0", "0..", "0..0", "0..1=", "0..1=2", "0..1=2..2", "0..inf", "nan..1", " 0..1",
+          "0..1=0..1=0..1", "-1e308..1e308", "0...5..1"}) {
+        CAPTURE(wrong);
+        const std::string text = message(wrong);
+        CHECK(text.find("M508") != std::string::npos);
+        CHECK(text.find("line 3") != std::string::npos);
+        CHECK(text.find("found " + std::string{wrong}) != std::string::npos);
+        CHECK(text.find("0..27648=0..100") != std::string::npos);
+    }
+    CHECK(project.error_in("NodeId,Part,Label\nns=1;s=A,Quality,a\nns=1;s=A,Quality,b\n") ==
+          "507 line 3");
+    CHECK(project.error_in("NodeId,Part,Label\nns=1;s=M,Output,a\n") == "505 line 2");
 }
 
 } // namespace mapping_table_test

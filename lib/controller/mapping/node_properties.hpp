@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cmath>
+#include <optional>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/controller/mapping.hpp>
 #include <busbar/model/space_reader.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
@@ -27,6 +30,29 @@ arguments_of(const model::SpaceReader& space, model::NodeIndex method, const cha
                              return false;
                          });
     return arguments;
+}
+
+/// With the EURange of the Variable where it has no range of its own; nothing if there is none.
+[[nodiscard]] inline std::optional<Scaling>
+scaling_of(const model::SpaceReader& space, model::NodeIndex variable, const Scaling& scaling)
+{
+    if (scaling.has_range()) {
+        return scaling;
+    }
+    std::optional<Scaling> found;
+    space.for_each_child(
+        variable, space.find(id::HasProperty), true, QualifiedName{0, "EURange"},
+        [&](model::NodeIndex node) {
+            const Variant value = space.value(node);
+            const auto* const object = value.get_if<ExtensionObject>();
+            const auto range =
+                object != nullptr ? binary::structure_of<Range>(*object) : std::nullopt;
+            if (range && std::isfinite(range->high - range->low) && range->low != range->high) {
+                found = {scaling.raw_low, scaling.raw_high, range->low, range->high};
+            }
+            return false;
+        });
+    return found;
 }
 
 } // namespace busbar::controller::detail
