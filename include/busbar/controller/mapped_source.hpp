@@ -11,6 +11,7 @@
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/label_conversion.hpp>
+#include <busbar/controller/mapping.hpp>
 #include <busbar/controller/value_shape.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
@@ -40,6 +41,10 @@ struct MappedVariable {
     Variant initial{};
     /// Has CurrentRead. A Variable without it is not sampled in each scan.
     bool is_readable{true};
+    /// As DataMapping::quality. With a bad quality the value is not there.
+    std::string quality{};
+    /// Of all labels of the value, with both ranges; not set: they are converted as they are.
+    Scaling scaling{};
 };
 
 /// One of a Method's InputArguments.
@@ -59,6 +64,10 @@ struct MappedMethod {
     std::vector<MappedArgument> arguments{};
     /// A Call answers Bad_NotSupported, and nothing is written (manual of model mode, 2.1, note 4).
     bool has_outputs{false};
+    /// As MethodMapping::done; a Call waits for it, at most MappedOptions::call_limit.
+    std::string done{};
+    /// All OutputArguments, if there is a `done`. What has no label is zero.
+    std::vector<MappedArgument> outputs{};
 };
 
 /// The way in which values are collected (9.12).
@@ -99,6 +108,9 @@ struct MappedOptions {
     bool isolates_failures{false};
     /// Maximum number of times an operation is repeated because the labels changed meanwhile.
     unsigned max_repetitions{3};
+    /// The time that a Call waits for its Done, by the PLC's clock; after it the Call answers
+    /// Bad_Timeout, and later results are dropped. Shorter than `timeout`.
+    std::chrono::milliseconds call_limit{4'000};
     /// Like DataSourceOptions::timeout.
     std::chrono::milliseconds timeout{5'000};
     std::size_t max_batches{256};

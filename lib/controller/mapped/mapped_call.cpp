@@ -10,18 +10,23 @@ namespace {
 using backend::LabelRequest;
 
 /// The Handle's bits are read, then the inputs written, and bit 0 last of all (8.3, Method
-/// execution).
+/// execution). Where there is a Done, that is 0 before bit 0 is set and read once a scan until it
+/// is not 0, with the outputs, so that all of them are of one moment.
 class Call final : public MappedOperation {
 public:
     explicit Call(server::CallBatch batch) : batch_{std::move(batch)} {}
 
     std::unique_ptr<LabelRequest> next(MappedContext& context) override;
     void done(MappedContext& context, const LabelRequest& request) override;
-    void restart(MappedContext&) override { stage_ = Stage::Read; }
+    /// What waits has been begun, and is not begun again.
+    void restart(MappedContext&) override
+    {
+        stage_ = stage_ == Stage::Wait ? Stage::Wait : Stage::Read;
+    }
     void fail(MappedContext& context, StatusCode status) override;
 
 private:
-    enum class Stage : std::uint8_t { Check, Read, WriteInputs, WriteHandle, Answered };
+    enum class Stage : std::uint8_t { Check, Read, WriteInputs, WriteHandle, Wait, Answered };
 
     void check(MappedContext& context);
     [[nodiscard]] StatusCode check_one(MappedContext& context, const server::CallItem& item) const;
@@ -32,13 +37,22 @@ private:
                                                         LabelRequest::Kind kind) const;
     [[nodiscard]] std::unique_ptr<LabelRequest> inputs(MappedContext& context) const;
     void take_handles(MappedContext& context, const LabelRequest& request);
-    void refuse(MappedContext& context, std::size_t index, server::CallResult result);
+    void begin_waiting(MappedContext& context, DateTime time);
+    [[nodiscard]] std::unique_ptr<LabelRequest> results(MappedContext& context) const;
+    void take_results(MappedContext& context, const LabelRequest& request);
+    [[nodiscard]] static server::CallResult
+    result_of(MappedContext& context, const MappedTable::Method& method, const std::byte* bytes);
+    [[nodiscard]] bool is_too_late(const MappedOptions& options, DateTime time);
+    void answer(MappedContext& context, std::size_t index, server::CallResult result);
     void finish(MappedContext& context, const server::CallResult& result);
 
     server::CallBatch batch_;
     Stage stage_{Stage::Check};
     /// The items that are not answered yet.
     std::vector<std::size_t> open_;
+    /// When the handles were set, and how often a Done was looked at since.
+    DateTime begun_{};
+    std::size_t looks_{0};
 };
 
 /// How an input's value suits its labels.
@@ -137,6 +151,9 @@ std::unique_ptr<LabelRequest> Call::next(MappedContext& context)
     if (stage_ == Stage::Read) {
         return handles(context, LabelRequest::Kind::Read);
     }
+    if (stage_ == Stage::Wait) {
+        return results(context);
+    }
     if (stage_ == Stage::WriteInputs) {
         auto request = inputs(context);
         // Labels may have other types than when they were checked.
@@ -191,6 +208,7 @@ std::unique_ptr<LabelRequest> Call::inputs(MappedContext& context) const
                 return nullptr;
             }
         }
+        context.table.add_places(method.done, *request); // which is 0
     }
     return request;
 }
@@ -206,12 +224,96 @@ void Call::done(MappedContext& context, const LabelRequest& request)
         stage_ = Stage::WriteHandle;
         break;
     case Stage::WriteHandle:
-        finish(context, server::CallResult{status::Good});
+        begin_waiting(context, request.time);
+        break;
+    case Stage::Wait:
+        take_results(context, request);
         break;
     case Stage::Check:
     case Stage::Answered:
         break;
     }
+}
+
+/// Methods without a Done are called by now.
+void Call::begin_waiting(MappedContext& context, DateTime time)
+{
+    for (const std::size_t i : std::exchange(open_, {})) {
+        if (context.table.method(batch_.items()[i].handle)->done.count == 0) {
+            answer(context, i, server::CallResult{status::Good});
+        } else {
+            open_.push_back(i);
+        }
+    }
+    begun_ = time;
+    stage_ = Stage::Wait;
+}
+
+/// The places of Done and outputs of what waits.
+std::unique_ptr<LabelRequest> Call::results(MappedContext& context) const
+{
+    auto request = std::make_unique<LabelRequest>();
+    request->kind = LabelRequest::Kind::Read;
+    for (const std::size_t i : open_) {
+        const auto& method = *context.table.method(batch_.items()[i].handle);
+        context.table.add_places(method.done, *request);
+        for (const MappedTable::Argument& output : method.outputs) {
+            context.table.add_places(output.range, *request);
+        }
+    }
+    return request;
+}
+
+server::CallResult Call::result_of(MappedContext& context, const MappedTable::Method& method,
+                                   const std::byte* bytes)
+{
+    server::CallResult result{status::Good};
+    for (const MappedTable::Argument& output : method.outputs) {
+        const MappedLeaf* culprit = nullptr;
+        auto value = context.table.decode(*output.shape, output.range, bytes, nullptr, &culprit);
+        if (!value) {
+            if (culprit != nullptr && context.observer != nullptr) {
+                context.observer->error({MappedErrorCode::OutOfRange,
+                                         context.table.name_of(*culprit),
+                                         &context.table.node_of(*culprit)});
+            }
+            return server::CallResult{status::Bad_NoCommunication};
+        }
+        result.outputs.push_back(*std::move(value));
+        bytes += output.range.bytes;
+    }
+    return result;
+}
+
+bool Call::is_too_late(const MappedOptions& options, DateTime time)
+{
+    // A clock that stands still or is set back ends it, too.
+    constexpr std::size_t most_looks = 100'000;
+    const std::int64_t limit = options.call_limit.count() * (DateTime::ticks_per_second / 1'000);
+    return ++looks_ > most_looks || time < begun_ || time.ticks - begun_.ticks > limit;
+}
+
+void Call::take_results(MappedContext& context, const LabelRequest& request)
+{
+    const bool is_late = is_too_late(context.options, request.time);
+    const std::byte* bytes = request.bytes.data();
+    for (const std::size_t i : std::exchange(open_, {})) {
+        const auto& method = *context.table.method(batch_.items()[i].handle);
+        const bool is_done = std::any_of(bytes, bytes + method.done.bytes,
+                                         [](std::byte byte) { return byte != std::byte{0}; });
+        bytes += method.done.bytes;
+        if (is_done) {
+            answer(context, i, result_of(context, method, bytes));
+        } else if (is_late) {
+            answer(context, i, server::CallResult{status::Bad_Timeout});
+        } else {
+            open_.push_back(i);
+        }
+        for (const MappedTable::Argument& output : method.outputs) {
+            bytes += output.range.bytes;
+        }
+    }
+    waits_a_turn = !open_.empty();
 }
 
 void Call::take_handles(MappedContext& context, const LabelRequest& request)
@@ -221,14 +323,14 @@ void Call::take_handles(MappedContext& context, const LabelRequest& request)
         const bool is_busy =
             (request.bytes[request.places[i].offset] & std::byte{1}) != std::byte{0};
         if (is_busy) {
-            refuse(context, open[i], server::CallResult{status::Bad_TooManyOperations});
+            answer(context, open[i], server::CallResult{status::Bad_TooManyOperations});
         } else {
             open_.push_back(open[i]);
         }
     }
 }
 
-void Call::refuse(MappedContext& context, std::size_t index, server::CallResult result)
+void Call::answer(MappedContext& context, std::size_t index, server::CallResult result)
 {
     context.table.method(batch_.items()[index].handle)->is_running = false;
     batch_.results()[index] = std::move(result);
@@ -238,7 +340,7 @@ void Call::refuse(MappedContext& context, std::size_t index, server::CallResult 
 void Call::finish(MappedContext& context, const server::CallResult& result)
 {
     for (const std::size_t i : std::exchange(open_, {})) {
-        refuse(context, i, result);
+        answer(context, i, result);
     }
     batch_.complete();
     stage_ = Stage::Answered;

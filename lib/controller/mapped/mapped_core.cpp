@@ -54,8 +54,10 @@ void MappedCore::stop()
     for (auto& operation : std::exchange(waiting_, {})) {
         operation->fail(context_, status::Bad_NoCommunication);
     }
-    for (auto& operation : std::exchange(crowded_, {})) {
-        operation->fail(context_, status::Bad_NoCommunication);
+    for (auto* const those : {&crowded_, &later_}) {
+        for (auto& operation : std::exchange(*those, {})) {
+            operation->fail(context_, status::Bad_NoCommunication);
+        }
     }
 }
 
@@ -222,7 +224,19 @@ void MappedCore::answered(std::unique_ptr<MappedOperation> operation, const Labe
         return repeat(std::move(operation)); // what was asked is not in the table any more
     }
     operation->done(context_, request);
+    if (std::exchange(operation->waits_a_turn, false)) {
+        later_.push_back(std::move(operation));
+        inbox_.waker().wake();
+        return;
+    }
     begin(std::move(operation));
+}
+
+void MappedCore::begin_turn()
+{
+    for (auto& operation : std::exchange(later_, {})) {
+        begin(std::move(operation));
+    }
 }
 
 /// One has been answered: whoever waits for that may try again.
@@ -256,6 +270,7 @@ void MappedCore::note_target(const LabelRequest& request)
 
 void MappedCore::pump()
 {
+    begin_turn();
     take_all();
     // What changes during an update counts when that is over.
     if (state_ == State::Ready && !table_.leaves().empty() && inbox_.take_change()) {

@@ -45,6 +45,7 @@ private:
     void resolved(backend::LabelRequest& request);
     void end_update(bool is_well, StatusCode failure);
     void begin_waiting();
+    void begin_turn();
     void take_all();
     void take(std::unique_ptr<backend::LabelRequest> request);
     void answered(std::unique_ptr<MappedOperation> operation, const backend::LabelRequest& request);
@@ -83,6 +84,8 @@ private:
     std::uint64_t sample_id_{0};
     std::unordered_map<std::uint64_t, std::unique_ptr<MappedOperation>> in_flight_;
     std::deque<std::unique_ptr<MappedOperation>> waiting_;
+    /// Those that wait for the next pump().
+    std::deque<std::unique_ptr<MappedOperation>> later_;
     /// Those that the PLC had no room for, while others are in flight.
     std::deque<std::unique_ptr<MappedOperation>> crowded_;
 };

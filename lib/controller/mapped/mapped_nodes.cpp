@@ -65,6 +65,10 @@ public:
         declaration.value_rank = attributes.value_rank;
         declaration.array_dimensions = attributes.array_dimensions;
         mapped.shape = place(id, declaration, paths, mapped.labels);
+        mapped.quality = mapping.quality;
+        if (mapping.scaling.is_set()) {
+            scale(node, mapping.scaling, mapped);
+        }
         space_.bind(node, source_.index(), source_.add(std::move(mapped)));
         ++result_.variables;
     }
@@ -77,19 +81,13 @@ public:
         MappedMethod mapped;
         mapped.node = id;
         mapped.handle = mapping.handle;
-        const std::vector<Argument> inputs = detail::arguments_of(space_, node, "InputArguments");
-        mapped.has_outputs = !detail::arguments_of(space_, node, "OutputArguments").empty();
-        for (const MappedPart& part : mapping.arguments) {
-            Paths paths;
-            paths.add(part, {});
-            if (part.number >= inputs.size()) {
-                leave_out(id, "there is no input argument " + std::to_string(part.number));
-            } else if (!paths.labels.empty()) {
-                if (mapped.arguments.size() <= part.number) {
-                    mapped.arguments.resize(std::size_t{part.number} + 1);
-                }
-                add_input(id, inputs[part.number], paths, mapped.arguments[part.number]);
-            }
+        mapped.done = mapping.done;
+        add_arguments(id, detail::arguments_of(space_, node, "InputArguments"), mapping.arguments,
+                      mapped.arguments);
+        const auto outputs = detail::arguments_of(space_, node, "OutputArguments");
+        mapped.has_outputs = !outputs.empty() && mapping.done.empty();
+        if (!mapped.has_outputs) {
+            add_outputs(id, outputs, mapping.outputs, mapped.outputs);
         }
         space_.bind(node, source_.index(), source_.add(std::move(mapped)));
         ++result_.methods;
@@ -106,8 +104,47 @@ private:
         }
         return node;
     }
-    void add_input(const NodeId& id, const Argument& argument, const Paths& paths,
-                   MappedArgument& mapped)
+    /// Without an EURange that a scaling wants, nothing can be served.
+    void scale(model::NodeIndex node, const Scaling& scaling, MappedVariable& mapped)
+    {
+        if (const auto whole = detail::scaling_of(space_, node, scaling)) {
+            mapped.scaling = *whole;
+        } else {
+            leave_out(mapped.node, "it has no EURange, by which it is to be scaled");
+            mapped.shape = nullptr;
+        }
+    }
+    /// Up to the last one that has labels.
+    void add_arguments(const NodeId& id, const std::vector<Argument>& arguments,
+                       const std::vector<MappedPart>& parts, std::vector<MappedArgument>& mapped)
+    {
+        for (const MappedPart& part : parts) {
+            Paths paths;
+            paths.add(part, {});
+            if (part.number >= arguments.size()) {
+                leave_out(id, "there is no argument " + std::to_string(part.number));
+            } else if (!paths.labels.empty()) {
+                if (mapped.size() <= part.number) {
+                    mapped.resize(std::size_t{part.number} + 1);
+                }
+                add_argument(id, arguments[part.number], paths, mapped[part.number]);
+            }
+        }
+    }
+    /// All of them, as a client is given each.
+    void add_outputs(const NodeId& id, const std::vector<Argument>& arguments,
+                     const std::vector<MappedPart>& parts, std::vector<MappedArgument>& mapped)
+    {
+        mapped.resize(arguments.size());
+        add_arguments(id, arguments, parts, mapped);
+        for (std::size_t i = 0; i < mapped.size(); ++i) {
+            if (mapped[i].shape == nullptr && mapped[i].labels.empty()) {
+                add_argument(id, arguments[i], {}, mapped[i]);
+            }
+        }
+    }
+    void add_argument(const NodeId& id, const Argument& argument, const Paths& paths,
+                      MappedArgument& mapped)
     {
         ValueDeclaration declaration;
         declaration.data_type = argument.data_type;
@@ -124,7 +161,9 @@ private:
     {
         auto made = ValueShape::of(space_, types_, declaration, paths.arrays, limits_);
         if (!made) {
-            labels.push_back(paths.labels.front().second);
+            if (!paths.labels.empty()) {
+                labels.push_back(paths.labels.front().second);
+            }
             return nullptr;
         }
         labels.resize(made->leaf_count());

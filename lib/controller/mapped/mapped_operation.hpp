@@ -47,6 +47,8 @@ public:
         return answer.places.size() == places_ && answer.bytes.size() == bytes_;
     }
 
+    /// Its next request is for later: others are served before, however soon the PLC answers.
+    bool waits_a_turn{false};
     /// Where the PLC takes no more requests it waits until one is answered.
     bool waits_for_room{false};
     /// How often it was restarted.

@@ -22,12 +22,18 @@ bool ValueReader::read(MappedTable::Variable& variable, std::size_t offset,
         slot = DataValue{status::Bad_NoCommunication};
         return true;
     }
+    const StatusCode quality = context_.table.quality_of(variable, bytes_ + offset);
+    if (quality.is_bad()) {
+        slot = DataValue{quality};
+        slot.source_timestamp = time_;
+        return true;
+    }
     const MappedLeaf* culprit = nullptr;
     auto value = context_.table.decode(*variable.shape, variable.range, bytes_ + offset,
                                        &variable.kept, &culprit);
     if (value) {
         slot.value = std::move(*value);
-        slot.status = status::Good;
+        slot.status = quality;
         slot.source_timestamp = time_;
         return true;
     }
@@ -84,8 +90,8 @@ std::unique_ptr<backend::LabelRequest> Read::next(MappedContext& context)
     for (const server::ReadItem& item : batch_.items()) {
         const auto* const variable = context.table.variable(item.handle);
         if (variable != nullptr && !variable->is_broken) {
-            all.count += variable->range.count;
-            all.words += variable->range.words;
+            all.count += static_cast<std::uint32_t>(variable->count());
+            all.words += variable->words();
         }
     }
     if (!is_within(context.options.limits, all.count, all.words)) {
@@ -105,7 +111,7 @@ std::unique_ptr<backend::LabelRequest> Read::next(MappedContext& context)
     for (const server::ReadItem& item : batch_.items()) {
         const auto* const variable = context.table.variable(item.handle);
         if (variable != nullptr && !variable->is_broken) {
-            context.table.add_places(variable->range, *request);
+            context.table.add_places(*variable, *request);
         }
     }
     return request;
@@ -123,7 +129,7 @@ bool Read::fill(MappedContext& context, const std::byte* bytes, DateTime time)
         if (!reader.read(*variable, offset, batch_.results()[i])) {
             return false;
         }
-        offset += variable->range.bytes;
+        offset += variable->bytes();
     }
     return true;
 }

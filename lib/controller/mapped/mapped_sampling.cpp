@@ -53,12 +53,12 @@ std::unique_ptr<LabelRequest> MappedSampling::change(MappedContext& context)
         if (is_too_much || !is_wanted(context.options.sampling, variable)) {
             continue;
         }
-        all.count += variable.range.count;
-        all.words += variable.range.words;
+        all.count += static_cast<std::uint32_t>(variable.count());
+        all.words += variable.words();
         is_too_much = !is_within({}, all.count, all.words);
         if (!is_too_much) {
             variable.sampled_at = static_cast<std::uint32_t>(request->bytes.size());
-            context.table.add_places(variable.range, *request);
+            context.table.add_places(variable, *request);
         }
     }
     size_ = request->bytes.size();

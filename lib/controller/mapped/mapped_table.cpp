@@ -21,7 +21,8 @@ bool can_have_labels(const ValueShape& shape, const std::vector<std::string>& la
 
 } // namespace
 
-LeafRange MappedTable::add_leaves(const ValueShape& shape, std::vector<std::string>& labels)
+LeafRange MappedTable::add_leaves(const ValueShape& shape, std::vector<std::string>& labels,
+                                  std::uint32_t scaling)
 {
     LeafRange range;
     range.first = static_cast<std::uint32_t>(leaves_.size());
@@ -34,9 +35,27 @@ LeafRange MappedTable::add_leaves(const ValueShape& shape, std::vector<std::stri
         leaf.leaf = static_cast<std::uint32_t>(i);
         leaf.node = static_cast<std::uint32_t>(nodes_.size() - 1);
         leaf.type = shape.leaf_type(i);
+        leaf.scaling = scaling;
         leaves_.push_back(leaf);
         names_.push_back(std::move(labels[i]));
         ++range.count;
+    }
+    return range;
+}
+
+/// Of what has one label or none.
+LeafRange MappedTable::add_leaf(std::string label, MappedLeaf::Use use, LeafType type)
+{
+    LeafRange range;
+    range.first = static_cast<std::uint32_t>(leaves_.size());
+    if (!label.empty()) {
+        MappedLeaf leaf;
+        leaf.node = static_cast<std::uint32_t>(nodes_.size() - 1);
+        leaf.use = use;
+        leaf.type = type;
+        leaves_.push_back(leaf);
+        names_.push_back(std::move(label));
+        range.count = 1;
     }
     return range;
 }
@@ -49,7 +68,14 @@ std::uint64_t MappedTable::add(MappedVariable variable)
         variable.shape = nullptr;
     }
     if (variable.shape != nullptr) {
-        added.range = add_leaves(*variable.shape, variable.labels);
+        if (variable.scaling.is_set()) {
+            scalings_.push_back(variable.scaling);
+        }
+        added.range = add_leaves(
+            *variable.shape, variable.labels,
+            variable.scaling.is_set() ? static_cast<std::uint32_t>(scalings_.size()) : 0);
+        added.quality =
+            add_leaf(std::move(variable.quality), MappedLeaf::Use::Raw, {BuiltInType::UInt32});
     }
     added.shape = std::move(variable.shape);
     added.is_readable = variable.is_readable;
@@ -63,34 +89,36 @@ std::uint64_t MappedTable::add(MappedMethod method)
     nodes_.push_back(std::move(method.node));
     Method added;
     added.has_outputs = method.has_outputs;
-    added.handle.first = static_cast<std::uint32_t>(leaves_.size());
-    if (!method.handle.empty()) {
-        MappedLeaf leaf;
-        leaf.node = static_cast<std::uint32_t>(nodes_.size() - 1);
-        leaf.is_handle = true;
-        leaf.type = {BuiltInType::UInt16};
-        leaves_.push_back(leaf);
-        names_.push_back(std::move(method.handle));
-        added.handle.count = 1;
-    }
+    added.handle =
+        add_leaf(std::move(method.handle), MappedLeaf::Use::Handle, {BuiltInType::UInt16});
+    added.done = add_leaf(std::move(method.done), MappedLeaf::Use::Raw, {BuiltInType::UInt32});
     for (MappedArgument& argument : method.arguments) {
-        Argument& one = added.arguments.emplace_back();
-        if (argument.shape != nullptr && !can_have_labels(*argument.shape, argument.labels)) {
-            argument.shape = nullptr;
-        }
-        if (argument.shape != nullptr) {
-            one.range = add_leaves(*argument.shape, argument.labels);
-        } else {
-            // Counted, though nothing is resolved: the Call is refused.
-            one.range.count = std::any_of(argument.labels.begin(), argument.labels.end(),
-                                          [](const std::string& label) { return !label.empty(); })
-                                  ? 1
-                                  : 0;
-        }
-        one.shape = std::move(argument.shape);
+        add_argument(argument, added.arguments);
+    }
+    for (MappedArgument& output : method.outputs) {
+        add_argument(output, added.outputs);
+        added.has_outputs = added.has_outputs || added.outputs.back().shape == nullptr;
     }
     methods_.push_back(std::move(added));
     return methods_.size() - 1;
+}
+
+void MappedTable::add_argument(MappedArgument& argument, std::vector<Argument>& to)
+{
+    Argument& one = to.emplace_back();
+    if (argument.shape != nullptr && !can_have_labels(*argument.shape, argument.labels)) {
+        argument.shape = nullptr;
+    }
+    if (argument.shape != nullptr) {
+        one.range = add_leaves(*argument.shape, argument.labels);
+    } else {
+        // Counted, though nothing is resolved: the Call is refused.
+        one.range.count = std::any_of(argument.labels.begin(), argument.labels.end(),
+                                      [](const std::string& label) { return !label.empty(); })
+                              ? 1
+                              : 0;
+    }
+    one.shape = std::move(argument.shape);
 }
 
 MappedTable::Variable* MappedTable::variable(std::uint64_t handle)
@@ -103,6 +131,32 @@ MappedTable::Method* MappedTable::method(std::uint64_t handle)
     return handle < methods_.size() ? &methods_[static_cast<std::size_t>(handle)] : nullptr;
 }
 
+std::optional<LabelConversion> MappedTable::conversion_of(const MappedLeaf& leaf,
+                                                          const backend::LabelKind& kind,
+                                                          const ConversionOptions& options) const
+{
+    const bool is_bit = kind.type == backend::LabelType::Bit;
+    switch (leaf.use) {
+    case MappedLeaf::Use::Handle:
+        return is_handle_label(kind.type) ? LabelConversion::of(leaf.type, kind, options)
+                                          : std::nullopt;
+    case MappedLeaf::Use::Raw:
+        // For its size: what it holds is no number that has a range.
+        return is_quality_label(kind.type)
+                   ? LabelConversion::of(is_bit ? LeafType{BuiltInType::Boolean} : leaf.type, kind,
+                                         options)
+                   : std::nullopt;
+    case MappedLeaf::Use::Value:
+        break;
+    }
+    if (leaf.scaling == 0) {
+        return LabelConversion::of(leaf.type, kind, options);
+    }
+    const Scaling& scaling = scalings_[leaf.scaling - 1];
+    const double factor = (scaling.high - scaling.low) / (scaling.raw_high - scaling.raw_low);
+    return LabelConversion::scaled(leaf.type, kind, factor, scaling.low - factor * scaling.raw_low);
+}
+
 bool MappedTable::resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& label,
                               const ConversionOptions& options, MappedObserver* observer)
 {
@@ -112,8 +166,7 @@ bool MappedTable::resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& la
     leaf.conversion.reset();
     MappedErrorCode code = MappedErrorCode::Unavailable;
     if (label.error == backend::LabelError::None) {
-        const bool fits = !leaf.is_handle || is_handle_label(label.kind.type);
-        leaf.conversion = fits ? LabelConversion::of(leaf.type, label.kind, options) : std::nullopt;
+        leaf.conversion = conversion_of(leaf, label.kind, options);
         if (leaf.conversion) {
             return true;
         }
@@ -158,13 +211,17 @@ bool MappedTable::measure(LeafRange& range) const
 void MappedTable::measure_all()
 {
     for (Variable& variable : variables_) {
-        variable.is_broken = !measure(variable.range);
+        const bool has_value = measure(variable.range);
+        variable.is_broken = !measure(variable.quality) || !has_value;
     }
     for (Method& method : methods_) {
-        method.is_broken = !measure(method.handle);
-        for (Argument& argument : method.arguments) {
-            if (argument.shape != nullptr) {
-                method.is_broken = !measure(argument.range) || method.is_broken;
+        const bool has_handle = measure(method.handle);
+        method.is_broken = !measure(method.done) || !has_handle;
+        for (std::vector<Argument>* const list : {&method.arguments, &method.outputs}) {
+            for (Argument& argument : *list) {
+                if (argument.shape != nullptr) {
+                    method.is_broken = !measure(argument.range) || method.is_broken;
+                }
             }
         }
     }
@@ -179,6 +236,31 @@ void MappedTable::add_places(const LeafRange& range, backend::LabelRequest& requ
         offset += size;
     }
     request.bytes.resize(offset);
+}
+
+void MappedTable::add_places(const Variable& variable, backend::LabelRequest& request) const
+{
+    add_places(variable.range, request);
+    add_places(variable.quality, request);
+}
+
+StatusCode MappedTable::quality_of(const Variable& variable, const std::byte* bytes) const
+{
+    if (variable.quality.count == 0) {
+        return status::Good;
+    }
+    std::uint32_t code = 0;
+    for (std::size_t i = variable.quality.bytes; i > 0; --i) {
+        code = code << 8U | std::to_integer<std::uint32_t>(bytes[variable.range.bytes + i - 1]);
+    }
+    if (variable.quality.bytes < sizeof code) {
+        return code == 0 ? status::Good : status::Bad_DeviceFailure;
+    }
+    // Severity and sub code; 11 is no severity (Part 4, 7.39), the other bits are the server's.
+    constexpr std::uint32_t both_bits = 0xC0000000U;
+    constexpr std::uint32_t code_bits = 0xFFFF0000U;
+    return (code & both_bits) == both_bits ? StatusCode{status::Bad_DeviceFailure}
+                                           : StatusCode{code & code_bits};
 }
 
 Result<Variant> MappedTable::decode(const ValueShape& shape, const LeafRange& range,

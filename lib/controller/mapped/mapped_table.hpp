@@ -17,7 +17,11 @@ struct MappedLeaf {
     std::uint32_t leaf{0};
     /// The number of the node, see MappedTable::node_of.
     std::uint32_t node{0};
-    bool is_handle{false};
+    /// Raw: of what is told by its bytes, 0 or not.
+    enum class Use : std::uint8_t { Value, Handle, Raw };
+    Use use{Use::Value};
+    /// Behind the index of its scaling, from 1 on; 0: it is not scaled.
+    std::uint32_t scaling{0};
     LeafType type{};
 
     // What it was resolved to.
@@ -41,8 +45,15 @@ struct LeafRange {
 class MappedTable {
 public:
     struct Variable {
+        /// What it takes in a request that reads.
+        [[nodiscard]] std::size_t count() const { return range.count + quality.count; }
+        [[nodiscard]] std::size_t words() const { return range.words + quality.words; }
+        [[nodiscard]] std::size_t bytes() const { return range.bytes + quality.bytes; }
+
         std::shared_ptr<const ValueShape> shape;
         LeafRange range;
+        /// Of one leaf, or none.
+        LeafRange quality;
         bool is_readable{true};
         /// A label of it cannot be used, where that fails no other.
         bool is_broken{false};
@@ -61,7 +72,9 @@ public:
     struct Method {
         /// Of one leaf, or none.
         LeafRange handle;
+        LeafRange done;
         std::vector<Argument> arguments;
+        std::vector<Argument> outputs;
         bool has_outputs{false};
         bool is_broken{false};
         bool is_running{false};
@@ -92,6 +105,10 @@ public:
 
     /// Adds the places of a value to a request, whose bytes grow.
     void add_places(const LeafRange& range, backend::LabelRequest& request) const;
+    /// The same of its value and quality.
+    void add_places(const Variable& variable, backend::LabelRequest& request) const;
+    /// How good the Variable's value is; `bytes` hold it and then its quality.
+    [[nodiscard]] StatusCode quality_of(const Variable& variable, const std::byte* bytes) const;
     /// A value of `bytes`, which hold what add_places made places for. `previous` may be null.
     /// Bad_OutOfRange sets `culprit`.
     [[nodiscard]] Result<Variant> decode(const ValueShape& shape, const LeafRange& range,
@@ -102,7 +119,13 @@ public:
                                     const Variant& value, std::byte* bytes) const;
 
 private:
-    [[nodiscard]] LeafRange add_leaves(const ValueShape& shape, std::vector<std::string>& labels);
+    [[nodiscard]] LeafRange add_leaves(const ValueShape& shape, std::vector<std::string>& labels,
+                                       std::uint32_t scaling = 0);
+    [[nodiscard]] LeafRange add_leaf(std::string label, MappedLeaf::Use use, LeafType type);
+    void add_argument(MappedArgument& argument, std::vector<Argument>& to);
+    [[nodiscard]] std::optional<LabelConversion>
+    conversion_of(const MappedLeaf& leaf, const backend::LabelKind& kind,
+                  const ConversionOptions& options) const;
     [[nodiscard]] bool resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& label,
                                    const ConversionOptions& options, MappedObserver* observer);
     /// False if a label of it cannot be used; the range then takes nothing.
@@ -112,6 +135,7 @@ private:
     std::vector<MappedLeaf> leaves_;
     std::vector<std::string> names_;
     std::vector<NodeId> nodes_;
+    std::vector<Scaling> scalings_;
     std::vector<Variable> variables_;
     std::vector<Method> methods_;
 };

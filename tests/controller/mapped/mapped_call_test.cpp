@@ -181,4 +181,166 @@ TEST_CASE_METHOD(Fixture, "8.3 Call: a Handle is a word without sign", "[8.3]")
     CHECK(call(method).status_code == status::Bad_NoCommunication);
 }
 
+namespace {
+
+struct Results : Fixture {
+    Results()
+    {
+        plc->add("Done", LabelType::Bit, std::uint8_t{1});
+        plc->add("Out", LabelType::Word, std::int16_t{42});
+    }
+    /// A Method with an Int32 and a String, which has no label, as outputs.
+    NodeId add_answering()
+    {
+        model::AddressSpace& space = server.address_space();
+        MappedMethod mapped;
+        mapped.node = own("answering");
+        mapped.handle = "H";
+        mapped.arguments = {{shape(id::Int32, 0, true), {"In"}}};
+        mapped.done = "Done";
+        mapped.outputs = {{shape(id::Int32, 0, true), {"Out"}}, {shape(id::String, 0, true), {}}};
+        model::NewMethod method;
+        method.input_arguments = {{"number", NodeId{0, id::Int32}, -1, {}, {}}};
+        method.output_arguments = {{"result", NodeId{0, id::Int32}, -1, {}, {}},
+                                   {"note", NodeId{0, id::String}, -1, {}, {}}};
+        method.source = index;
+        method.handle = source.add(std::move(mapped));
+        REQUIRE(space.add_object(named("machine")));
+        model::NewNode node = named("answering");
+        node.parent = space.find(own("machine"));
+        REQUIRE(space.add_method(node, method));
+        return own("answering");
+    }
+    std::uint32_t begin(const NodeId& method)
+    {
+        CallMethodRequest one;
+        one.object_id = own("machine");
+        one.method_id = method;
+        one.input_arguments = {Variant{std::int32_t{5}}};
+        CallRequest request;
+        request.methods_to_call = {one};
+        return client->send(request);
+    }
+    /// Reads the handle, writes inputs and handle.
+    void set_handle()
+    {
+        for (int i = 0; i < 3; ++i) {
+            REQUIRE(plc->requests.size() == 1);
+            plc->answer();
+            complete();
+        }
+    }
+    /// One look at Done.
+    void look()
+    {
+        REQUIRE(plc->requests.size() == 1);
+        CHECK(plc->requests[0]->kind == LabelRequest::Kind::Read);
+        plc->answer();
+        complete();
+        complete();
+    }
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Results, "Call with a Done: the outputs are answered when the program is done")
+{
+    const NodeId method = add_answering();
+    source.start();
+    plc->is_prompt = false;
+    const auto sent = begin(method);
+    set_handle();
+    CHECK(plc->get<std::uint8_t>("Done") == 0); // what was left of the Call before
+    CHECK(plc->get<std::int16_t>("In") == 5);
+    CHECK(plc->get<std::uint16_t>("H") == 1);
+    look();
+    look();
+    plc->set("Out", std::int16_t{-7});
+    plc->set("Done", std::uint8_t{1});
+    REQUIRE(plc->requests.size() == 1);
+    plc->answer();
+    const auto result = take_call(sent);
+    CHECK(result.status_code == status::Good);
+    REQUIRE(result.output_arguments.size() == 2);
+    CHECK(result.output_arguments[0] == Variant{std::int32_t{-7}});
+    CHECK(result.output_arguments[1] == Variant{String{}});
+    CHECK(plc->requests.empty());
+    // And it can be called again.
+    plc->set("H", std::uint16_t{0});
+    static_cast<void>(begin(method));
+    CHECK(plc->requests.size() == 1);
+}
+
+TEST_CASE_METHOD(Results, "Call with a Done: it waits no longer than the limit by the PLC's clock")
+{
+    const NodeId method = add_answering();
+    source.start();
+    plc->is_prompt = false;
+    const auto sent = begin(method);
+    set_handle();
+    look();
+    const DateTime begun = plc->time;
+    plc->time = DateTime{begun.ticks + 4 * DateTime::ticks_per_second};
+    look();
+    plc->time.ticks += 1;
+    REQUIRE(plc->requests.size() == 1);
+    plc->answer();
+    CHECK(take_call(sent).status_code == status::Bad_Timeout);
+    CHECK(plc->requests.empty());
+    // Not again before the program has taken the Handle.
+    const auto again = begin(method);
+    plc->answer();
+    CHECK(take_call(again).status_code == status::Bad_TooManyOperations);
+}
+
+TEST_CASE_METHOD(Results, "Call with a Done: labels that move meanwhile do not begin it again")
+{
+    const NodeId method = add_answering();
+    source.start();
+    plc->is_prompt = false;
+    const auto sent = begin(method);
+    set_handle();
+    plc->set("H", std::uint16_t{0}); // the program has begun
+    plc->move_labels();
+    plc->answer(); // Mismatch
+    complete();
+    while (!plc->requests.empty() && plc->requests[0]->kind == LabelRequest::Kind::Resolve) {
+        plc->answer();
+        complete();
+    }
+    look();
+    CHECK(plc->get<std::uint16_t>("H") == 0);
+    plc->set("Done", std::uint8_t{1});
+    plc->answer();
+    CHECK(take_call(sent).status_code == status::Good);
+}
+
+TEST_CASE_METHOD(Results, "Call with a Done: a PLC that answers at once keeps nobody waiting")
+{
+    const NodeId method = add_answering();
+    source.start();
+    const auto sent = begin(method);
+    const int looked = plc->started[LabelRequest::Kind::Read];
+    complete();
+    CHECK(plc->started[LabelRequest::Kind::Read] <= looked + 2); // one look in each turn
+    plc->set("Done", std::uint8_t{1});
+    complete();
+    CHECK(take_call(sent).status_code == status::Good);
+}
+
+TEST_CASE_METHOD(Results, "Call with a Done: an output that its type cannot have")
+{
+    const NodeId method = add_answering();
+    plc->add("Out", LabelType::UnsignedDoubleWord, UINT32_MAX);
+    source.start();
+    plc->is_prompt = false;
+    const auto sent = begin(method);
+    set_handle();
+    plc->set("Done", std::uint8_t{1});
+    plc->answer();
+    CHECK(take_call(sent).status_code == status::Bad_NoCommunication);
+    CHECK(book.errors == std::vector{MappedErrorCode::OutOfRange});
+    CHECK(book.label == "Out");
+}
+
 } // namespace mapped_call_test

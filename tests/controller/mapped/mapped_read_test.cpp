@@ -163,4 +163,83 @@ TEST_CASE_METHOD(Fixture, "8.1 Write: what is refused, all or none", "[8.1]")
     CHECK(plc->started[LabelRequest::Kind::Write] == 0);
 }
 
+TEST_CASE_METHOD(Fixture, "A quality label is the status of the value", "[8.3]")
+{
+    plc->add("Q", LabelType::Word, std::int16_t{0});
+    plc->add("Code", LabelType::UnsignedDoubleWord, std::uint32_t{0});
+    MappedVariable by_word{own("by word"), shape(id::Int16), {"Speed"}};
+    by_word.quality = "Q";
+    MappedVariable by_code{own("by code"), shape(id::Int16, 3), {"A[0]", "A[1]", "A[2]"}};
+    by_code.quality = "Code";
+    const NodeId first = add("by word", id::Int16, 0, std::move(by_word));
+    const NodeId second = add("by code", id::Int16, 3, std::move(by_code));
+    source.start();
+    plc->sizes.clear();
+    auto values = read({first, second, speed});
+    CHECK(plc->sizes == std::vector<std::size_t>{7}); // in one request with the values
+    CHECK(values[0].status == status::Good);
+    CHECK(values[0].value == Variant{std::int16_t{1480}});
+    CHECK(values[1].value == Variant{Array<std::int16_t>{1, 2, 3}});
+    CHECK(values[2].value == Variant{std::int16_t{1480}});
+    plc->set("Q", std::int16_t{-1});
+    plc->set("Code", status::Uncertain_LastUsableValue.value());
+    values = read({first, second, speed});
+    CHECK(values[0].status == status::Bad_DeviceFailure);
+    CHECK(values[0].value.is_null());
+    CHECK(values[0].source_timestamp == plc->time);
+    CHECK(values[1].status == status::Uncertain_LastUsableValue);
+    CHECK(values[1].value == Variant{Array<std::int16_t>{1, 2, 3}});
+    CHECK(values[2].status == status::Good);
+    // What is no StatusCode, and bits of one that are the server's.
+    plc->set("Code", std::uint32_t{0xC0000000});
+    CHECK(read(second).status == status::Bad_DeviceFailure);
+    plc->set("Code", std::uint32_t{0x80310480});
+    CHECK(read(second).status == status::Bad_NoCommunication);
+    // A value that the node cannot have costs nobody else anything while it does not count.
+    plc->set("Q", std::int16_t{0});
+    CHECK(write({{first, Variant{std::int16_t{9}}}})[0] == status::Good);
+    CHECK(plc->get<std::int16_t>("Speed") == 9);
+    CHECK(plc->get<std::int16_t>("Q") == 0);
+}
+
+TEST_CASE_METHOD(Fixture, "A bad quality comes before a value that is out of range", "[8.3]")
+{
+    plc->add("Q", LabelType::Bit, std::uint8_t{1});
+    MappedVariable narrow{own("narrow"), shape(id::Int16), {"Wide"}};
+    narrow.quality = "Q";
+    const NodeId node = add("narrow", id::Int16, 0, std::move(narrow));
+    source.start();
+    const auto values = read({node, speed});
+    CHECK(values[0].status == status::Bad_DeviceFailure);
+    CHECK(values[1].status == status::Good);
+    CHECK(book.errors.empty());
+}
+
+TEST_CASE_METHOD(Fixture, "A quality label of another type is told as any (1A00H)", "[8.3]")
+{
+    plc->add("Q", LabelType::Float, 0.0F);
+    MappedVariable rated{own("rated"), shape(id::Int16), {"Speed"}};
+    rated.quality = "Q";
+    static_cast<void>(add("rated", id::Int16, 0, std::move(rated)));
+    source.start();
+    CHECK(book.errors == std::vector{MappedErrorCode::WrongType});
+    CHECK(book.label == "Q");
+}
+
+TEST_CASE_METHOD(Fixture, "Scaled labels are read and written", "[8.3]")
+{
+    MappedVariable scaled{own("scaled"), shape(id::Double, 3), {"A[0]", "A[1]", "A[2]"}};
+    scaled.scaling = {0, 1'000, 0, 10};
+    const NodeId node = add("scaled", id::Double, 3, std::move(scaled));
+    source.start();
+    plc->set("A[1]", std::int16_t{500});
+    plc->set("A[2]", std::int16_t{-100});
+    CHECK(read(node).value == Variant{Array<double>{0.01, 5, -1}});
+    CHECK(write({{node, Variant{Array<double>{7.5, 0, 10}}}})[0] == status::Good);
+    CHECK(plc->get<std::int16_t>("A[0]") == 750);
+    CHECK(plc->get<std::int16_t>("A[2]") == 1'000);
+    CHECK(write({{node, Variant{Array<double>{0, 0, 400}}}})[0] == status::Bad_OutOfRange);
+    CHECK(plc->get<std::int16_t>("A[0]") == 750);
+}
+
 } // namespace mapped_read_test
