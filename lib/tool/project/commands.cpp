@@ -7,9 +7,7 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "tool/connection/server_trust.hpp"
-#include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
-#include "tool/printing/json_writer.hpp"
 
 namespace busbar::tool::project {
 
@@ -78,17 +76,6 @@ void make_room(Context& context, const std::string& path, bool is_sure)
         !confirm(context, "replace " + path + "?")) {
         throw Failure{Exit::Failed, "nothing was done", "--yes does it without a question"};
     }
-}
-
-Exit say_done(Context& context, const std::string& what)
-{
-    if (context.options.is_json) {
-        JsonLine json;
-        context.out.line(json.open_object().member("done", what).close_object().document());
-    } else {
-        context.out.line(wrap(what, context.out.columns(), 2));
-    }
-    return Exit::Good;
 }
 
 } // namespace busbar::tool::project

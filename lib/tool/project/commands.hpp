@@ -75,7 +75,5 @@ void save_project(const std::string& path, const controller::Project& project);
 void save_file(const std::string& path, const std::string& text);
 /// Throws Failure unless the user lets the file be replaced, if it is there.
 void make_room(Context& context, const std::string& path, bool is_sure);
-/// "done", or {"done": what}.
-Exit say_done(Context& context, const std::string& what);
 
 } // namespace busbar::tool::project

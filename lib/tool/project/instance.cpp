@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "reports.hpp"
+#include "tool/admin/commands.hpp"
 #include "tool/printing/display_text.hpp"
 
 namespace busbar::tool::project {
@@ -92,9 +93,9 @@ Exit add_one(Context& context, const ProjectArguments& arguments)
     NodeId plain = made->node;
     plain.set_namespace_index(0);
     const std::string id = to_string(ExpandedNodeId{plain, String{instance.uri}});
-    return say_done(context, made->added == 0
-                                 ? safe(id) + " has all of it"
-                                 : safe(id) + ": " + std::to_string(made->added) + " nodes added");
+    return admin::report(context, made->added == 0 ? safe(id) + " has all of it"
+                                                   : safe(id) + ": " + std::to_string(made->added) +
+                                                         " nodes added");
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "reports.hpp"
+#include "tool/admin/commands.hpp"
 #include "tool/connection/server_trust.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
@@ -149,8 +150,8 @@ Exit map_node(Context& context, const ProjectArguments& arguments)
         merge(models.mapping(), changed);
     }
     keep_mapping(context, words[0], project, models, changed);
-    return say_done(context, safe(words[1]) +
-                                 (is_cleared ? ": nothing is mapped" : " is " + safe(words[2])));
+    return admin::report(
+        context, safe(words[1]) + (is_cleared ? ": nothing is mapped" : " is " + safe(words[2])));
 }
 
 /// Rank and dimensions of an array that does not say them itself (seed 001, 9.5), with the first
@@ -178,7 +179,7 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
                          quoted(std::as_const(place)) + "," + quoted(arguments.label)));
     }
     keep_mapping(context, words[0], project, models, changed);
-    return say_done(context, safe(words[1]) + " has its array specification");
+    return admin::report(context, safe(words[1]) + " has its array specification");
 }
 
 /// Whether a part, or one within it, has a label and `other`, which may be null, has not.
@@ -271,7 +272,7 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
         merge(models.mapping(), read.mapping);
     }
     keep_mapping(context, path, project, models, read.mapping);
-    return say_done(
+    return admin::report(
         context, std::to_string(controller::count_labels(read.mapping)) + " labels of the table, " +
                      std::to_string(controller::count_labels(models.mapping())) + " in all");
 }

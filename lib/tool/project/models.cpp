@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "reports.hpp"
+#include "tool/admin/commands.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
@@ -31,9 +32,9 @@ Exit import_model(Context& context, const ProjectArguments& arguments)
     controller::keep_models(models, project);
     save_project(path, project);
     print_reports(context, imported->reports);
-    const Exit done = say_done(context, (imported->is_replacement ? "replaced " : "imported ") +
-                                            safe(imported->uri) + ": " +
-                                            std::to_string(imported->node_count) + " nodes");
+    const Exit done = admin::report(
+        context, (imported->is_replacement ? "replaced " : "imported ") + safe(imported->uri) +
+                     ": " + std::to_string(imported->node_count) + " nodes");
     return imported->reports.has_errors() ? Exit::Partly : done;
 }
 
@@ -64,7 +65,7 @@ Exit export_model(Context& context, const ProjectArguments& arguments)
         words.size() > 2 ? words[2] : default_file(words[1], arguments.is_sure);
     make_room(context, file, arguments.is_sure);
     write_file(file, *text);
-    return say_done(context, "exported " + safe(words[1]) + " to " + safe(file));
+    return admin::report(context, "exported " + safe(words[1]) + " to " + safe(file));
 }
 
 Exit delete_model(Context& context, const ProjectArguments& arguments)
@@ -77,7 +78,7 @@ Exit delete_model(Context& context, const ProjectArguments& arguments)
     }
     controller::keep_models(models, project);
     save_project(arguments.words[0], project);
-    return say_done(context, "deleted " + safe(arguments.words[1]));
+    return admin::report(context, "deleted " + safe(arguments.words[1]));
 }
 
 const char* name_of(controller::ModelState state)

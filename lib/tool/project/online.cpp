@@ -94,7 +94,7 @@ Exit write(Context& context, Connection& connection, const RemoteArguments& argu
     RemoteTransfer transfer = transfer_of(connection);
     admin::make_sure(context, arguments, "Replace the project of the server?");
     send(context, transfer, "write", document);
-    return say_done(context, "written; it counts after `busbar project update` or a restart");
+    return admin::report(context, "written; it counts after `busbar project update` or a restart");
 }
 
 Exit read(Context& context, Connection& connection, const RemoteArguments& arguments)
@@ -107,7 +107,8 @@ Exit read(Context& context, Connection& connection, const RemoteArguments& argum
         throw Failure{Exit::Failed, text(project.error()), "nothing was written"};
     }
     save_file(path, document);
-    return say_done(context, "read to " + path + ": " + std::to_string(document.size()) + " bytes");
+    return admin::report(context,
+                         "read to " + path + ": " + std::to_string(document.size()) + " bytes");
 }
 
 Exit verify(Context& context, Connection& connection, const RemoteArguments& arguments)
@@ -183,10 +184,11 @@ Exit update(Context& context, Connection& connection, const RemoteArguments& arg
         throw;
     }
     const bool has_differences = !converted.empty() && converted != "0";
-    return say_done(context, "the server takes up its project" +
-                                 (has_differences ? "; `busbar project labels` lists " + converted +
-                                                        " labels of another type than their nodes"
-                                                  : std::string{}));
+    return admin::report(context,
+                         "the server takes up its project" +
+                             (has_differences ? "; `busbar project labels` lists " + converted +
+                                                    " labels of another type than their nodes"
+                                              : std::string{}));
 }
 
 Exit restart(Context& context, Connection& connection, const RemoteArguments& arguments)

@@ -6,6 +6,7 @@
 #include <busbar/server/password_rules.hpp>
 
 #include "commands.hpp"
+#include "tool/admin/commands.hpp"
 #include "tool/connection/user.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
@@ -39,7 +40,7 @@ Exit make_new(Context& context, const ProjectArguments& arguments)
     project.preset = arguments.preset;
     make_room(context, path, arguments.is_sure);
     check_and_save(path, project);
-    return say_done(context, "made " + path);
+    return admin::report(context, "made " + path);
 }
 
 Exit show(Context& context, const ProjectArguments& arguments)
@@ -89,7 +90,7 @@ Exit set(Context& context, const ProjectArguments& arguments)
         change(project, words[i], words[i + 1]);
     }
     check_and_save(words[0], project);
-    return say_done(context, std::to_string(words.size() / 2) + " values set");
+    return admin::report(context, std::to_string(words.size() / 2) + " values set");
 }
 
 /// Of a name that there is already, or one more.
@@ -131,7 +132,7 @@ Exit set_user(Context& context, const ProjectArguments& arguments)
         change(project, "user " + std::to_string(number) + ".permission", arguments.permission);
     }
     check_and_save(arguments.words[0], project);
-    return say_done(context, safe(name) + " may log in");
+    return admin::report(context, safe(name) + " may log in");
 }
 
 } // namespace
