@@ -40,7 +40,7 @@ install(FILES ${BUSBAR_NAMESPACE0_NODESETS} ${CMAKE_CURRENT_LIST_DIR}/generate.c
 install(DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/companion
   DESTINATION ${CMAKE_INSTALL_DATADIR}/busbar/schemas FILES_MATCHING PATTERN "*.xml")
 if(NOT BUSBAR_GENERATOR)
-  install(TARGETS busbar-generate DESTINATION ${CMAKE_INSTALL_BINDIR})
+  busbar_install_program(busbar-generate development)
 elseif(NOT CMAKE_CROSSCOMPILING)
   # A cross build's package is used by one that names a generator of its own machine itself.
   install(PROGRAMS ${BUSBAR_GENERATOR} DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME busbar-generate)

@@ -1,5 +1,5 @@
-# Wants BUILD_DIR, SOURCE_DIR, GENERATOR, COMPILER, SANITIZE, LIBDIR and PKG_CONFIG; LAUNCHER, a
-# command in front of the compiler's as CMake has it, may be empty.
+# Wants BUILD_DIR, SOURCE_DIR, GENERATOR, COMPILER, SANITIZE, LIBDIR, VERSION, SHARED and PKG_CONFIG;
+# LAUNCHER, a command in front of the compiler's as CMake has it, may be empty.
 set(test ${BUILD_DIR}/package-test)
 file(REMOVE_RECURSE ${test})
 
@@ -22,6 +22,70 @@ endif()
 set(prefix ${test}/prefix)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${test}/installed)
 file(RENAME ${test}/installed ${prefix})
+
+# What is installed says itself what it is: a version, a manual page, completions of its options.
+file(GLOB programs ${prefix}/bin/*)
+foreach(program IN LISTS programs)
+  get_filename_component(name ${program} NAME)
+  set(ENV{LD_LIBRARY_PATH} ${prefix}/${LIBDIR})
+  run(${program} --version)
+  if(NOT output STREQUAL "${name} ${VERSION}\n")
+    message(FATAL_ERROR "${name} --version: expected ${name} ${VERSION}, found ${output}")
+  endif()
+  run(${program} --help)
+  string(REGEX MATCHALL "--[a-z][a-z-]+" options "${output}")
+  file(GLOB page ${prefix}/share/man/man1/${name}.1*)
+  run(gzip -cdf ${page})
+  string(REPLACE "\\-" "-" page "${output}")
+  foreach(option IN LISTS options)
+    string(FIND "${page}" "${option}" place)
+    if(place EQUAL -1)
+      message(FATAL_ERROR "the manual page of ${name} does not have ${option}, which --help has")
+    endif()
+  endforeach()
+  set(completions ${prefix}/share/bash-completion/completions/${name})
+  if(EXISTS ${completions})
+    run(bash -n ${completions})
+    file(STRINGS ${completions} complete REGEX "^complete .* ${name}$")
+    file(STRINGS ${completions} words REGEX "--version")
+    if(NOT complete OR NOT words)
+      message(FATAL_ERROR "${completions} does not complete ${name} --version")
+    endif()
+  elseif(NOT name STREQUAL "busbar-generate")
+    message(FATAL_ERROR "there is no ${completions}")
+  endif()
+endforeach()
+foreach(file LICENSE CHANGELOG.md examples/first_server/main.cpp)
+  if(NOT EXISTS ${prefix}/share/doc/busbar/${file})
+    message(FATAL_ERROR "share/doc/busbar/${file} is not installed")
+  endif()
+endforeach()
+
+# components(<found> <text> <components> <options>...): whether find_package finds these, and what
+# it says.
+function(components found text wanted)
+  file(REMOVE_RECURSE ${test}/components)
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/components -B ${test}/components
+    -D WANTED=${wanted} -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} ${ARGN})
+  # A message is wrapped.
+  string(REGEX REPLACE "[ \n]+" " " output "${output}")
+  if(NOT output MATCHES "busbar found: ${found} " OR NOT output MATCHES "${text}")
+    message(FATAL_ERROR "components ${wanted}: expected \"${text}\" and found: ${found}, ${output}")
+  endif()
+endfunction()
+components(1 "server found: TRUE" server)
+components(0 "busbar has no component sever; it was installed with core, binary, " server,sever)
+if(NOT SHARED)
+  components(0 "component crypto of busbar needs OpenSSL 3 .Debian: libssl-dev., which was not"
+    crypto -D CMAKE_DISABLE_FIND_PACKAGE_OpenSSL=ON)
+  components(1 "model found: TRUE" model -D CMAKE_DISABLE_FIND_PACKAGE_OpenSSL=ON)
+endif()
+if(EXISTS ${prefix}/${LIBDIR}/pkgconfig/busbar-net.pc)
+  components(1 "net found: TRUE" server,net)
+  components(0 "component net of busbar needs Asio without Boost, asio.hpp .Debian: libasio-dev."
+    net -D busbar_ASIO_INCLUDE_DIR=busbar_ASIO_INCLUDE_DIR-NOTFOUND
+    -D CMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF)
+endif()
 
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/consumer -B ${test}/build
   -D MODEL=${SOURCE_DIR}/../schemas/acme.NodeSet2.xml -D CMAKE_PREFIX_PATH=${prefix}
