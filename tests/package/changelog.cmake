@@ -34,3 +34,10 @@ if(GIT AND EXISTS ${SOURCE_DIR}/.git)
     endif()
   endforeach()
 endif()
+
+# Where a version has to be written again.
+file(READ ${SOURCE_DIR}/lib/packaging/vcpkg/busbar/vcpkg.json port)
+string(JSON version GET "${port}" version)
+if(NOT version STREQUAL VERSION)
+  message(FATAL_ERROR "vcpkg.json has version ${version}, CMakeLists.txt ${VERSION}")
+endif()
