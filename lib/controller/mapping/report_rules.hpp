@@ -110,7 +110,7 @@ inline constexpr std::array<ReportRule, 68> all_report_rules{{
      "Correct the name, or declare and publish the label"},
     {ModelCode::LabelOfWrongType, ReportResult::Error, "Mapping", "Label",
      "The label's type is none that the node can have (error 1A00H)",
-     "Map another label; busbar project types lists what fits"},
+     "Map another label; `busbar project show FILE NODE` lists what fits"},
     {ModelCode::LabelConverted, ReportResult::Warning, "Mapping", "Label",
      "The label is of another type than the node, and values out of its range are refused",
      "Declare the label as what is expected, or leave it"},
