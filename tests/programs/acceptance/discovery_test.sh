@@ -1,0 +1,60 @@
+#!/bin/sh
+# The server of a project registers with a discovery server, by which clients find it while it runs,
+# and no longer (seed 001, 9.11). The discovery server is node-opcua's, which comes with the peers of
+# tests/interop; without it this is left out.
+# usage: discovery_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
+. "$here/cell.sh"
+
+modules=$(dirname "$controller")/../tests/interop/node_modules
+if [ ! -d "$modules/node-opcua" ] || ! env node --version > /dev/null 2>&1; then
+    echo "there is no node-opcua to register with"
+    finish
+fi
+lds=$((port + 1))
+env node "$here/lds.cjs" "$modules" $lds lds > lds.log 2>&1 < /dev/null &
+lds_pid=$!
+trap 'kill $pid $lds_pid 2>/dev/null; wait; rm -rf "$work"' EXIT
+
+cell_program > line.st
+cell_project cell.busbar
+cell_controller '' '' > module.toml
+discover() { ends_with 0 --trust discover "opc.tcp://localhost:$lds"; }
+is_found() { discover && grep -q -e "opc.tcp://[^ ]*:$port" out; }
+is_lost() { discover && ! grep -q -e "opc.tcp://[^ ]*:$port" out; }
+# To load it takes a while where others build.
+is_ready() { grep -q -s '^ready' lds.log; }
+for _ in 1 2 3 4 5 6; do is_ready || sleep 10; done
+is_ready || fail "the discovery server does not start: $(cat lds.log)"
+
+entry model 9.11: discovery
+run 0 project set cell.busbar discovery.url "opc.tcp://localhost:$lds" discovery.interval_s 10
+serve_cell cell.busbar
+await logged 'is registered'
+await is_found
+run 0 --trust endpoints "$url"
+kill "$pid"
+await ended
+await is_lost
+# Killed without a word it is there again after its next start.
+serve_cell cell.busbar
+await is_found
+power_cut
+serve --config module.toml --project project
+await logged 'is registered'
+await is_found
+# The discovery server forgets it, and learns of it again with the next registration.
+kill -9 $lds_pid
+wait $lds_pid 2> /dev/null
+await logged 'cannot register\|no connection\|is not registered'
+env node "$here/lds.cjs" "$modules" $lds lds > lds.log 2>&1 < /dev/null &
+lds_pid=$!
+for _ in 1 2 3 4; do
+    is_ready || sleep 15
+done
+await is_found
+kill "$pid"
+await ended
+finish
