@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view name_check = "user name rules";
 constexpr std::string_view password_check = "password rules";
-constexpr std::string_view rule = "PasswordRules of the configuration";
+constexpr std::string_view rule = "rules for names and passwords";
 
 bool has_one_of(std::string_view text, char first, char last)
 {

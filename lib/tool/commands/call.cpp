@@ -51,6 +51,9 @@ std::vector<Argument> arguments_of(Connection& connection, const NodeId& method,
         return {};
     }
     const auto values = read_nodes(connection, nodes);
+    if (const StatusCode status = values.front().status; status.is_bad()) {
+        throw Failure{status, property + " of the method"};
+    }
     std::vector<Argument> arguments;
     if (const auto* objects = values.front().value.array_if<ExtensionObject>()) {
         for (const ExtensionObject& object : *objects) {
