@@ -4,9 +4,11 @@
 //     read N NODE                    write N NODE                    browse N
 //     translate N                    call N OBJECT METHOD            sessions N
 //     subscriptions N INTERVAL       items N NODE SAMPLING QUEUE     held SECONDS NODE
+//     bytes N NODE SIZE
 //
 // "Good: 3 Good, 1 Bad_NodeIdUnknown", and what was revised. "held" writes and reads the node after
-// that time. Without security, unless REQUESTS_USER says who logs in, with REQUESTS_PASSWORD.
+// that time; "bytes" writes so many ByteStrings of that size at once. Without security, unless
+// REQUESTS_USER says who logs in, with REQUESTS_PASSWORD.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -92,6 +94,20 @@ bool write(BlockingClient& client, std::size_t count, const NodeId& node)
         each.node_id = node;
         each.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
         each.value.value = Variant{static_cast<std::int16_t>(i % 100)};
+    }
+    return send<WriteResponse>(client, std::move(request), [](StatusCode each) { return each; });
+}
+
+/// As many ByteStrings of `size` in one request.
+bool write_bytes(BlockingClient& client, std::size_t count, const NodeId& node, std::size_t size)
+{
+    WriteRequest request;
+    const std::vector<std::byte> bytes(size);
+    for (std::size_t i = 0; i < count; ++i) {
+        WriteValue& each = request.nodes_to_write.emplace_back();
+        each.node_id = node;
+        each.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        each.value.value = Variant{ByteString{bytes}};
     }
     return send<WriteResponse>(client, std::move(request), [](StatusCode each) { return each; });
 }
@@ -254,6 +270,10 @@ private:
         }
         if (kind == "write") {
             return write(client, count, node_of(word(3)));
+        }
+        if (kind == "bytes") {
+            return write_bytes(client, count, node_of(word(3)),
+                               static_cast<std::size_t>(number(4)));
         }
         if (kind == "browse") {
             return browse(client, count);

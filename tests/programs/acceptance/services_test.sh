@@ -82,6 +82,9 @@ put "$(cell 112)" "$text"
 put_refused 'Bad_EncodingLimitsExceeded' "$(cell 112)" "${text}0"
 put "$(cell 115)" "0x$(printf '%020480d' 0)"
 put_refused 'Bad_EncodingLimitsExceeded' "$(cell 115)" "0x$(printf '%020482d' 0)"
+# Requests of at most 3 MB: what is larger is refused as a whole.
+ask '^Good: 300 Good$' bytes 300 "ns=$index;i=115" 10240
+ask '^Bad_RequestTooLarge:$' bytes 308 "ns=$index;i=115" 10240
 # One more, so that a request of 25,001 operations gets the status of that.
 get i=11702 '^25001$'
 get i=11703 '^1024$'
