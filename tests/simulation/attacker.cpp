@@ -7,6 +7,8 @@
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
+#include "support/effort.hpp"
+
 namespace busbar::test {
 
 using namespace std::chrono_literals;
@@ -172,10 +174,12 @@ void Attacker::flood_browse()
         return;
     }
     const std::string name = "user" + std::to_string(number_);
-    open_port([name](HostilePort& port) {
-        port.log_in(name, name + "-secret", [](HostilePort& session) {
+    // Most of the time of a short run would be for their answers.
+    const std::size_t nodes = is_full_effort() ? 5 : 1;
+    open_port([name, nodes](HostilePort& port) {
+        port.log_in(name, name + "-secret", [nodes](HostilePort& session) {
             BrowseRequest request;
-            request.nodes_to_browse.resize(5);
+            request.nodes_to_browse.resize(nodes);
             for (BrowseDescription& node : request.nodes_to_browse) {
                 node.node_id = NodeId{0, id::Server};
                 node.result_mask = 63;
