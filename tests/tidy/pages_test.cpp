@@ -291,6 +291,21 @@ TEST_CASE("pages about formats have the versions and names of the code", "[tidy]
     }
 }
 
+TEST_CASE("pages are without words that stand for code or have to be read twice", "[tidy]")
+{
+    static const std::set<std::string> banned{"anew", "everybody", "nobody", "somebody", "whoever"};
+    static const std::regex block{"```[^`]*```"};
+    for (const std::string& page : pages()) {
+        const auto words = words_of(std::regex_replace(text_of(root / page), block, ""));
+        const auto count = std::count_if(words.begin(), words.end(), [](const std::string& word) {
+            return banned.contains(word);
+        });
+        INFO(page);
+        // To become less.
+        CHECK(count <= (page == "examples/controller/TROUBLESHOOTING.md" ? 5 : 0));
+    }
+}
+
 TEST_CASE("a snippet that differs from its file is found", "[tidy]")
 {
     CHECK(contains({"a", "b", "c"}, {"b", "c"}));
