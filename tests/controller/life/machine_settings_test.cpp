@@ -263,7 +263,7 @@ TEST_CASE("What was transferred stays, whatever fails in this transfer and the n
     ServerSettings next;
     next.port = 6'000;
     bool is_first_undisturbed = false;
-    const test::Turns faults{"transfers", 5};
+    const busbar::test::Turns faults{"transfers", 5};
     for (std::size_t first = faults.first; !is_first_undisturbed; first += faults.stride) {
         bool is_next_undisturbed = false;
         for (std::size_t second = 0; !is_next_undisturbed; second += 1 + second / 4) {
