@@ -1,8 +1,10 @@
 #include "limit_keys.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <type_traits>
+#include <utility>
 
 #include "sections.hpp"
 
