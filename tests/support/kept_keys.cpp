@@ -15,7 +15,11 @@ namespace busbar::test {
 
 namespace {
 
-constexpr std::size_t max_keys = 16;
+/// Large ones take seconds to make, and few tests use them.
+std::size_t count_of(std::size_t bits)
+{
+    return bits == 2048 ? 16 : 2;
+}
 
 struct Keys {
     std::vector<crypto::PrivateKey> kept;
@@ -29,10 +33,10 @@ EVP_PKEY* next_key(std::size_t bits)
     static std::map<std::size_t, Keys> sizes;
     const std::lock_guard lock{mutex};
     Keys& keys = sizes[bits];
-    if (keys.kept.size() < max_keys) {
+    if (keys.kept.size() < count_of(bits)) {
         keys.kept.push_back(kept_key("made", static_cast<std::uint32_t>(bits)));
     }
-    EVP_PKEY* const key = keys.kept[keys.given++ % max_keys].native();
+    EVP_PKEY* const key = keys.kept[keys.given++ % keys.kept.size()].native();
     return EVP_PKEY_up_ref(key) == 1 ? key : nullptr;
 }
 
