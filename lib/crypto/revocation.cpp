@@ -41,7 +41,7 @@ std::string why_unknown(const Certificate& issuer, const Validation& validation)
     });
     const std::string of_issuer = " of its issuer, " + label_of(issuer);
     if (lists.empty()) {
-        return "there is not a revocation list" + of_issuer;
+        return "there is no revocation list" + of_issuer;
     }
     if (newest == lists.end()) {
         return "no revocation list in the name" + of_issuer +
