@@ -143,10 +143,11 @@ public:
     /// If restored, the server stays stopped until a restart, which reads the settings; otherwise
     /// it returns.
     void restore_done(bool is_restored);
-    /// Bad_InvalidState in RUN (seed 000, 8-3). clear_done() is due only if there is no problem.
+    /// Bad_InvalidState in RUN (manual of variables mode, 8-3). clear_done() is due only if there
+    /// is no problem.
     [[nodiscard]] Configured<void> clear_begins();
     void clear_done(bool is_cleared);
-    // These reconfigure (seed 000, 4-2-5).
+    // These reconfigure (manual of variables mode, 4-2-5).
     void address_changed();
     void certificate_renewed();
     void security_changed();
