@@ -28,6 +28,7 @@ function(busbar_loaded_packages variable files)
     foreach(line IN LISTS needed)
       string(REGEX REPLACE "NEEDED +" "" library ${line})
       if(library MATCHES "^libbusbar_")
+        list(APPEND packages libbusbar)
         continue()
       endif()
       execute_process(COMMAND dpkg-query -S "/${CPACK_BUSBAR_LIBDIR}/${library}"
@@ -95,9 +96,14 @@ function(busbar_write_bill root component name target created)
 \"STATIC_LINK\",\"relatedSpdxElement\":\"SPDXRef-Part-${part_name}\"}")
   endforeach()
   busbar_loaded_packages(loaded "${programs}")
+  # Its own libraries need each other.
+  list(REMOVE_ITEM loaded ${name})
   foreach(package IN LISTS loaded)
-    execute_process(COMMAND dpkg-query -W "-f=\${Version}" ${package} OUTPUT_VARIABLE version
-      ERROR_QUIET)
+    set(version ${CPACK_BUSBAR_VERSION})
+    if(NOT package STREQUAL "libbusbar")
+      execute_process(COMMAND dpkg-query -W "-f=\${Version}" ${package} OUTPUT_VARIABLE version
+        ERROR_QUIET)
+    endif()
     string(REGEX REPLACE "[^A-Za-z0-9.-]" "-" id ${package})
     busbar_bill_part(text SPDXRef-Loaded-${id} ${package} "${version}" NOASSERTION NOASSERTION
       LIBRARY)
