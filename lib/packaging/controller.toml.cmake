@@ -1,5 +1,6 @@
 # The configuration of an installed controller: the built-in one with its folders below the state
-# directory, and a setup by the first administrator, since nobody sees a terminal of a service.
+# directory, and a setup by the first administrator, since a service has no terminal that could show
+# a password.
 set(source ${PROJECT_SOURCE_DIR}/examples/controller/controller.toml)
 file(READ ${source} text)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})

@@ -36,7 +36,7 @@ function(built variable source)
   set(${variable} ${sum} PARENT_SCOPE)
 endfunction()
 built(first ${source})
-# Whoever builds the same sources elsewhere gets the same bytes.
+# The same sources give the same bytes in another folder.
 file(RENAME ${source} ${test}/elsewhere)
 built(second ${test}/elsewhere)
 if(NOT first STREQUAL second)
