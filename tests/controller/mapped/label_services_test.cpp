@@ -179,6 +179,9 @@ TEST_CASE_METHOD(Fixture, "8.1 Write: more and fewer elements than the Variable 
     CHECK(write("row", Variant{Array<std::int16_t>{1}}) == status::Bad_WriteNotSupported);
     CHECK(write("row", Variant{Array<std::int32_t>{1, 2, 3}}) == status::Bad_TypeMismatch);
     CHECK(write("row", Variant{std::int16_t{1}}) == status::Bad_TypeMismatch);
+    // Another ValueRank is another type (Part 4, 5.11.4.4), whatever elements there are.
+    CHECK(write("row", Variant::matrix(Array<std::int16_t>{1, 2}, Array<std::uint32_t>{1, 2})) ==
+          status::Bad_TypeMismatch);
     CHECK(read("row").value == Variant{Array<std::int16_t>{0, 0}});
 }
 

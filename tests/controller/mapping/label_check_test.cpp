@@ -54,8 +54,7 @@ struct FarPlc final : backend::LabelBackend {
 
 } // namespace
 
-TEST_CASE_METHOD(Fixture, "8.2 Labels of a PLC: node, label, expected and found type are told",
-                 "[8.2]")
+TEST_CASE_METHOD(Fixture, "Labels of a PLC: node, label, expected and found type are told", "[8.2]")
 {
     CHECK(difference("I16", "Num").empty());
     CHECK(difference("I16", "Text") == "Text of ns=1;s=I16: found STRING(8), expected INT");
@@ -67,7 +66,7 @@ TEST_CASE_METHOD(Fixture, "8.2 Labels of a PLC: node, label, expected and found 
     CHECK(difference("B", "Delay.N").find("found TIMER .N") != std::string::npos);
 }
 
-TEST_CASE_METHOD(Fixture, "8.3 Labels of a PLC: why one cannot be used", "[8.3]")
+TEST_CASE_METHOD(Fixture, "Labels of a PLC: why one cannot be used", "[8.3]")
 {
     const auto reason = [&](const std::string& label) { return difference("I16", label); };
     CHECK(reason("None").find("the PLC has none of this name, expected INT") != std::string::npos);
@@ -79,7 +78,7 @@ TEST_CASE_METHOD(Fixture, "8.3 Labels of a PLC: why one cannot be used", "[8.3]"
     CHECK(reason("Row[2]").find("the PLC has none of this name") != std::string::npos);
 }
 
-TEST_CASE_METHOD(Fixture, "8.3 Labels of a PLC: of a Handle, and as reports", "[8.3]")
+TEST_CASE_METHOD(Fixture, "Labels of a PLC: of a Handle, and as reports", "[8.3]")
 {
     models.mapping().methods[id("M")].handle = "Start";
     map("I16", "Long");
@@ -98,7 +97,7 @@ TEST_CASE_METHOD(Fixture, "8.3 Labels of a PLC: of a Handle, and as reports", "[
     CHECK(lines(*reports).find("ns=1;s=M: Handle: ") != std::string::npos);
 }
 
-TEST_CASE_METHOD(Fixture, "8.3 Labels of a PLC: one that has to be asked is not compared", "[8.3]")
+TEST_CASE_METHOD(Fixture, "Labels of a PLC: one that has to be asked is not compared", "[8.3]")
 {
     map("I16", "Num");
     CHECK_FALSE(compare_labels(models, FarPlc{}));
