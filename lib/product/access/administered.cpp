@@ -71,15 +71,18 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
                                                 "trusts all clients, expected certificates that "
                                                 "decide"};
         }
-        new_code_ = setup_->begin(random_, config.users.password_rules.cost);
-        show_accounts();
+        waits_for_port_ = !config.machine.is_used;
+        if (!waits_for_port_) { // or nobody could log in by the code
+            new_code_ = setup_->begin(random_, config.users.password_rules.cost);
+            show_accounts();
+        }
     }
     offer_passwords(config.server.endpoints);
 }
 
 void Administered::offer_passwords(std::vector<server::EndpointConfig>& endpoints) const
 {
-    if (users_->users().empty() && !setup_->is_active()) {
+    if (users_->users().empty() && !setup_->is_active() && !waits_for_port_) {
         return;
     }
     for (server::EndpointConfig& endpoint : endpoints) {

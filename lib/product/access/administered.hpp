@@ -79,6 +79,8 @@ public:
     [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
     /// Returns true while there is no administrator but the one of the setup.
     [[nodiscard]] bool is_in_setup() const { return setup_ && setup_->is_active(); }
+    /// Returns true if there would be a setup, but no port by which anybody could do it.
+    [[nodiscard]] bool is_waiting_for_port() const { return waits_for_port_; }
     /// Where the hash of the code lies, for people.
     [[nodiscard]] std::string code_place() const { return files_.place(Setup::code_file); }
     /// Those users again, after `admission` has read its file again. Throws ConfigError.
@@ -111,6 +113,7 @@ private:
     ListenerRoles listener_roles_{roles_};
     std::optional<administration::UserList> users_;
     TakenOverFiles copies_{files_};
+    bool waits_for_port_{false};
     administration::ManagedCertificates certificates_;
     FileSystems file_systems_;
     std::optional<administration::Administration> administration_;

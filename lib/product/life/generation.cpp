@@ -441,6 +441,10 @@ void Generation::print_welcome() const
     }
     if (administered_.is_in_setup()) {
         std::fputs(setup_text(config_.server.endpoint_url).c_str(), stdout);
+    } else if (administered_.is_waiting_for_port()) {
+        std::puts(
+            "setup: there is no administrator, and no port by which one could be made; a start "
+            "with use = true in [machine] shows a code for it");
     }
     std::optional<int> priority = task_ ? task_->realtime_priority() : around_.label_priority;
     if (has_own_task_) {

@@ -26,6 +26,8 @@ use = false' >> controller.toml
 echo "VAR_GLOBAL Speed : INT := 17; END_VAR" > press.st
 serve --config controller.toml
 logged 'no port: use = false' || fail "it does not say that the server is not used"
+logged 'setup: there is no administrator, and no port' || fail "it does not say what comes later"
+logged 'with the code' && fail "a code is shown that nobody can use"
 code() { sed -n 's/.*with the code \([^,]*\),.*/\1/p' log; }
 code > code
 url=opc.tcp://127.0.0.1:$port

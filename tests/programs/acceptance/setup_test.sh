@@ -29,6 +29,10 @@ medium = "$1-medium"
 policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
 END
+    fresh_again "$1"
+}
+# fresh_again FOLDER: the same as it is configured.
+fresh_again() {
     serve --config "$1.toml"
     sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
     [ -s code ] || fail "there is no code"
@@ -112,5 +116,21 @@ else
     setup 0
 fi
 is_done 7
+shut_down
+
+# Without a port nobody could use a code: none is made, and the start says what to do.
+rm -rf "$XDG_DATA_HOME"
+sed -e 's/"first/"closed/' -e 's/^\[machine\]/&\nuse = false/' first.toml > closed.toml
+"$controller" --config closed.toml > log 2>&1 < /dev/null &
+pid=$!
+await logged '^ready'
+logged 'setup: there is no administrator, and no port .* use = true in \[machine\] shows a code' ||
+    fail "it does not say what to do"
+logged 'with the code' && fail "a code is shown that nobody can use"
+shut_down
+sed -i '/^use = false/d' closed.toml
+fresh_again closed
+setup 0
+is_done 8
 shut_down
 finish
