@@ -91,7 +91,7 @@ crypto::CertificateSubject configured_subject(const ControllerConfig& config)
         subject.dns_names.clear();
         subject.ip_addresses.clear();
     }
-    for (const std::string& host : config.host_names) {
+    for (const std::string& host : config.server.host_names) {
         crypto::add_host(subject, host);
     }
     return subject;

@@ -25,8 +25,8 @@ namespace busbar::product {
                                                          const std::vector<std::string>& host_names,
                                                          DateTime now);
 
-/// What file, project and administrators say of names and hosts in the certificate; the names are
-/// empty where nobody has said other ones than the controller has by itself.
+/// The names that file, project and administrators want in the certificate, empty where they are
+/// those that the controller has by itself, and the hosts by which clients reach it now.
 [[nodiscard]] crypto::CertificateSubject configured_subject(const ControllerConfig& config);
 
 } // namespace busbar::product

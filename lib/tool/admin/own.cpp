@@ -157,42 +157,48 @@ bool is_loopback(const std::string& host)
     return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
-/// The names and addresses of the certificate, those that are configured, and the one by which we
-/// are connected: it may be new.
-std::vector<std::string> hosts_of_now(const crypto::Certificate& before,
-                                      const std::string& connected, const Variant& configured)
+void add(std::vector<std::string>& hosts, const std::string& host)
 {
-    std::vector<std::string> hosts = before.host_names();
-    if (const auto* const more = configured.array_if<String>()) {
-        for (const String& each : *more) {
-            if (std::find(hosts.begin(), hosts.end(), each.str()) == hosts.end()) {
-                hosts.push_back(each.str());
-            }
-        }
+    if (std::find(hosts.begin(), hosts.end(), host) == hosts.end()) {
+        hosts.push_back(host);
     }
-    if (!is_loopback(connected) &&
-        std::find(hosts.begin(), hosts.end(), connected) == hosts.end()) {
-        hosts.insert(hosts.begin(), connected);
+}
+
+/// The names and addresses by which clients reach the server now: the one by which we are
+/// connected, which it may not know, and those that it tells.
+std::vector<std::string> hosts_of_now(const std::string& connected, const Variant& told)
+{
+    std::vector<std::string> hosts;
+    if (!is_loopback(connected)) {
+        hosts.push_back(connected);
+    }
+    if (const auto* const more = told.array_if<String>()) {
+        for (const String& each : *more) {
+            add(hosts, each.str());
+        }
     }
     return hosts;
 }
 
-/// "NxOpcUaServer@192.0.2.50" has the address of now behind the @ (seed 000, 3-2-5).
-void renew_address(std::string& common_name, const crypto::CertificateSubject& names)
+/// "NxOpcUaServer@192.0.2.50" has the address of now after the @ (seed 000, 3-2-5).
+void renew_address(std::string& common_name, const std::vector<std::string>& hosts)
 {
-    const std::size_t at = common_name.rfind('@');
-    const auto is_among = [](const std::vector<std::string>& list, const std::string& one) {
-        return std::find(list.begin(), list.end(), one) != list.end();
+    const auto addresses_of = [](const std::vector<std::string>& names) {
+        crypto::CertificateSubject parsed;
+        for (const std::string& name : names) {
+            crypto::add_host(parsed, name);
+        }
+        return parsed.ip_addresses;
     };
+    const std::size_t at = common_name.rfind('@');
     if (at == std::string::npos) {
         return;
     }
     const std::string old = common_name.substr(at + 1);
-    crypto::CertificateSubject parsed;
-    crypto::add_host(parsed, old);
-    if (!parsed.ip_addresses.empty() && !names.ip_addresses.empty() &&
-        !is_among(names.ip_addresses, old)) {
-        common_name.replace(at + 1, std::string::npos, names.ip_addresses.front());
+    const auto now = addresses_of(hosts);
+    const bool is_address = !addresses_of({old}).empty();
+    if (is_address && !now.empty() && std::find(now.begin(), now.end(), old) == now.end()) {
+        common_name.replace(at + 1, std::string::npos, now.front());
     }
 }
 
@@ -209,16 +215,22 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
     make_sure(context, arguments,
               "Clients have to trust the new certificate. Replace " + before.thumbprint_text() +
                   "?");
+    std::vector<std::string> hosts = arguments.hosts;
+    if (hosts.empty()) {
+        hosts = hosts_of_now(host_of(context.options.url), configured(connection, "Hosts"));
+    }
+    crypto::CertificateSubject kept = crypto::subject_of(before);
+    renew_address(kept.common_name, hosts);
+    if (arguments.hosts.empty()) {
+        for (const std::string& host : before.host_names()) {
+            add(hosts, host);
+        }
+    }
     crypto::CertificateSubject names;
-    for (const std::string& host :
-         arguments.hosts.empty()
-             ? hosts_of_now(before, host_of(context.options.url), configured(connection, "Hosts"))
-             : arguments.hosts) {
+    for (const std::string& host : hosts) {
         crypto::add_host(names, host);
     }
     const std::string wanted = configured(connection, "Subject").value_or<String>(String{""}).str();
-    crypto::CertificateSubject kept = crypto::subject_of(before);
-    renew_address(kept.common_name, names);
     const auto strings = [](const std::vector<std::string>& texts) {
         Array<String> list;
         list.clear();
