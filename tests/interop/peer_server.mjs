@@ -43,6 +43,7 @@ const server = new OPCUAServer({
   allowAnonymous: true,
   userManager: { isValidUser: (name, password) => name === "operator" && password === "a pass phrase" },
   serverCapabilities: {
+    minSupportedSampleRate: 0, // or node-opcua tells of the last change only in each so many milliseconds
     operationLimits: {
       maxNodesPerRead: 100, maxNodesPerWrite: 50, maxNodesPerBrowse: 20, maxMonitoredItemsPerCall: 30,
       maxNodesPerTranslateBrowsePathsToNodeIds: 10,
