@@ -27,7 +27,12 @@ insert() { # FOLDER: an empty medium is there from now on
     mount -t tmpfs -o size=256k tmpfs "$1" 2> /dev/null && mounts="$mounts $1"
 }
 eject() { umount "$1" 2> /dev/null; }
-trap 'kill $pid 2>/dev/null; wait; for each in $mounts; do umount -l "$each" 2>/dev/null; done; rm -rf "$work"' EXIT
+eject_all() {
+    for each in $mounts; do
+        umount -l "$each" 2> /dev/null
+    done
+}
+trap 'kill $pid 2>/dev/null; wait; eject_all; rm -rf "$work"' EXIT
 # A login is a record.
 login() { run 0 --user op --password-file password --trust read "$url" i=2259; }
 records() { log_text | grep -c ' AUTH 0002 .*op'; }

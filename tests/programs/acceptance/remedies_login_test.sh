@@ -81,8 +81,7 @@ with_certificate 0
 # After some attempts the user has to wait.
 power_cut
 cp controller.toml quick.toml
-sed -i 's/^first_login_delay_ms.*/first_login_delay_ms = 1500/; s/^max_login_delay_ms.*/max_login_delay_ms = 1500/' \
-    controller.toml
+sed -i 's/^\(first\|max\)_login_delay_ms.*/\1_login_delay_ms = 1500/' controller.toml
 serve --config controller.toml
 for _ in 1 2 3 4 5 6; do
     login 4 night wrong

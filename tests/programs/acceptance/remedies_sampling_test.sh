@@ -37,7 +37,8 @@ entry model 10.3: remedies
 remedy 10.3.17
 told 'the label has not changed'
 samples 140 200
-[ "$(grep -o '"value":[^]]*' out | sort -u | wc -l)" -eq 1 ] || fail "a label that nobody writes changes: $(cat out)"
+[ "$(grep -o '"value":[^]]*' out | sort -u | wc -l)" -eq 1 ] ||
+    fail "a label that nobody writes changes: $(cat out)"
 put "$(cell 140)" '[1, 2, 3]'
 samples 140 200
 says '\[1,2,3\]'
