@@ -48,8 +48,15 @@ std::vector<Setting> server_settings()
     };
 }
 
-std::vector<Setting> security_settings()
+/// What is not said is as the product has it whose limits are chosen.
+std::vector<Setting> security_settings(const ControllerConfig& preset)
 {
+    const server::PasswordRules& rules = preset.users.password_rules;
+    Array<String> reserved;
+    reserved.clear(); // not null
+    for (const std::string& name : rules.reserved_names) {
+        reserved.push_back(String{name});
+    }
     return {
         {.name = "certificates.trust_all_clients", .otherwise = Variant{false}},
         {.name = "certificates.suppress", .otherwise = texts({})},
@@ -57,10 +64,13 @@ std::vector<Setting> security_settings()
         {.name = "users.anonymous", .otherwise = Variant{"no"}},
         {.name = "users.authorities", .otherwise = Variant{"standard"}},
         {.name = "users.certificates", .otherwise = Variant{"no"}},
-        {.name = "users.passwords.needs_letters_and_digit", .otherwise = Variant{false}},
-        {.name = "users.passwords.name_characters", .otherwise = Variant{""}},
-        {.name = "users.passwords.password_characters", .otherwise = Variant{""}},
-        {.name = "users.passwords.reserved_names", .otherwise = texts({})},
+        {.name = "users.passwords.needs_letters_and_digit",
+         .otherwise = Variant{rules.needs_letters_and_digit}},
+        {.name = "users.passwords.name_characters",
+         .otherwise = Variant{String{rules.name_characters}}},
+        {.name = "users.passwords.password_characters",
+         .otherwise = Variant{String{rules.password_characters}}},
+        {.name = "users.passwords.reserved_names", .otherwise = Variant{std::move(reserved)}},
         {.name = "limits.preset", .otherwise = Variant{""}},
         {.name = "limits.certificates.when_rejected_is_full", .otherwise = Variant{"oldest out"}},
         {.name = "limits.subscriptions.samples_each_scan", .otherwise = Variant{true}},
@@ -123,7 +133,7 @@ std::vector<Setting> controller_settings(const toml::table& file)
     SourceFiles sources;
     read_preset(TomlTable{file, "", sources}, preset);
     std::vector<Setting> settings = server_settings();
-    append(settings, security_settings());
+    append(settings, security_settings(preset));
     append(settings, machine_settings());
     append(settings, plc_settings());
     for (const SubjectKey& key : subject_keys) {

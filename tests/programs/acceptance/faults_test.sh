@@ -81,13 +81,15 @@ program "Shown : INT; $(printf 'N%0500d' 0) : INT;"
 power_cycle
 value "$(printf 'N%0500d' 0)" 0
 
-# The rules for names are told, and where a preset departs from its manual.
+# The rules for names are told, a preset's too, and where it departs from its manual.
 chief 0 admin setting list "$url" users.passwords
 says 'users.passwords.min_password_length'
 sed 's/^\[limits\]$/[limits]\npreset = "nj501"/' controller.toml > nj501.toml
 power_cut
 serve --config nj501.toml
 chief 0 admin setting list "$url" users.passwords
+says 'users.passwords.name_characters *"[0-9A-Za-z]'
+says 'users.passwords.reserved_names *\["'
 shut_down
 "$controller" --print-preset nj501 > out || fail "--print-preset"
 last="--print-preset"
