@@ -89,6 +89,10 @@ private:
     void restart();
     void reload();
     void change_files();
+    /// How often it has said what came of a change.
+    [[nodiscard]] std::size_t said() const;
+    /// Of what takes place after its answer: until it is said, or sessions end.
+    void wait_for_effect(std::size_t before);
     void damage();
     void back_up();
     void restore();

@@ -195,7 +195,11 @@ void ControllerSimulation::send_program()
         return follow(outcome, verb + "a wrong program", [](Expectation&) {});
     }
     const MachineText next = site_.new_program(chance_.one_in(5));
+    const std::size_t before = said();
     Outcome outcome = chief_->program(verb + name, next.text);
+    if (outcome == Outcome::Done && verb == "download ") {
+        wait_for_effect(before);
+    }
     if (is_failing_ && outcome == Outcome::Done && verb == "download ") {
         // It takes place after the answer, and may be refused then, as the status says.
         outcome = Outcome::Unknown;
@@ -208,7 +212,12 @@ void ControllerSimulation::send_program()
 
 void ControllerSimulation::restore_program()
 {
-    follow(chief_->program("restore", {}), "restore the program", [&](Expectation& all) {
+    const std::size_t before = said();
+    const Outcome outcome = chief_->program("restore", {});
+    if (outcome == Outcome::Done) {
+        wait_for_effect(before);
+    }
+    follow(outcome, "restore the program", [&](Expectation& all) {
         all.is_received = false;
         all.take_program(site_.program);
     });
@@ -236,7 +245,11 @@ void ControllerSimulation::write_value()
 
 void ControllerSimulation::restart()
 {
+    const std::size_t before = said();
     const Outcome outcome = chief_->restart();
+    if (outcome == Outcome::Done) {
+        wait_for_effect(before);
+    }
     note(outcome == Outcome::Done ? "restart: done" : "restart: not done, " + chief_->why_not());
     chief_->disconnect();
     if (outcome != Outcome::Refused) {
@@ -244,19 +257,26 @@ void ControllerSimulation::restart()
     }
 }
 
+std::size_t ControllerSimulation::said() const
+{
+    const std::string log = read_all(site_.log());
+    return count_of(log, "read again: ") + count_of(log, "nothing was changed") +
+           count_of(log, "downloaded: ") + count_of(log, "edited online: ");
+}
+
+void ControllerSimulation::wait_for_effect(std::size_t before)
+{
+    while (said() == before && controller_->is_running() && chief_->report({}, {}).has_value()) {
+    }
+}
+
 /// Waits until it has said what came of it.
 void ControllerSimulation::reload()
 {
-    const auto said = [this] {
-        const std::string log = read_all(site_.log());
-        return count_of(log, "read again: ") + count_of(log, "nothing was changed") +
-               count_of(log, "downloaded: ");
-    };
     const std::size_t before = said();
     note("is to read again");
     controller_->hang_up();
-    while (said() == before && controller_->is_running() && chief_->report({}, {}).has_value()) {
-    }
+    wait_for_effect(before);
     perhaps([this](Expectation& all) { read_files(all); });
 }
 

@@ -141,12 +141,12 @@ struct Place {
         std::ofstream{path("p.st")} << "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n"
                                     << variables << "\nEND_VAR\n";
     }
-    [[nodiscard]] Configuration file(const std::string& name, const std::string& more) const
+    [[nodiscard]] Configuration file(const std::string& name, const std::string& more,
+                                     const std::string& server = {}) const
     {
         program("Level : LREAL; Other : INT;");
         std::ofstream{path(name)} << "[server]\naddress = \"127.0.0.1\"\nport = 0\n"
-                                     "[certificates]\nfolder = \""
-                                  << path("pki")
+                                  << server << "[certificates]\nfolder = \"" << path("pki")
                                   << "\"\n[users]\nanonymous = \"write\"\n"
                                      "[[endpoint]]\npolicy = \"None\"\nmode = \"None\"\n"
                                   << more;
@@ -163,7 +163,92 @@ struct Place {
     ControllerOptions options{.log = &log, .takes_signals = false, .greets = false};
 };
 
+/// Holds the thread that loads information models, until it may go on. Any thread.
+class HeldLog final : public LogSink {
+public:
+    void write(LogLevel, std::string_view source, std::string_view message) override
+    {
+        std::unique_lock lock{mutex_};
+        if (message.starts_with("downloaded: ")) {
+            ++downloads_;
+        }
+        if (source == "model") {
+            ++loads_;
+            changed_.notify_all();
+            changed_.wait(lock, [&] { return may_load_ >= loads_; });
+        }
+        changed_.notify_all();
+    }
+    void wait_for_load(int number)
+    {
+        std::unique_lock lock{mutex_};
+        changed_.wait(lock, [&] { return loads_ >= number; });
+    }
+    void let_load(int number)
+    {
+        const std::lock_guard lock{mutex_};
+        may_load_ = number;
+        changed_.notify_all();
+    }
+    void wait_for_download()
+    {
+        std::unique_lock lock{mutex_};
+        changed_.wait(lock, [&] { return downloads_ > 0; });
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    int loads_{0};
+    int may_load_{1};
+    int downloads_{0};
+};
+
+constexpr const char* empty_model =
+    R"(<UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd"><NamespaceUris>
+<Uri>urn:test:model</Uri></NamespaceUris><Models><Model ModelUri="urn:test:model"/></Models>
+<UAObject NodeId="ns=1;i=1" BrowseName="1:Box"><References>
+<Reference ReferenceType="i=35" IsForward="false">i=85</Reference>
+<Reference ReferenceType="i=40">i=58</Reference></References></UAObject></UANodeSet>)";
+
 } // namespace
+
+TEST_CASE("while a program is made ready the other one is served, and what is changed counts")
+{
+    Place place;
+    HeldLog log;
+    place.options.log = &log;
+    std::ofstream{place.path("m.xml")} << empty_model;
+    ToldRuntime runtime;
+    auto controller =
+        Controller::create(place.file("c.toml", place.machine() + "mode = \"PROGRAM\"\n",
+                                      "nodesets = [\"" + place.path("m.xml") + "\"]\n"),
+                           runtime, place.options);
+    REQUIRE(controller);
+    std::thread serving{[&] { CHECK((*controller)->run()); }};
+    runtime.story.wait_for("scanned");
+
+    place.program("Level : LREAL; Other : REAL;");
+    runtime.host_->reload();
+    log.wait_for_load(2);
+    runtime.host_->happen(HardwareEvent::MinorFault);
+    while (!runtime.host_->plc_error()) {
+        std::this_thread::yield(); // the server's thread comes to it
+    }
+    // Of a user list that was changed meanwhile another one is made.
+    storage::FolderStorage folder{place.path("pki")};
+    const std::string_view users = R"({"version":1,"users":[]})";
+    REQUIRE(folder.replace("users.json", std::as_bytes(std::span{users}), FileAccess::Owner));
+    log.let_load(2);
+    log.wait_for_load(3);
+    CHECK(std::ranges::count(runtime.story.all(), "loaded Level") == 1);
+    log.let_load(3);
+    log.wait_for_download();
+    (*controller)->stop();
+    serving.join();
+    const auto all = runtime.story.all();
+    CHECK(std::ranges::count(all, "loaded Level") == 2);
+}
 
 TEST_CASE("a runtime's program runs in the controller's task, in the runtime's memory")
 {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,11 +42,14 @@ public:
 
     /// Discards a transfer that was interrupted by a power failure and reads the project; there may
     /// be none. Call it once, before all other functions. A problem with the file or the medium
-    /// means that there is no project: another one can be transferred.
-    [[nodiscard]] Configured<void> recover();
+    /// means that there is no project: another one can be transferred. `running` is another store
+    /// of the same folder that is in use, or null: a file that is as that store has it is not read
+    /// again, and transfers to that store are not discarded.
+    [[nodiscard]] Configured<void> recover(const ProjectStore* running = nullptr);
 
     /// Null if there is none. Valid until the next commit().
-    [[nodiscard]] const Project* current() const { return current_ ? &*current_ : nullptr; }
+    [[nodiscard]] const Project* current() const { return current_.get(); }
+    [[nodiscard]] const std::shared_ptr<const Project>& current_shared() const { return current_; }
     /// Returns the bytes of its file. Bad_NotFound if there is none.
     [[nodiscard]] Configured<std::string> document() const;
 
@@ -98,7 +102,9 @@ private:
     Check check_;
     Check check_new_;
     ProjectLimits limits_;
-    std::optional<Project> current_;
+    std::shared_ptr<const Project> current_;
+    /// Of the file that current_ was read from; nothing if that is not known.
+    std::optional<StorageEntry::Version> version_;
     std::optional<Transfer> transfer_;
     std::uint32_t last_number_{0};
 };

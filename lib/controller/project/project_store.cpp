@@ -75,20 +75,29 @@ Configured<Project> ProjectStore::read_checked(const std::string& name,
                    : Configured<Project>{Unexpected{std::move(checked.error())}};
 }
 
-Configured<void> ProjectStore::recover()
+Configured<void> ProjectStore::recover(const ProjectStore* running)
 {
     current_.reset();
-    forget_staged();
-    storage_->remove_unfinished(folder_);
-    if (const auto there = storage_->entry(file());
-        !there && there.error() == StorageError::NotFound) {
+    version_.reset();
+    if (running == nullptr) {
+        forget_staged();
+        storage_->remove_unfinished(folder_);
+    }
+    const auto there = storage_->entry(file());
+    if (!there && there.error() == StorageError::NotFound) {
+        return {};
+    }
+    if (there && running != nullptr && running->version_ == there->version) {
+        current_ = running->current_;
+        version_ = running->version_;
         return {};
     }
     auto project = read_checked(file(), check_);
     if (!project) {
         return Unexpected{std::move(project.error())};
     }
-    current_ = *std::move(project);
+    current_ = std::make_shared<const Project>(*std::move(project));
+    version_ = there ? std::optional{there->version} : std::nullopt;
     return {};
 }
 
@@ -175,7 +184,9 @@ Configured<void> ProjectStore::take_up(Staged staged_project)
         static_cast<void>(storage_->remove(staged()));
         return storage_problem(*storage_, file(), moved.error());
     }
-    current_ = std::move(staged_project.project_);
+    current_ = std::make_shared<const Project>(std::move(staged_project.project_));
+    const auto there = storage_->entry(file());
+    version_ = there ? std::optional{there->version} : std::nullopt;
     return {};
 }
 

@@ -47,7 +47,8 @@ Reading read_sources(const Configuration& configuration, Substitutes substitutes
     Reading reading;
     if (!configuration.project.empty()) {
         reading.project = std::make_shared<KeptProject>(configuration.project, substitutes.project,
-                                                        substitutes.takes_other_project);
+                                                        substitutes.takes_other_project,
+                                                        substitutes.running.get());
     }
     reading.settings =
         std::make_unique<Settings>(configuration.file, overlays_of(configuration, reading.project),

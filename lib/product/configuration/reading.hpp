@@ -33,6 +33,8 @@ struct Substitutes {
     std::string project{};
     /// Instead of any project that is there.
     bool takes_other_project{false};
+    /// Is served: what is there as this has it need not be read again; null: none is.
+    std::shared_ptr<const KeptProject> running{};
 };
 
 /// Whether anybody can log in or not. Throws ConfigError.

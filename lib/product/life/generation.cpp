@@ -70,7 +70,8 @@ std::function<void(DateTime)> following_scans(const Plant& plant, Administered& 
 
 Generation::Generation(const Configuration& configuration, Reading reading,
                        const Surroundings& around, const Requests& requests)
-    : configuration_{configuration}, around_{around}, security_changed_{requests.security_changed},
+    : configuration_{configuration}, around_{around},
+      security_changed_{requests.security_changed}, hardware_{requests.hardware},
       settings_{std::move(reading.settings)}, config_{complete(std::move(reading.config), around)},
       plant_{config_, around.runtime}, project_{std::move(reading.project)},
       administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
@@ -86,21 +87,24 @@ Generation::Generation(const Configuration& configuration, Reading reading,
                requests.address_changed}
 {
     attach(requests);
-    publish(requests);
+}
+
+void Generation::finish()
+{
+    plant_.load();
     admission_.check_passwords_on(worker_);
     if (config_.labels.program == nullptr) {
-        after_scan_ = following_scans(plant_, administered_, around.machine);
-        task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
+        after_scan_ = following_scans(plant_, administered_, around_.machine);
+        task_.emplace(plant_.plc(), *around_.environment.wall_clock, config_.scan,
                       config_.realtime_priority);
-        task_->after_scan(after_scan_, &around.lines);
+        task_->after_scan(after_scan_, &around_.lines);
     }
 }
 
-void Generation::publish(const Requests& requests)
+void Generation::prepare()
 {
     plant_.publish(server_, settings_->sources(), around_.lines,
-                   around_.machine != nullptr ? &around_.machine->event_log() : nullptr,
-                   requests.hardware);
+                   around_.machine != nullptr ? &around_.machine->event_log() : nullptr, hardware_);
     if (around_.machine != nullptr) {
         plant_.keep_writes(around_.machine->retained());
     }
@@ -415,6 +419,17 @@ Configured<void> Generation::edit(const Reading& next,
             config_.machine.program_text = machine.program_text;
             use(next.settings->sources());
         });
+}
+
+std::vector<std::optional<StorageEntry::Version>> Generation::kept_versions() const
+{
+    std::vector<std::optional<StorageEntry::Version>> all;
+    for (const char* const name : {Settings::file_name, Administered::users_file,
+                                   Administered::roles_file, Setup::code_file}) {
+        const auto entry = settings_->folder().entry(name);
+        all.push_back(entry ? std::optional{entry->version} : std::nullopt);
+    }
+    return all;
 }
 
 TakenOver Generation::taken_over() const

@@ -78,15 +78,23 @@ struct Requests {
 /// certificates, and the PLC that it shows. Another one may take its place while clients find the
 /// same port open (net::ServerLoop::hand_over); for a while there are both then.
 ///
-/// On the server's thread.
+/// On the server's thread, but for prepare().
 class Generation {
 public:
-    /// Ready to be served, with a PLC that does not scan yet. `configuration` is for messages.
-    /// Throws ConfigError.
+    /// To be prepared and finished before anything else. `configuration` is for messages. Throws
+    /// ConfigError.
     Generation(const Configuration& configuration, Reading reading, const Surroundings& around,
                const Requests& requests);
     Generation(const Generation&) = delete;
     Generation& operator=(const Generation&) = delete;
+
+    /// Makes what takes long: the variables and the nodes of its PLC or its models. On any thread,
+    /// while another Generation may serve. Throws ConfigError.
+    void prepare();
+    /// Ready to be served, with a PLC that does not scan yet. Throws ConfigError.
+    void finish();
+    /// After halt(): it may be destroyed on any thread from now on, which takes long.
+    void unload() { plant_.unload(); }
 
     [[nodiscard]] server::Server& server() { return server_; }
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
@@ -99,6 +107,9 @@ public:
     void halt();
     /// See Lookout; and looks into the folders of certificates.
     void look();
+    /// Versions of the files in which administrators' changes are kept: what is made of others than
+    /// these is not of what is in force.
+    [[nodiscard]] std::vector<std::optional<StorageEntry::Version>> kept_versions() const;
     /// What it was made of, and what administrators have changed that is in force; without where it
     /// listens.
     [[nodiscard]] TakenOver taken_over() const;
@@ -130,6 +141,8 @@ public:
     {
         return keep_received(settings_->files(), document);
     }
+    /// Null without one.
+    [[nodiscard]] std::shared_ptr<const KeptProject> project() const { return project_; }
     /// Those that it runs with.
     [[nodiscard]] const SourceFiles& sources() const { return settings_->sources(); }
     /// As a setting that was changed online, of a machine. The problem is that it cannot be kept.
@@ -147,7 +160,6 @@ private:
     /// Settings or accounts of the security profile are others.
     void security_changed();
     void tell_found_certificates();
-    void publish(const Requests& requests);
     void attach(const Requests& requests);
     /// Whether other information models than those that are served could be.
     [[nodiscard]] Configured<void> check_models(const ControllerConfig& next) const;
@@ -166,6 +178,7 @@ private:
     Configuration configuration_;
     Surroundings around_;
     std::function<void()> security_changed_;
+    std::function<void(HardwareEvent)> hardware_;
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;

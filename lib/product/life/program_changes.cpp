@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/status_codes.hpp>
+
 #include "product/configuration/toml_reader.hpp"
 #include "product/store/received_program.hpp"
 #include "running_controller.hpp"
@@ -43,9 +45,16 @@ bool RunningController::download()
         return false;
     }
     check_download(reading.config, text(edited.error()));
-    replace(Machine::Cause::Download, std::move(reading),
-            {.reason = "a program is downloaded to the controller"});
-    log_.write(LogLevel::Info, "controller", "downloaded: " + file);
+    replace(
+        {.cause = Machine::Cause::Download,
+         .handover = {.reason = "a program is downloaded to the controller"},
+         .read = [this] { return read(configuration_, as_known()); },
+         .done = [this, file] { log_.write(LogLevel::Info, "controller", "downloaded: " + file); },
+         .refused =
+             [this](const ConfigError& error) {
+                 pending_.ask(PendingChanges::By::Reload, error.what());
+             }},
+        std::move(reading));
     return true;
 }
 
@@ -78,6 +87,12 @@ Reading RunningController::reading_with(const ProgramChange& change) const
 Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)
 {
     using Step = ProgramChange::Step;
+    if (next_ != nullptr && change.step != Step::Check) {
+        return misconfigured("program",
+                             "the controller is taking over another one, or starts again; expected "
+                             "a controller that runs: send it again",
+                             status::Bad_InvalidState);
+    }
     try {
         Reading next = reading_with(change);
         ProgramVerdict verdict;
@@ -122,23 +137,26 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
 {
     pending_.done(PendingChanges::By::Download);
     const auto read_then = std::make_shared<Reading>(std::move(reading));
-    loop_.post([this, change = std::move(change), read_then, before = std::move(before)] {
+    when_free([this, change = std::move(change), read_then, before = std::move(before)] {
         const std::string name = read_then->config.machine.program_name;
-        try_to([&] {
-            try {
-                // Settings that were changed in between are in force, too.
-                replace(Machine::Cause::Download,
-                        current_->has_settings_of(*read_then) ? std::move(*read_then)
-                                                              : reading_with(change),
-                        {.reason = "a program is downloaded to the controller"});
-            } catch (const ConfigError& error) {
-                pending_.ask(PendingChanges::By::Download,
-                             name + " was sent and refused: " + error.what());
-                expect(current_->keep_program(before));
-                throw;
-            }
-            log_.write(LogLevel::Info, "controller", "downloaded: " + name);
-        });
+        // Settings that were changed in between are in force, too.
+        std::optional<Reading> unchanged;
+        if (current_->has_settings_of(*read_then)) {
+            unchanged = std::move(*read_then);
+        }
+        replace(
+            {.cause = Machine::Cause::Download,
+             .handover = {.reason = "a program is downloaded to the controller"},
+             .read = [this, change] { return reading_with(change); },
+             .done = [this,
+                      name] { log_.write(LogLevel::Info, "controller", "downloaded: " + name); },
+             .refused =
+                 [this, name, before](const ConfigError& error) {
+                     pending_.ask(PendingChanges::By::Download,
+                                  name + " was sent and refused: " + error.what());
+                     expect(current_->keep_program(before));
+                 }},
+            std::move(unchanged));
     });
 }
 

@@ -49,6 +49,8 @@ private:
     ::sigset_t before_{};
 };
 
+} // namespace
+
 Standing standing_of(const ControllerConfig& config)
 {
     Standing standing{.is_used = config.machine.is_used,
@@ -63,8 +65,6 @@ Standing standing_of(const ControllerConfig& config)
     }
     return standing;
 }
-
-} // namespace
 
 RunningController::RunningController(Configuration configuration, Beginning beginning,
                                      Runtime& runtime, LogSink& log,
@@ -103,6 +103,8 @@ RunningController::RunningController(Configuration configuration, Beginning begi
     runtime_use_.emplace(runtime_, static_cast<RuntimeHost&>(*this));
     current_ = std::make_unique<Generation>(configuration_, std::move(reading), surroundings(),
                                             requests());
+    current_->prepare();
+    current_->finish();
     clients_.use(current_->clients());
     identity_ = current_->config().server.identity;
     register_with_discovery_server(current_->config());
@@ -155,23 +157,25 @@ void RunningController::listen_as_told()
 {
     const bool is_shut_down =
         machine_ && machine_->life().operating_status() == controller::OperatingStatus::Shutdown;
-    if (is_shut_down || !listening_.can_go_as_told()) {
+    if (is_shut_down || !listening_.can_go_as_told() || next_ != nullptr) {
         return;
     }
     try_to([&] {
         expect(listening_.go_as_told());
-        try {
-            const TakenOver now = current_->taken_over(); // nothing else is taken up by this
-            replace(
-                Machine::Cause::Restart,
-                read(configuration_, {SourceFiles{now.files}, now.project, !now.project.empty()}),
-                {.reason = "it can listen where it is told to"});
-        } catch (const ConfigError&) {
-            listening_.go_back();
-            throw;
-        }
-        listening_.stay();
-        pending_.done(PendingChanges::By::Listeners);
+        replace({.cause = Machine::Cause::Restart,
+                 .handover = {.reason = "it can listen where it is told to"},
+                 .read =
+                     [this] {
+                         const TakenOver now = current_->taken_over(); // nothing else is taken up
+                         return read(configuration_,
+                                     {SourceFiles{now.files}, now.project, !now.project.empty()});
+                     },
+                 .done =
+                     [this] {
+                         listening_.stay();
+                         pending_.done(PendingChanges::By::Listeners);
+                     },
+                 .refused = [this](const ConfigError&) { listening_.go_back(); }});
     });
 }
 
@@ -267,7 +271,7 @@ void RunningController::power_going()
 
 void RunningController::reload()
 {
-    loop_.post([this] { read_again(); });
+    when_free([this] { read_again(); });
 }
 
 void RunningController::switch_mode(controller::MachineMode mode)
@@ -330,6 +334,7 @@ void RunningController::renewed()
     if (identity_ && identity) { // a registration refers to it
         identity_ = identity;
     }
+    ++renewals_;
 }
 
 void RunningController::try_to(FunctionRef<void()> change)
@@ -344,20 +349,28 @@ void RunningController::try_to(FunctionRef<void()> change)
 
 void RunningController::restart(const administration::RestartWish& wish)
 {
-    loop_.post([this, wish] {
-        try_to([&] {
-            Reading next = read(configuration_);
-            expect(check_labels(next, current_->project_document()));
-            replace(Machine::Cause::Restart, std::move(next),
-                    {.reason = wish.reason, .delay = wish.delay, .return_time = wish.return_time});
-        });
+    when_free([this, wish] {
+        replace({.cause = Machine::Cause::Restart,
+                 .handover = {.reason = wish.reason,
+                              .delay = wish.delay,
+                              .return_time = wish.return_time},
+                 .read = [this] {
+                     Reading next = read(configuration_, as_known());
+                     expect(check_labels(next, current_->project_document()));
+                     return next;
+                 }});
     });
+}
+
+Substitutes RunningController::as_known() const
+{
+    return {.files = current_->sources().again(), .running = current_->project()};
 }
 
 Configured<void> RunningController::may_restart()
 {
     try {
-        const Reading next = read(configuration_);
+        const Reading next = read(configuration_, as_known());
         return check_listeners(next.config).and_then([&] {
             return check_labels(next, current_->project_document());
         });
@@ -392,80 +405,9 @@ void RunningController::keep()
     }
 }
 
-void RunningController::replace(Machine::Cause cause, Reading reading, net::Handover handover)
-{
-    const bool has_fitting_machine =
-        machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
-    Standing next = standing_of(reading.config);
-    auto listeners = listeners_of(reading.config);
-    const bool moves = listeners != listening_.told();
-    // A registration has the old URL in it.
-    const bool can_move = next.is_used && next.discovery.url.empty();
-    if (!has_fitting_machine || !(next == standing_) ||
-        (moves && !(can_move && listening_.can_go_to(listeners)))) {
-        expect(check_listeners(reading.config));
-        return start_again(handover);
-    }
-    if (moves) {
-        expect(listening_.go_to(std::move(listeners)));
-    }
-    listening_.set_in(reading.config);
-    try {
-        take_over(std::make_unique<Generation>(configuration_, std::move(reading), surroundings(),
-                                               requests()),
-                  std::move(handover));
-    } catch (const ConfigError&) {
-        if (moves) {
-            listening_.go_back();
-        }
-        throw;
-    }
-    if (moves) {
-        listening_.stay();
-        pending_.done(PendingChanges::By::Listeners);
-    }
-    pending_.done(PendingChanges::By::Start);
-    pending_.done(PendingChanges::By::Reload);
-    pending_.done(PendingChanges::By::Download);
-    standing_ = std::move(next);
-    if (labels_) {
-        labels_->download(current_->config());
-    }
-    if (machine_ && !listening_.is_halted()) {
-        machine_->replace(cause, *current_->plant().program(), current_->config(),
-                          current_->plant().plc().instructions());
-        stay_out();
-    }
-    clients_.use(current_->clients());
-    renewed();
-    keep();
-    if (greets_) {
-        leaving_.back()->print_statistics();
-        current_->print_welcome();
-    }
-}
-
 Configured<void> RunningController::check_listeners(const ControllerConfig& next) const
 {
     return next.machine.is_used ? listening_.check(listeners_of(next)) : Configured<void>{};
-}
-
-void RunningController::take_over(std::unique_ptr<Generation> next, net::Handover handover)
-{
-    Generation& before = *current_;
-    before.halt();
-    // Whose last scan has the values that the next one begins with.
-    try {
-        save_retained();
-        handover.released = [this, &before] { release(before); };
-        expect(loop_.hand_over(next->server(), std::move(handover)));
-    } catch (const ConfigError&) {
-        before.start();
-        throw;
-    }
-    leaving_.push_back(std::exchange(current_, std::move(next)));
-    start();
-    look_soon();
 }
 
 void RunningController::save_retained()
@@ -510,14 +452,6 @@ void RunningController::start_again(const net::Handover& handover)
     }
 }
 
-/// Not yet where nobody is connected, as this is called while it is being handed over then.
-void RunningController::release(const Generation& gone)
-{
-    loop_.post([this, &gone] {
-        std::erase_if(leaving_, [&gone](const auto& one) { return one.get() == &gone; });
-    });
-}
-
 /// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
 /// ends the controller, as it does other programs in a terminal.
 void RunningController::hang_up()
@@ -526,7 +460,7 @@ void RunningController::hang_up()
         loop_.stop();
         return;
     }
-    read_again();
+    when_free([this] { read_again(); });
 }
 
 void RunningController::read_again()
@@ -602,6 +536,7 @@ bool RunningController::run()
         }
         loop_.run(current_->server());
     }
+    drop_next();
     current_->halt();
     if (machine_) {
         machine_->shut_down();

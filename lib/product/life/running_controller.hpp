@@ -12,6 +12,7 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/net/worker_thread.hpp>
 #include <busbar/product/controller.hpp>
 #include <busbar/storage/folder_storage.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -54,6 +55,8 @@ struct Standing {
 
     friend bool operator==(const Standing&, const Standing&) = default;
 };
+
+[[nodiscard]] Standing standing_of(const ControllerConfig& config);
 
 /// What a controller begins with.
 struct Beginning {
@@ -121,12 +124,42 @@ private:
     void changed(Machine::Change change);
     /// Soon, and not at all if there is nothing to replace the server with: the log says why.
     void restart(const administration::RestartWish& wish);
-    /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. An
-    /// old port is left once the new one listens. What stands may be other than it is: then the
-    /// controller ends, and starts again.
-    void replace(Machine::Cause cause, Reading reading, net::Handover handover);
+    /// How another generation takes the place of the current one.
+    struct Replacement {
+        Machine::Cause cause;
+        net::Handover handover;
+        /// What is there to make it of, also if that was changed meanwhile. Throws ConfigError.
+        std::function<Reading()> read;
+        /// Called when it serves, or the controller ends to start again. May be null.
+        std::function<void()> done{};
+        /// Called when all is as it was, which the log says. May be null.
+        std::function<void(const ConfigError&)> refused{};
+        int attempts{0};
+    };
+    struct Successor;
+    /// Calls `act` soon on the thread of run(), when no other generation is being made. Any thread.
+    void when_free(std::function<void()> act);
+    /// Makes another generation of `reading`, or of what is there; while it is made, this one
+    /// serves. An old port is left once the new one listens. What stands may be other than it is:
+    /// then the controller ends, and starts again. Only when_free().
+    void replace(Replacement wish, std::optional<Reading> reading = {});
+    /// See replace(). Throws ConfigError.
+    void begin(Replacement wish, Reading reading);
+    /// False if the maker has too much to do.
+    [[nodiscard]] bool make(const std::shared_ptr<Successor>& next);
+    void made(const std::shared_ptr<Successor>& next);
+    /// Nothing is made any more.
+    void drop_next();
+    /// Throws ConfigError.
+    void succeed(Successor& next);
+    static void done(const Replacement& wish);
+    /// As try_to(); what is thrown is told to the one who wished for it, too.
+    void try_for(const Replacement& wish, FunctionRef<void()> act);
+    /// For a reading of all files anew, of which those that are as they were need not be taken
+    /// apart again.
+    [[nodiscard]] Substitutes as_known() const;
     /// Takes over another program, if there is one: what is only added by an online edit, whatever
-    /// the mode, all else as a download. True for the latter, in which everything was read again.
+    /// the mode, all else as a download. True for the latter, in which everything is read again.
     [[nodiscard]] bool download();
     void edited_online(const std::string& name);
     /// Whoever changed the file learns that it does not count.
@@ -198,6 +231,13 @@ private:
     std::string refused_;
     bool has_terminal_;
     bool starts_again_{false};
+    /// How often it got another certificate.
+    int renewals_{0};
+    /// The generation that is being made, and what waits for that; null: there is none.
+    std::shared_ptr<Successor> next_;
+    std::vector<std::function<void()>> waiting_;
+    /// Makes generations, and destroys those that went. Null after run().
+    std::optional<net::WorkerThread> maker_{std::in_place, 64, &log_};
 };
 
 } // namespace busbar::product

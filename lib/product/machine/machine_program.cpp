@@ -39,19 +39,19 @@ MachineProgram::MachineProgram(const ControllerConfig& config)
 {
 }
 
-std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server, Runtime& runtime)
+std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server,
+                                                          MemoryOf memory_of)
 {
     if (config_.machine.types.elementary == controller::ElementaryTypes::Plcopen) {
         add_plcopen(server.address_space());
     }
     const std::uint16_t index =
         expect(server.address_space().add_namespace(machine_uri), "the machine's namespace");
-    image_ = expect(program_->make_image(
-        index,
-        {.image = config_.image,
-         .elementary =
-             controller::MachineTypes::elementary_in(server.address_space(), config_.machine.types),
-         .runtime_of = [&runtime](const auto& variable) { return runtime.memory_of(variable); }}));
+    image_ =
+        expect(program_->make_image(index, {.image = config_.image,
+                                            .elementary = controller::MachineTypes::elementary_in(
+                                                server.address_space(), config_.machine.types),
+                                            .runtime_of = std::move(memory_of)}));
     return expect(controller::Plc::create(config_.plc, program_->types(), *image_));
 }
 

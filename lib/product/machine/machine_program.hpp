@@ -2,15 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/published_program.hpp>
-#include <busbar/product/runtime.hpp>
 #include <busbar/server/server.hpp>
 
 #include "machine_view.hpp"
@@ -29,10 +30,11 @@ public:
     explicit MachineProgram(const ControllerConfig& config);
 
     /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
-    /// program's variables, of which `runtime`, which must outlive it, may have some. Throws
-    /// ConfigError.
+    /// program's variables, which lie where `memory_of` says, as Runtime::memory_of does, and is
+    /// asked again by edit(). Throws ConfigError.
+    using MemoryOf = std::function<std::span<std::byte>(const controller::GlobalVariable&)>;
     [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server,
-                                                            Runtime& runtime);
+                                                            MemoryOf memory_of);
     /// The nodes of seed 000, 6-2-1, after make_plc(), and what stands in the machine's log, which
     /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
     /// Throws ConfigError.

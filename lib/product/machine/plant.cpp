@@ -1,5 +1,6 @@
 #include "plant.hpp"
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -12,14 +13,40 @@
 
 namespace busbar::product {
 
-Plant::Plant(const ControllerConfig& config, Runtime& runtime) : config_{config}, runtime_{runtime}
+Plant::Plant(const ControllerConfig& config, Runtime& runtime)
+    : config_{config}, runtime_{runtime}, plays_hardware_{config.machine.program != nullptr &&
+                                                          config.machine.simulates_hardware &&
+                                                          runtime.is_simulated()},
+      medium_{runtime.medium()}
 {
     if (!config.plc.programs.empty() && !runtime.is_simulated()) {
         throw ConfigError{"plc.program", "found one, which only a simulated PLC has"};
     }
     if (config.machine.program) {
-        program_.emplace(config);
+        asked_ = config.machine.program;
+        for (const auto& variable : asked_->program().variables) {
+            memory_.push_back(runtime.memory_of(variable));
+        }
     }
+}
+
+std::span<std::byte> Plant::memory_of(const controller::GlobalVariable& variable)
+{
+    const auto& asked = asked_->program().variables;
+    const bool is_known = !std::less<>{}(&variable, asked.data()) &&
+                          std::less<>{}(&variable, asked.data() + asked.size());
+    return is_known ? memory_[static_cast<std::size_t>(&variable - asked.data())]
+                    : runtime_.memory_of(variable);
+}
+
+void Plant::load()
+{
+    if (plc_ == nullptr) {
+        return; // that of the labels
+    }
+    loaded_ = expect(runtime_.load(
+        *plc_, config_.machine.program ? &config_.machine.program->program() : nullptr));
+    plc_->use(*loaded_);
 }
 
 void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
@@ -30,11 +57,12 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
         load_models(server, config_.nodesets, sources, log);
         return; // the PLC is a machine of its own, of which clients see what is mapped
     }
-    plc_ = program_ ? program_->make_plc(server, runtime_)
-                    : expect(controller::Plc::create(config_.plc, config_.image));
-    loaded_ = expect(runtime_.load(
-        *plc_, config_.machine.program ? &config_.machine.program->program() : nullptr));
-    plc_->use(*loaded_);
+    if (config_.machine.program) {
+        program_.emplace(config_);
+    }
+    plc_ = program_
+               ? program_->make_plc(server, [this](const auto& each) { return memory_of(each); })
+               : expect(controller::Plc::create(config_.plc, config_.image));
     if (machine_log != nullptr) {
         plc_->instructions().use(*machine_log);
     }
@@ -52,9 +80,9 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     load_models(server, config_.nodesets, sources, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");
-    if (program_ && config_.machine.simulates_hardware && runtime_.is_simulated()) {
-        expect(publish_hardware(space, folder, methods_, server.add_source(methods_),
-                                runtime_.medium(), std::move(hardware)),
+    if (plays_hardware_) {
+        expect(publish_hardware(space, folder, methods_, server.add_source(methods_), medium_,
+                                std::move(hardware)),
                "the hardware");
     }
     if (!program_) {

@@ -4,7 +4,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/product/runtime.hpp>
@@ -18,19 +21,24 @@
 namespace busbar::product {
 
 /// The PLC with the program that a runtime runs in it, and what serves it. Must outlive the server
-/// that it is published in. On the server's thread, but for raise().
+/// that it is published in. On the server's thread, but for publish() and raise().
 class Plant {
 public:
-    /// Throws ConfigError. Both must outlive it.
+    /// Asks the runtime where its variables lie. Throws ConfigError. Both must outlive it.
     Plant(const ControllerConfig& config, Runtime& runtime);
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
     /// and information models beside them. `machine_log` is there if the configuration has a
     /// program, and must outlive it. `sources` has the models. `hardware` learns what clients tell
-    /// of it. Once; throws ConfigError.
+    /// of it. Once, on any thread, by which the runtime is not asked; throws ConfigError.
     void publish(server::Server& server, SourceFiles& sources, LogSink& log,
                  const controller::MachineEventLog* machine_log,
                  std::function<void(HardwareEvent)> hardware);
+    /// Has the runtime load the program, after publish(). Throws ConfigError.
+    void load();
+    /// What the runtime made of it goes, while nothing scans; for a Plant that is destroyed on
+    /// another thread.
+    void unload() { loaded_.reset(); }
     /// After publish(), and before the server is served: what clients write is kept by `log`, which
     /// must outlive this, before they are answered.
     void keep_writes(server::ImageWriteLog& log) { source_->keep_writes(&log); }
@@ -50,13 +58,22 @@ public:
     }
     /// Tells of the events of a scan, by the thread that scans.
     void raise(DateTime time) const { events_->raise(time); }
-    /// What the runtime has made of the program; from publish() on, but not with a program of
+    /// What the runtime has made of the program; from load() on, but not with a program of
     /// labels.
     [[nodiscard]] LoadedProgram& loaded() { return *loaded_; }
 
 private:
+    /// As it was asked for before publish(), or from the runtime in an online edit.
+    [[nodiscard]] std::span<std::byte> memory_of(const controller::GlobalVariable& variable);
+
     const ControllerConfig& config_;
     Runtime& runtime_;
+    bool plays_hardware_;
+    /// Of the runtime; null if it has none.
+    StorageMedium* medium_;
+    /// Where the runtime has the variables of the program that it begins with, in their order.
+    std::vector<std::span<std::byte>> memory_;
+    std::shared_ptr<const controller::CheckedProgram> asked_;
     std::optional<MachineProgram> program_;
     std::unique_ptr<controller::Plc> plc_;
     std::unique_ptr<LoadedProgram> loaded_;

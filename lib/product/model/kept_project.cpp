@@ -167,17 +167,19 @@ model::NodeIndex add_module(model::AddressSpace& space, const std::string& versi
 
 } // namespace
 
-KeptProject::KeptProject(const std::string& folder, const std::string& other, bool takes_other)
+KeptProject::KeptProject(const std::string& folder, const std::string& other, bool takes_other,
+                         const KeptProject* running)
     : files_{folder}, store_{files_, "project", controller::check_models}
 {
     store_.check_new_with(controller::check_mapped_models);
     if (std::error_code ignored; std::filesystem::exists(folder, ignored)) {
-        recovered_ = store_.recover();
+        recovered_ = store_.recover(running != nullptr ? &running->store_ : nullptr);
     }
     if (store_.current() != nullptr && !takes_other) {
-        served_ = *store_.current();
+        served_ = store_.current_shared();
     } else if (!other.empty() && (takes_other || !recovered_)) {
-        served_ = expect(controller::read_project(other, "the project that was served last"));
+        served_ = std::make_shared<const Project>(
+            expect(controller::read_project(other, "the project that was served last")));
         is_other_due_ = store_.current() != nullptr;
     }
 }
@@ -187,8 +189,10 @@ std::string KeptProject::document() const
     if (!served_) {
         return {};
     }
-    auto document = controller::document_of(*served_);
-    return document ? *std::move(document) : std::string{};
+    if (!document_) {
+        document_ = controller::document_of(*served_).value_or(std::string{});
+    }
+    return *document_;
 }
 
 void KeptProject::apply(ControllerConfig& config, const SettingValues& changes) const
@@ -215,6 +219,7 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     if (!served_) {
         return published;
     }
+    static_cast<void>(document()); // which takes time, too
     const Project& project = *served_;
     controller::ModelReports reports;
     const controller::ModelSet models = expect(controller::load_models(project, &reports));

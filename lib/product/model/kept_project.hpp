@@ -32,24 +32,22 @@ public:
     /// Reads the project; there may be none yet. One that cannot be read any more is told by
     /// publish(), and another one can be written. `folder` is made when it is needed. `other` is
     /// the file of a project that is served instead of one that cannot be read, or instead of any
-    /// if `takes_other`; empty: there is none.
+    /// if `takes_other`; empty: there is none. `running` is served from this folder, or null: what
+    /// it has is not read again.
     explicit KeptProject(const std::string& folder, const std::string& other = {},
-                         bool takes_other = false);
+                         bool takes_other = false, const KeptProject* running = nullptr);
 
     /// Has the configuration say what the project says: its first listener for data, host name,
     /// users, security, certificate subject and discovery server; but for what `changes`, made
     /// online, have said.
     void apply(ControllerConfig& config, const administration::SettingValues& changes) const;
     /// Adds the models' nodes to the server, and the Object "Module" with OperationMode and Version
-    /// (seed 001, 9.14); logs what there is to say. Throws ConfigError.
+    /// (seed 001, 9.14); logs what there is to say. Throws ConfigError. Any thread.
     [[nodiscard]] PublishedProject publish(server::Server& server, const std::string& version,
                                            LogSink& log) const;
     /// The one that is served; null if there is none yet. Another one that is written meanwhile
     /// waits for the next KeptProject.
-    [[nodiscard]] const controller::Project* project() const
-    {
-        return served_ ? &*served_ : nullptr;
-    }
+    [[nodiscard]] const controller::Project* project() const { return served_.get(); }
     /// Its file; empty if there is none.
     [[nodiscard]] std::string document() const;
     /// Whether its labels can be used with the PLC (see check_usable), if it is another one than
@@ -77,7 +75,9 @@ private:
     storage::FolderStorage files_;
     controller::ProjectStore store_;
     Configured<void> recovered_;
-    std::optional<controller::Project> served_;
+    std::shared_ptr<const controller::Project> served_;
+    /// Of served_, once it was asked for.
+    mutable std::optional<std::string> document_;
     /// Another one is in the store than is served.
     bool is_other_due_{false};
     std::optional<ProjectService> service_;

@@ -76,6 +76,30 @@ TEST_CASE("9.13 Write and read: a project is transferred in parts and kept", "[9
     CHECK_FALSE(server.storage.is_open_to_others("project/project.busbar"));
 }
 
+TEST_CASE("what a running store has need not be read again, and its transfer goes on")
+{
+    StoreFixture server;
+    server.restart();
+    REQUIRE(server.store->replace(bytes_of(document_with_host("A"))));
+    const auto transfer = server.store->begin();
+    REQUIRE(transfer);
+    ProjectStore next{server.storage, "project", refuse_host_x};
+    REQUIRE(next.recover(&*server.store));
+    CHECK(next.current() == server.store->current());
+    REQUIRE(server.store->write(*transfer, bytes_of(document_with_host("B"))));
+    REQUIRE(server.store->commit(*transfer));
+    CHECK(next.current()->network.host_name == "A"); // until it is read again
+    ProjectStore after{server.storage, "project", refuse_host_x};
+    REQUIRE(after.recover(&next));
+    CHECK(after.current()->network.host_name == "B");
+    // Nor is that of which nothing is known.
+    ProjectStore last{server.storage, "project", refuse_host_x};
+    const ProjectStore unread{server.storage, "project", refuse_host_x};
+    REQUIRE(last.recover(&unread));
+    CHECK(last.current()->network.host_name == "B");
+    CHECK(last.current() != after.current());
+}
+
 TEST_CASE("9.13 Write: a project that is wrong in any part changes nothing", "[9.13]")
 {
     StoreFixture server;

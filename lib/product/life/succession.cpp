@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "product/configuration/toml_reader.hpp"
+#include "running_controller.hpp"
+
+namespace busbar::product {
+
+// How another Generation takes the place of the one that serves, which goes on while it is made.
+
+namespace {
+
+/// Another one is made, as what it is made of was changed meanwhile; after so many it is made while
+/// nobody is served.
+constexpr int most_attempts = 3;
+
+} // namespace
+
+struct RunningController::Successor {
+    Replacement wish;
+    Standing standing;
+    bool moves;
+    /// What it is made of.
+    std::vector<std::optional<StorageEntry::Version>> kept;
+    int renewals;
+    std::unique_ptr<Generation> generation;
+    std::exception_ptr problem;
+};
+
+void RunningController::when_free(std::function<void()> act)
+{
+    loop_.post([this, act = std::move(act)] {
+        if (next_ != nullptr) {
+            waiting_.push_back(act);
+        } else {
+            act();
+        }
+    });
+}
+
+void RunningController::replace(Replacement wish, std::optional<Reading> reading)
+{
+    try_for(wish, [&] {
+        Reading now = reading ? *std::move(reading) : wish.read();
+        begin(wish, std::move(now));
+    });
+}
+
+void RunningController::try_for(const Replacement& wish, FunctionRef<void()> act)
+{
+    try_to([&] {
+        try {
+            act();
+        } catch (const ConfigError& error) {
+            if (wish.refused) {
+                wish.refused(error);
+            }
+            throw;
+        }
+    });
+}
+
+void RunningController::begin(Replacement wish, Reading reading)
+{
+    const bool has_fitting_machine =
+        machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
+    Standing standing = standing_of(reading.config);
+    auto listeners = listeners_of(reading.config);
+    const bool moves = listeners != listening_.told();
+    // A registration has the old URL in it.
+    const bool can_move = standing.is_used && standing.discovery.url.empty();
+    if (!has_fitting_machine || !(standing == standing_) ||
+        (moves && !(can_move && listening_.can_go_to(listeners)))) {
+        expect(check_listeners(reading.config));
+        start_again(wish.handover);
+        return done(wish);
+    }
+    if (moves) {
+        expect(listening_.go_to(std::move(listeners)));
+    }
+    try {
+        listening_.set_in(reading.config);
+        const auto next = std::make_shared<Successor>(Successor{.wish = std::move(wish),
+                                                                .standing = std::move(standing),
+                                                                .moves = moves,
+                                                                .kept = current_->kept_versions(),
+                                                                .renewals = renewals_,
+                                                                .generation = nullptr,
+                                                                .problem = nullptr});
+        next->generation = std::make_unique<Generation>(configuration_, std::move(reading),
+                                                        surroundings(), requests());
+        // Where it listens is neither here nor there meanwhile.
+        if (moves || next->wish.attempts >= most_attempts || !make(next)) {
+            next->generation->prepare();
+            succeed(*next);
+        }
+    } catch (const ConfigError&) {
+        if (moves) {
+            listening_.go_back();
+        }
+        throw;
+    }
+}
+
+bool RunningController::make(const std::shared_ptr<Successor>& next)
+{
+    const bool is_begun = maker_->run([this, next] {
+        try {
+            next->generation->prepare();
+        } catch (...) {
+            next->problem = std::current_exception();
+        }
+        // What is posted may outlive run(), and is not to be what keeps a generation then.
+        loop_.post([this, made_one = std::weak_ptr<Successor>{next}] {
+            if (const auto known = made_one.lock()) {
+                made(known);
+            }
+        });
+    });
+    if (is_begun) {
+        next_ = next;
+    }
+    return is_begun;
+}
+
+void RunningController::made(const std::shared_ptr<Successor>& next)
+{
+    next_.reset();
+    for (auto& act : std::exchange(waiting_, {})) {
+        when_free(std::move(act));
+    }
+    Replacement& wish = next->wish;
+    if (looks_until_restart_ > 0) {
+        return; // with the memory that was replaced meanwhile
+    }
+    if (next->kept != current_->kept_versions() || next->renewals != renewals_) {
+        ++wish.attempts;
+        return replace(std::move(wish));
+    }
+    try_for(wish, [&] {
+        if (next->problem) {
+            std::rethrow_exception(next->problem);
+        }
+        succeed(*next);
+    });
+}
+
+void RunningController::drop_next()
+{
+    maker_.reset();
+    next_.reset();
+    waiting_.clear();
+}
+
+void RunningController::succeed(Successor& next)
+{
+    next.generation->finish();
+    take_over(std::move(next.generation), std::move(next.wish.handover));
+    if (next.moves) {
+        listening_.stay();
+        pending_.done(PendingChanges::By::Listeners);
+    }
+    pending_.done(PendingChanges::By::Start);
+    pending_.done(PendingChanges::By::Reload);
+    pending_.done(PendingChanges::By::Download);
+    standing_ = std::move(next.standing);
+    if (labels_) {
+        labels_->download(current_->config());
+    }
+    if (machine_ && !listening_.is_halted()) {
+        machine_->replace(next.wish.cause, *current_->plant().program(), current_->config(),
+                          current_->plant().plc().instructions());
+        stay_out();
+    }
+    clients_.use(current_->clients());
+    renewed();
+    keep();
+    if (greets_) {
+        leaving_.back()->print_statistics();
+        current_->print_welcome();
+    }
+    done(next.wish);
+}
+
+void RunningController::done(const Replacement& wish)
+{
+    if (wish.done) {
+        wish.done();
+    }
+}
+
+void RunningController::take_over(std::unique_ptr<Generation> next, net::Handover handover)
+{
+    Generation& before = *current_;
+    before.halt();
+    // Whose last scan has the values that the next one begins with.
+    try {
+        save_retained();
+        handover.released = [this, &before] { release(before); };
+        expect(loop_.hand_over(next->server(), std::move(handover)));
+    } catch (const ConfigError&) {
+        before.start();
+        throw;
+    }
+    leaving_.push_back(std::exchange(current_, std::move(next)));
+    start();
+    look_soon();
+}
+
+/// Not yet where nobody is connected, as this is called while it is being handed over then. To
+/// destroy it takes long.
+void RunningController::release(const Generation& gone)
+{
+    loop_.post([this, &gone] {
+        const auto found =
+            std::ranges::find(leaving_, &gone, [](const auto& one) { return one.get(); });
+        if (found == leaving_.end()) {
+            return;
+        }
+        (*found)->unload();
+        std::shared_ptr<Generation> last{std::move(*found)};
+        leaving_.erase(found);
+        static_cast<void>(maker_->run([last = std::move(last)]() mutable { last.reset(); }));
+    });
+}
+
+} // namespace busbar::product
