@@ -34,9 +34,8 @@ bool operator==(const Expectation& a, const Expectation& b)
 }
 
 ControllerSimulation::ControllerSimulation(std::uint64_t seed)
-    // Seeds that follow each other would give the same numbers, one later.
-    : chance_{harness::Chance{seed, 1}.next(), 2}, controller_{std::make_unique<ForkedController>(
-                                                       site_.file, site_.log().string())}
+    : chance_{seed, 2},
+      controller_{std::make_unique<ForkedController>(site_.file, site_.log().string())}
 {
     chief_ = std::make_unique<ControllerAdministrator>(
         site_.url, (site_.folder.path / "client").string(), ControllerSite::password);

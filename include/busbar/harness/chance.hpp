@@ -8,23 +8,14 @@
 namespace busbar::harness {
 
 /// The randomness of a world: the same numbers on every machine, and a stream for each actor, so
-/// that numbers drawn by one actor do not change those of the others.
+/// that numbers drawn by one actor do not change those of the others. Consecutive seeds and streams
+/// have nothing in common.
 class Chance {
 public:
-    Chance(std::uint64_t seed, std::uint64_t stream)
-        : state_{seed * 0x9E37'79B9'7F4A'7C15U + stream * 0xD1B5'4A32'D192'ED03U}
-    {
-        next();
-    }
+    Chance(std::uint64_t seed, std::uint64_t stream) : state_{mixed(mixed(seed + step) + stream)} {}
 
     /// SplitMix64.
-    std::uint64_t next()
-    {
-        std::uint64_t z = state_ += 0x9E37'79B9'7F4A'7C15U;
-        z = (z ^ (z >> 30U)) * 0xBF58'476D'1CE4'E5B9U;
-        z = (z ^ (z >> 27U)) * 0x94D0'49BB'1331'11EBU;
-        return z ^ (z >> 31U);
-    }
+    std::uint64_t next() { return mixed(state_ += step); }
     /// Returns 0 to `count` - 1.
     [[nodiscard]] std::size_t below(std::size_t count) { return next() % count; }
     [[nodiscard]] bool one_in(std::size_t count) { return below(count) == 0; }
@@ -41,6 +32,15 @@ public:
     }
 
 private:
+    static constexpr std::uint64_t step = 0x9E37'79B9'7F4A'7C15U;
+
+    [[nodiscard]] static std::uint64_t mixed(std::uint64_t z)
+    {
+        z = (z ^ (z >> 30U)) * 0xBF58'476D'1CE4'E5B9U;
+        z = (z ^ (z >> 27U)) * 0x94D0'49BB'1331'11EBU;
+        return z ^ (z >> 31U);
+    }
+
     std::uint64_t state_;
 };
 
