@@ -124,6 +124,41 @@ void report_access(Connection& connection, ControllerReport& report)
     }
 }
 
+NodeId endpoints_exclude(Connection& connection, const std::string& role)
+{
+    const NodeId roles = standard(id::Server_ServerCapabilities_RoleSet);
+    return admin::child_of(connection, admin::child_of(connection, roles, role),
+                           "EndpointsExclude");
+}
+
+void report_roles(Connection& connection, ControllerReport& report)
+{
+    std::vector<NamedNode> nodes;
+    for (const char* const role : drawn_roles) {
+        nodes.push_back({role, endpoints_exclude(connection, role)});
+    }
+    const auto values = values_of(connection, nodes);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!values[i].value.value_or<bool>(true)) {
+            report.closed_roles.insert(drawn_roles[i]);
+        }
+    }
+}
+
+void write_one(Connection& connection, const NodeId& node, Variant value)
+{
+    WriteRequest request;
+    WriteValue item;
+    item.node_id = node;
+    item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    item.value.value = std::move(value);
+    request.nodes_to_write.push_back(item);
+    const auto response = connection.call<WriteResponse>(std::move(request), "Write");
+    if (response.results.size() != 1 || response.results[0].is_bad()) {
+        throw Failure{Exit::Failed, "Write"};
+    }
+}
+
 void report_status(Connection& connection, ControllerReport& report)
 {
     report.restart_reasons = texts_of(fact(connection, "RestartReasons"));
@@ -210,6 +245,7 @@ ControllerAdministrator::report(const std::vector<std::string>& settings,
         report_values(connection, machine_, variables, report);
         report_program(connection, report);
         report_access(connection, report);
+        report_roles(connection, report);
         report_status(connection, report);
     });
     return outcome == Outcome::Done ? std::optional{std::move(report)} : std::nullopt;
@@ -316,16 +352,14 @@ Outcome ControllerAdministrator::replace_memory(const std::string& wish, const s
 Outcome ControllerAdministrator::write(const std::string& variable, std::int32_t value)
 {
     return tried([&](Connection& connection) {
-        WriteRequest request;
-        WriteValue item;
-        item.node_id = NodeId{machine_.namespace_index(), String{variable}};
-        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-        item.value.value = Variant{value};
-        request.nodes_to_write.push_back(item);
-        const auto response = connection.call<WriteResponse>(std::move(request), "Write");
-        if (response.results.size() != 1 || response.results[0].is_bad()) {
-            throw Failure{Exit::Failed, "Write"};
-        }
+        write_one(connection, NodeId{machine_.namespace_index(), String{variable}}, Variant{value});
+    });
+}
+
+Outcome ControllerAdministrator::close_role(const std::string& role, bool is_closed)
+{
+    return tried([&](Connection& connection) {
+        write_one(connection, endpoints_exclude(connection, role), Variant{!is_closed});
     });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -18,6 +19,9 @@ namespace busbar::test {
 
 /// A setting's value: a text, a whole number or a flag; empty if it is null.
 [[nodiscard]] std::string setting_text(const Variant& value);
+
+/// Roles that the simulation closes and opens; the administrator needs none of them.
+inline constexpr std::array drawn_roles{"Observer", "Engineer", "Supervisor"};
 
 /// What a client knows of a change that it asked for.
 enum class Outcome : std::uint8_t {
@@ -46,6 +50,8 @@ struct ControllerReport {
     std::map<std::string, std::optional<std::int64_t>> values;
     /// Thumbprints.
     std::set<std::string> trusted;
+    /// Of drawn_roles, those that are for nobody (EndpointsExclude).
+    std::set<std::string> closed_roles;
     std::vector<std::string> restart_reasons;
     std::vector<std::string> pending_changes;
     std::int64_t max_sessions{0};
@@ -69,6 +75,8 @@ public:
     [[nodiscard]] Outcome add_user(const std::string& name, const std::string& password);
     [[nodiscard]] Outcome change_password(const std::string& name, const std::string& password);
     [[nodiscard]] Outcome remove_user(const std::string& name);
+    /// Has nobody be given a role any more, or those who were.
+    [[nodiscard]] Outcome close_role(const std::string& role, bool is_closed);
     [[nodiscard]] Outcome trust(const std::vector<std::byte>& der);
     [[nodiscard]] Outcome distrust(const std::string& thumbprint);
     /// "edit press.st", "restore" and so on; see product::ProgramService.

@@ -81,6 +81,10 @@ std::string wrong_access(const Expectation& expected, const ControllerReport& re
             return thumbprint + (is_trusted ? " is" : " is not") + " trusted";
         }
     }
+    if (report.closed_roles != expected.closed_roles) {
+        return "closed are" + list_of(report.closed_roles) + " instead of" +
+               list_of(expected.closed_roles);
+    }
     std::set<std::string> users;
     for (const auto& [name, password] : expected.users) {
         users.insert(name);
@@ -165,6 +169,7 @@ void ControllerSimulation::adopt(const ControllerReport& report)
             all.trusted.insert(each.thumbprint_text());
         }
     }
+    all.closed_roles = report.closed_roles;
     all.program = {report.program, {}};
     all.is_received = report.is_received;
     all.retained.clear();
@@ -236,6 +241,17 @@ std::string ControllerSimulation::wrong_login(const Expectation& expected)
         }
     }
     return {};
+}
+
+void ControllerSimulation::check_closed(const Expectation& before, const ControllerReport& report)
+{
+    const bool is_damaged = std::ranges::any_of(report.pending_changes, [](const auto& each) {
+        return each.find("roles.json") != std::string::npos;
+    });
+    if (is_damaged && !std::ranges::includes(report.closed_roles, before.closed_roles)) {
+        violation("closed are" + list_of(report.closed_roles) + " after" +
+                  list_of(before.closed_roles));
+    }
 }
 
 void ControllerSimulation::check_consistent(const ControllerReport& report)

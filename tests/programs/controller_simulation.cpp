@@ -28,14 +28,14 @@ void Expectation::take_program(const MachineText& next)
 bool operator==(const Expectation& a, const Expectation& b)
 {
     return a.online == b.online && a.is_online_unknown == b.is_online_unknown &&
-           a.users == b.users && a.trusted == b.trusted && a.program.text == b.program.text &&
-           a.is_received == b.is_received && a.retained == b.retained && a.file == b.file &&
-           a.doubtful == b.doubtful;
+           a.users == b.users && a.trusted == b.trusted && a.closed_roles == b.closed_roles &&
+           a.program.text == b.program.text && a.is_received == b.is_received &&
+           a.retained == b.retained && a.file == b.file && a.doubtful == b.doubtful;
 }
 
 ControllerSimulation::ControllerSimulation(std::uint64_t seed)
-    : chance_{seed, 2},
-      controller_{std::make_unique<ForkedController>(site_.file, site_.log().string())}
+    : chance_{seed, 2}, controller_{
+                            std::make_unique<ForkedController>(site_.file, site_.log().string())}
 {
     chief_ = std::make_unique<ControllerAdministrator>(
         site_.url, (site_.folder.path / "client").string(), ControllerSite::password);

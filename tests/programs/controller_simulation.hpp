@@ -28,6 +28,8 @@ struct Expectation {
     /// Passwords by names.
     std::map<std::string, std::string> users;
     std::set<std::string> trusted;
+    /// Of drawn_roles.
+    std::set<std::string> closed_roles;
     MachineText program;
     bool is_received{false};
     /// Values of RETAIN variables; nothing: any.
@@ -82,6 +84,7 @@ private:
     [[nodiscard]] std::map<std::string, std::string> draw_settings();
     void set_settings();
     void change_users();
+    void change_roles();
     void change_trust();
     void send_program();
     void restore_program();
@@ -113,6 +116,8 @@ private:
     void adopt(const ControllerReport& report);
     void learn(Expectation& expected, const ControllerReport& report) const;
     [[nodiscard]] std::string mismatch(const Expectation& expected, const ControllerReport& report);
+    /// A list of roles that cannot be read opens no role that was closed.
+    void check_closed(const Expectation& before, const ControllerReport& report);
     void check_consistent(const ControllerReport& report);
     void check_explained(const std::map<std::string, ControllerReport::SettingReport>& settings);
     [[nodiscard]] std::string wrong_login(const Expectation& expected);

@@ -23,7 +23,7 @@ std::size_t count_of(const std::string& text, std::string_view part)
 
 void ControllerSimulation::act()
 {
-    switch (chance_.below(20)) {
+    switch (chance_.below(22)) {
     case 0:
     case 1:
     case 2:
@@ -55,6 +55,9 @@ void ControllerSimulation::act()
         return damage();
     case 18:
         return !backup_ || chance_.one_in(3) ? back_up() : restore();
+    case 19:
+    case 20:
+        return change_roles();
     default:
         return chance_.one_in(2) ? clear() : back_up();
     }
@@ -164,6 +167,19 @@ void ControllerSimulation::change_users()
         return follow(chief_->remove_user(name), "remove " + name,
                       [&](Expectation& all) { all.users.erase(name); });
     }
+}
+
+void ControllerSimulation::change_roles()
+{
+    const std::string role = drawn_roles[chance_.below(drawn_roles.size())];
+    const bool closes = !expected_.front().closed_roles.contains(role);
+    follow(chief_->close_role(role, closes), (closes ? "close " : "open ") + role,
+           [&](Expectation& all) {
+               all.closed_roles.erase(role);
+               if (closes) {
+                   all.closed_roles.insert(role);
+               }
+           });
 }
 
 void ControllerSimulation::change_trust()
@@ -335,11 +351,13 @@ void ControllerSimulation::damage()
     }
     std::ofstream{one, std::ios::binary} << content;
     note("damaged: " + one.string());
+    const Expectation before = expected_.front();
     start();
     if (!violations_.empty()) {
         return;
     }
     if (const auto report = report_now()) {
+        check_closed(before, *report);
         adopt(*report);
     } else {
         violation("it does not answer: " + chief_->why_not());
@@ -405,6 +423,7 @@ void ControllerSimulation::clear()
         if (is_all) {
             all.users.clear();
             all.trusted.clear();
+            all.closed_roles.clear();
         }
     });
     if (is_all && outcome != Outcome::Refused) {
