@@ -11,7 +11,7 @@
 
 namespace busbar::bench {
 
-/// The load that the manual of model mode measures (seed 001, Appendix 7), and its figures beside
+/// The load that the manual of model mode measures (SH-082679, Appendix 7), and its figures beside
 /// ours.
 ///
 /// Client, server and PLC are threads of this process. Reads, Writes and Subscriptions are wall

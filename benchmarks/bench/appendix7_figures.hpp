@@ -6,7 +6,7 @@
 
 namespace busbar::bench {
 
-/// What the tables of seed 001, Appendix 7, say; 0 where they have nothing.
+/// What the tables of SH-082679, Appendix 7, say; 0 where they have nothing.
 struct ServiceFigures {
     std::string_view load;
     /// "standard", "items" or "all", as SevenOptions::modes.

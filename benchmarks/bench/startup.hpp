@@ -8,7 +8,7 @@
 
 namespace busbar::bench {
 
-/// What a machine does from the text of its declarations to the state Running (seed 000, 4-2-4).
+/// What a machine does from the text of its declarations to the state Running (W588, 4-2-4).
 inline constexpr std::array<std::string_view, 6> startup_phases{
     "declarations", // are read
     "publication",  // types are checked and variables chosen

@@ -9,7 +9,7 @@
 
 namespace busbar::bench {
 
-/// Numbers of variables, in ascending order; all are INT, as in the manual (seed 000, A-1-1).
+/// Numbers of variables, in ascending order; all are INT, as in the manual (W588, A-1-1).
 struct StartupOptions {
     /// With the limits of NJ501, of which 10,000 variables are the most.
     std::vector<std::size_t> limited{100, 1'000, 10'000};

@@ -8,7 +8,7 @@
 
 namespace busbar::bench {
 
-/// An information model as the manual measures them (seed 001, Appendix 7): Objects below the
+/// An information model as the manual measures them (SH-082679, Appendix 7): Objects below the
 /// Objects folder, and Int16 Variables below each, of which each is one label.
 struct MappedModel {
     std::size_t objects{250};   // of all files together

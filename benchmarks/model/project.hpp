@@ -12,7 +12,7 @@
 
 namespace busbar::bench {
 
-/// What is done with a project of model mode (seed 001, 9.4, 4.2 and 9.13).
+/// What is done with a project of model mode (SH-082679, 9.4, 4.2 and 9.13).
 inline constexpr std::array<std::string_view, 5> project_phases{
     "import", // its models, by which their mapping is read
     "check",  // of the mapping, with the counters of the status bar

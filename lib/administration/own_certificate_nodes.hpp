@@ -11,7 +11,7 @@
 namespace busbar::administration::detail {
 
 /// What the server's own certificate says, as the Object "OwnCertificate" below
-/// ServerConfiguration, in the server's namespace: seed 000, 3-2-5 lists these. With the access of
+/// ServerConfiguration, in the server's namespace: W588, 3-2-5 lists these. With the access of
 /// ServerConfiguration's Properties. ConfiguredSubject and ConfiguredHosts are what `configured`
 /// says (see ManagedCertificates); without it they are not there.
 [[nodiscard]] Configured<void>

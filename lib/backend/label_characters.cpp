@@ -15,7 +15,7 @@ struct Range {
     char32_t last;
 };
 
-/// Seed 001, appendix 6, note 1. Of ASCII's symbols the comma, the period, the brackets and the
+/// SH-082679, appendix 6, note 1. Of ASCII's symbols the comma, the period, the brackets and the
 /// underscore are left. What is beyond 16 bits would be a pair of surrogates.
 constexpr std::array forbidden{
     Range{0x00, 0x1F},     Range{0x20, 0x2B},     Range{0x2D, 0x2D},        Range{0x2F, 0x2F},

@@ -36,7 +36,7 @@ std::size_t characters(std::string_view text)
     return count;
 }
 
-/// Digits of a bit device's word: K, how many of them, and the name (seed 001, 8.3).
+/// Digits of a bit device's word: K, how many of them, and the name (SH-082679, 8.3).
 bool is_digit_specification(std::string_view name)
 {
     constexpr std::size_t prefix = 2;

@@ -6,7 +6,7 @@
 
 namespace authorities_test {
 
-// Seed 000, 8-1: what five authorities may do, function by function, each by the service that it
+// W588, 8-1: what five authorities may do, function by function, each by the service that it
 // is in OPC UA.
 
 using namespace busbar;

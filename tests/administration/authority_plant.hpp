@@ -17,7 +17,7 @@
 #include "managed_fixture.hpp"
 #include "trust_list_ids.hpp"
 
-/// A controller of seed 000 with its five authorities.
+/// A controller of W588 with its five authorities.
 namespace busbar::test {
 
 using administration::Authorities;

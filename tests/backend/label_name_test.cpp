@@ -34,7 +34,7 @@ TEST_CASE("names of labels are read as they are mapped, and written in one way")
         std::string_view canonical;
     };
     const auto row = GENERATE(values<Row>({
-        // Seed 001, 8.3: without array, one dimension, multiple dimensions.
+        // SH-082679, 8.3: without array, one dimension, multiple dimensions.
         {"LabelName", "LabelName"},
         {"Structure.Inner.Member", "Structure.Inner.Member"},
         {"Timer.S", "Timer.S"},

@@ -1,5 +1,6 @@
-# cmake -D PROGRAM=<test program> -D LIST=<sections.txt> -D SOURCE_DIR=<tree> -P check_sections.cmake
-# Fails if a section of the list has neither a test in the program nor a reason that holds.
+# cmake -D PROGRAM=<test program> -D LIST=<sections.txt> -D SOURCE_DIR=<tree> -P
+# check_sections.cmake Fails if a section of the list has neither a test in the program nor a reason
+# that holds.
 cmake_minimum_required(VERSION 3.20)
 
 # Semicolons part the elements of a list, and brackets keep them together.
@@ -55,5 +56,5 @@ if(NOT tested)
 endif()
 if(mistakes)
   string(REPLACE ";" "\n  " mistakes "${mistakes}")
-  message(FATAL_ERROR "sections of seed 000:\n  ${mistakes}")
+  message(FATAL_ERROR "sections of W588:\n  ${mistakes}")
 endif()

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Backup, verification, restore and Clear All Memory of a machine by `busbar admin` (seed 000, 8-2
+# Backup, verification, restore and Clear All Memory of a machine by `busbar admin` (W588, 8-2
 # and 8-3), with the restarts between them.
 # usage: backup_test.sh CONTROLLER BUSBAR PROGRAM
 set -u

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A machine whose hardware is simulated: faults that stop its server and faults that do not (seed
-# 000, 4-1-4), the watchdog, and a memory card whose power switch is pressed (7-4-3).
+# A machine whose hardware is simulated: faults that stop its server and faults that do not
+# (W588, 4-1-4), the watchdog, and a memory card whose power switch is pressed (7-4-3).
 # usage: hardware_test.sh CONTROLLER BUSBAR PROGRAM
 set -u
 controller=$1 busbar=$2 program=$3

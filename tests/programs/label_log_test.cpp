@@ -12,7 +12,7 @@ using namespace busbar::product;
 using controller::LabelUpdate;
 using controller::MappedErrorCode;
 
-// Seed 001, 8.3: error codes of labels in the log, of which there may be one for each Read.
+// SH-082679, 8.3: error codes of labels in the log, of which there may be one for each Read.
 
 namespace {
 

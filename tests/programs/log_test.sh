@@ -1,6 +1,6 @@
 #!/bin/sh
-# The execution log of a machine, as `busbar admin log` shows, follows, saves and clears it (seed
-# 000, 7-2-2 and 8-1).
+# The execution log of a machine, as `busbar admin log` shows, follows, saves and clears it
+# (W588, 7-2-2 and 8-1).
 # usage: log_test.sh CONTROLLER BUSBAR PROGRAM
 set -u
 controller=$1 busbar=$2 program=$3

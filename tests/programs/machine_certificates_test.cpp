@@ -17,7 +17,7 @@
 
 namespace machine_certificates_test {
 
-// What the logs of a machine say of certificates at its first start (seed 000, 3-2-4 and 5-1-1).
+// What the logs of a machine say of certificates at its first start (W588, 3-2-4 and 5-1-1).
 
 using namespace busbar;
 using namespace busbar::test;

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The medium of a machine's execution log, a folder that is taken out and put in while the machine
-# runs (seed 000, 7-4-3), and what of it is an event (9-2-1, 15000000).
+# runs (W588, 7-4-3), and what of it is an event (9-2-1, 15000000).
 # usage: medium_test.sh CONTROLLER BUSBAR PROGRAM
 set -u
 controller=$1 busbar=$2 program=$3

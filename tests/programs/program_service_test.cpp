@@ -17,7 +17,7 @@ namespace program_service_test {
 using namespace busbar;
 using namespace busbar::product;
 
-// What a tool does with the program of a controller (seed 000, 3-3-2), without the controller.
+// What a tool does with the program of a controller (W588, 3-3-2), without the controller.
 
 namespace {
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Projects of model mode by `busbar project`: made without a server (seed 001, 9.3 to 9.12), and
+# Projects of model mode by `busbar project`: made without a server (SH-082679, 9.3 to 9.12), and
 # transferred to one that runs (9.13 and 9.14).
 # usage: project_test.sh CONTROLLER BUSBAR
 set -u

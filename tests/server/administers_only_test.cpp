@@ -15,7 +15,7 @@
 
 namespace administers_only_test {
 
-// Seed 001, 9.7: a user with the permission "Configuration tool only" has no business with data,
+// SH-082679, 9.7: a user with the permission "Configuration tool only" has no business with data,
 // whichever service asks for it.
 
 using namespace busbar;

@@ -107,7 +107,7 @@ TEST_CASE_METHOD(Fixture, "what cannot be called answers why")
     CHECK(status_of(client, to_call(own("OfOther"))) == status::Bad_MethodInvalid);
     CHECK(status_of(client, to_call(own("Off"))) == status::Bad_NotExecutable);
     CHECK(status_of(client, to_call(open)) == status::Bad_NotImplemented);
-    // On an ObjectType (seed 001, 8.1): ServerType's GetMonitoredItems, which a small namespace 0
+    // On an ObjectType (SH-082679, 8.1): ServerType's GetMonitoredItems, which a small namespace 0
     // does not have.
     const NodeId get_monitored_items{0, 11'489};
     if (space().find(get_monitored_items) != model::no_node) {

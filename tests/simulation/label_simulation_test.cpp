@@ -31,7 +31,7 @@ TEST_CASE("a seed replays a simulation of labels that change")
     CHECK(replay(seed + 1) != hash);
 }
 
-TEST_CASE("50 clients see no wrong value while labels change (seed 001, 8.3 and 10.3)")
+TEST_CASE("50 clients see no wrong value while labels change (SH-082679, 8.3 and 10.3)")
 {
     const std::uint64_t seed = simulation_seed();
     // One of them a day, all at full effort.

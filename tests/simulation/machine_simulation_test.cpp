@@ -29,7 +29,7 @@ TEST_CASE("a seed replays a controller whose media fail")
 }
 
 TEST_CASE("a controller keeps what it has saved while its media fail and its power goes "
-          "(seed 000, 7-4 and 9-2-2)")
+          "(W588, 7-4 and 9-2-2)")
 {
     const std::uint64_t seed = simulation_seed();
     const std::uint64_t hours = simulation_hours(BUSBAR_SIMULATION_HOURS);

@@ -105,7 +105,7 @@ struct AdministrationParts {
     /// requires `random`.
     std::vector<TemporaryFileTransfer> file_transfers{};
     /// The state of the program, as Properties of the Object "Status", for the roles Operator,
-    /// Supervisor, Engineer, ConfigureAdmin and SecurityAdmin (manual of variables mode, 8-1,
+    /// Supervisor, Engineer, ConfigureAdmin and SecurityAdmin (W588, 8-1,
     /// "Service status").
     std::vector<StatusFact> status{};
     Authorities authorities{Authorities::Standard};

@@ -13,7 +13,7 @@ namespace busbar::administration {
 enum class Authorities : std::uint8_t {
     /// No additional rights: only SecurityAdmin and ConfigureAdmin administer and read.
     Standard,
-    /// The five authorities of NJ and NX controllers (manual of variables mode, 8-1), each of which
+    /// The five authorities of NJ and NX controllers (W588, 8-1), each of which
     /// includes the previous ones: Operator, Maintainer and Designer see certificates, revocation
     /// lists, settings and the service's status, Maintainer and Designer clear logs, Designer shuts
     /// the server down.

@@ -9,7 +9,7 @@
 /// whose protocol names variables differently translates.
 namespace busbar::backend {
 
-/// The declared type of a label (manual of model mode, 8.2).
+/// The declared type of a label (SH-082679, 8.2).
 enum class LabelType : std::uint8_t {
     Bit,
     UnsignedWord,       // also a bit string of 16
@@ -62,7 +62,7 @@ struct LabelKind {
 /// the terminating zero. 0 for types without values.
 [[nodiscard]] BUSBAR_API std::size_t size_of(const LabelKind& kind);
 /// Returns the words of 16 bits that it takes in a PLC; a Bit counts as one. The unit of the limits
-/// (manual of model mode, 2.1).
+/// (SH-082679, 2.1).
 [[nodiscard]] BUSBAR_API std::size_t words_of(const LabelKind& kind);
 
 } // namespace busbar::backend

@@ -16,7 +16,7 @@
 /// nodes: names become addresses, and labels are read and written by address in batches.
 namespace busbar::backend {
 
-/// The reason why a name is not a usable label (manual of model mode, 8.3). The manual's code is
+/// The reason why a name is not a usable label (SH-082679, 8.3). The manual's code is
 /// 1921H for all of them, including UnsupportedType, which is distinguished here.
 enum class LabelError : std::uint8_t {
     None,
@@ -134,7 +134,7 @@ public:
     /// their offsets, to `bytes`, which must be as long as that request's. Returns the number of
     /// that scan, which increases, and its time; returns 0 and writes nothing if no scan has been
     /// sampled yet. From the start of a Write to its answer, the written values may stay as sampled
-    /// before (manual of model mode, 8.3).
+    /// before (SH-082679, 8.3).
     virtual std::uint64_t sampled(std::span<std::byte> /*bytes*/, DateTime& /*time*/) { return 0; }
 
     /// What the names stand for now, one for each, without a request; addresses do not count.

@@ -14,10 +14,10 @@
 namespace busbar::backend {
 
 /// Maximum number of characters of a label's name with its members, dots, indices and commas
-/// (manual of model mode, 8.3).
+/// (SH-082679, 8.3).
 inline constexpr std::size_t max_label_name_length = 800;
 
-/// A label by its name, as it is mapped (manual of model mode, 8.3): "Stations[2].Count",
+/// A label by its name, as it is mapped (SH-082679, 8.3): "Stations[2].Count",
 /// "Grid[1,0,4]", "Delay.N". Names are compared without case for the letters A to Z, as other names
 /// of a program.
 struct LabelName {

@@ -16,7 +16,7 @@
 #include <busbar/core/problem.hpp>
 #include <busbar/core/storage.hpp>
 
-/// Backup, restore, verification and Clear All Memory (manual of variables mode, 3-2-9, 8-2 and
+/// Backup, restore, verification and Clear All Memory (W588, 3-2-9, 8-2 and
 /// 8-3).
 namespace busbar::controller {
 
@@ -24,7 +24,7 @@ namespace detail {
 struct SavedMemory;
 } // namespace detail
 
-/// How data is treated (manual of variables mode, 3-2-9). Data in none of these groups, such as the
+/// How data is treated (W588, 3-2-9). Data in none of these groups, such as the
 /// execution log, is neither saved nor cleared.
 enum class MemoryGroup : std::uint8_t {
     ServerSettings,    // saved, restored, cleared
@@ -93,18 +93,18 @@ struct BackupLabel {
 
 /// The contents of a backup besides server settings and event log.
 struct BackupChoice {
-    /// False for a file that is given to others (manual of variables mode, 3-2-9, footnote 1).
+    /// False for a file that is given to others (W588, 3-2-9, footnote 1).
     bool security_profile{true};
 };
 
-/// The scope of a restore or a verification (manual of variables mode, 8-2-2).
+/// The scope of a restore or a verification (W588, 8-2-2).
 struct RestoreChoice {
     /// `OpcuaSPF=yes`, `_Card1RestoreCmdTargetOpcuaSPF`. False for transfers of a program from a
-    /// card (manual of variables mode, 3-2-9).
+    /// card (W588, 3-2-9).
     bool security_profile{true};
 };
 
-/// Reads the section [Restore] of RestoreCommand.ini (manual of variables mode, 8-2-2). OpcuaSPF is
+/// Reads the section [Restore] of RestoreCommand.ini (W588, 8-2-2). OpcuaSPF is
 /// "yes" or "no", "yes" if it is missing; UserProgram may not be "no". Other keys belong to other
 /// functions. `where` of a problem is "RestoreCommand.ini:4".
 [[nodiscard]] BUSBAR_API Configured<RestoreChoice> read_restore_command(std::string_view text);
@@ -114,7 +114,7 @@ enum class Restored : std::uint8_t {
     /// The security profile was requested, but the file has none: the controller's is kept.
     WithoutProfile,
     /// The file is from a controller without OPC UA server: server settings, certificate and
-    /// security profile are now those of a new controller (manual of variables mode, 9-2-2,
+    /// security profile are now those of a new controller (W588, 9-2-2,
     /// 95D40000).
     Nothing,
 };
@@ -135,7 +135,7 @@ struct VerifiedItem {
 /// server; no items) and "items", each with "name", "group" ("settings", "values", "security",
 /// "events") and "files" with "name" and "size".
 ///
-/// Compatibility (manual of variables mode, 8-2-3): a file with another version of the format, or
+/// Compatibility (W588, 8-2-3): a file with another version of the format, or
 /// with items unknown to this controller, is refused. Known items that the file does not have are
 /// kept as they are; but a part that the file does not have is looked for in another item's part of
 /// the same file, where an earlier version stored it. That version always saved the security
@@ -170,7 +170,7 @@ public:
     [[nodiscard]] Configured<std::vector<VerifiedItem>> verify(std::span<const std::byte> backup,
                                                                const RestoreChoice& choice) const;
 
-    /// Clear All Memory (manual of variables mode, 8-3), between LifeCycle::clear_begins, which
+    /// Clear All Memory (W588, 8-3), between LifeCycle::clear_begins, which
     /// needs PROGRAM mode, and clear_done. `with_security`: certificate and security profile are
     /// cleared too.
     [[nodiscard]] Configured<void> clear_all(bool with_security, MachineMode mode);

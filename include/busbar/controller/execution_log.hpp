@@ -28,7 +28,7 @@ struct WaitingLogItem {
 };
 } // namespace detail
 
-/// Settings of the execution log (manual of variables mode, 7-1-3). The embedder decides whether
+/// Settings of the execution log (W588, 7-1-3). The embedder decides whether
 /// there is a log at all: without this object there is none.
 struct ExecutionLogOptions {
     /// Maximum number of files in the folder, 2 to 100. The oldest is removed before a new one is
@@ -40,7 +40,7 @@ struct ExecutionLogOptions {
     /// variables mode, 7-4-4). The default also has room for one Preparing with 10,000 variables;
     /// add as many as there are more. Each takes about 150 bytes, at most 300.
     std::size_t max_waiting{16'384};
-    /// The folder on the medium (manual of variables mode, 7-1-5).
+    /// The folder on the medium (W588, 7-1-5).
     std::string folder{"packages/OPCUA_Server/ExecutionLog"};
     std::string system_folder{"packages/OPCUA_Server/System"};
 };
@@ -52,7 +52,7 @@ enum class LogMedium : std::uint8_t {
     Unusable, // inserted, but its type or format is wrong
 };
 
-/// The execution log (manual of variables mode, section 7): a LogSink that turns records into
+/// The execution log (W588, section 7): a LogSink that turns records into
 /// lines, which wait in memory until a thread of the embedder writes them to a removable medium.
 ///
 /// Passes everything on to the next sink, also records of its own: ExecutionLogLost when records
@@ -85,7 +85,7 @@ public:
     /// the files, and the next serial number, so that numbers go on without them.
     [[nodiscard]] Stored<void> prepare_removal();
 
-    /// Call it before the medium is taken out (manual of variables mode, 7-4-3): saves the waiting
+    /// Call it before the medium is taken out (W588, 7-4-3): saves the waiting
     /// records and does not use the medium until it is reported as inserted again.
     [[nodiscard]] Stored<void> release_medium();
     /// Reports that the medium was taken out, inserted, or cannot be used. While it is known to be

@@ -23,7 +23,7 @@ struct ExecutionLogEntry {
     std::string details; // as in ExecutionLogItem
 };
 
-/// Returns nothing for a line that is not a record (manual of variables mode, 7-1-6). Without CR
+/// Returns nothing for a line that is not a record (W588, 7-1-6). Without CR
 /// and LF.
 [[nodiscard]] BUSBAR_API std::optional<ExecutionLogEntry>
 parse_execution_log_record(std::string_view line);
@@ -60,7 +60,7 @@ struct ExecutionLogContents {
 read_execution_log(Storage& storage, std::string_view folder, const ExecutionLogFilter& filter,
                    std::size_t max_entries);
 
-/// The columns that a log is shown in (manual of variables mode, 7-2-2).
+/// The columns that a log is shown in (W588, 7-2-2).
 inline constexpr std::array<std::string_view, 6> execution_log_column_names{
     "Entry", "Date/Time", "Category", "Log Code", "Log Name", "Details"};
 /// Returns the text of each column: "7", "2017/10/17/14:52:50.878", "SERVER", "0005", "Run", "".

@@ -13,7 +13,7 @@
 
 namespace busbar::controller {
 
-/// A kind of entry of the execution log (manual of variables mode, 7-1-6).
+/// A kind of entry of the execution log (W588, 7-1-6).
 struct ExecutionLogCode {
     std::string_view category; // "SERVER", "AUTH", "CERT"
     std::uint16_t code;        // unique in its category

@@ -72,7 +72,7 @@ struct LabelDifference {
 compare_labels(const ModelSet& models, const backend::LabelBackend& plc);
 
 /// The same with the program of a PLC, as reports: where a server would report the errors 1921H and
-/// 1A00H (manual of model mode, 8.3). A problem is one with the program.
+/// 1A00H (SH-082679, 8.3). A problem is one with the program.
 [[nodiscard]] BUSBAR_API Configured<ModelReports> check_labels(const ModelSet& models,
                                                                Program program);
 

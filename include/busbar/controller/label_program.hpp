@@ -21,7 +21,7 @@ namespace busbar::controller {
 /// text (WSTRING) with one character less than its last dimension, for the zero.
 [[nodiscard]] BUSBAR_API std::vector<DerivedType> label_types();
 
-/// A program whose global variables are labels (manual of model mode, 8.2 and 8.3), with memory for
+/// A program whose global variables are labels (SH-082679, 8.2 and 8.3), with memory for
 /// them: a ProgramImage of all except those that contain unions, on which a Plc's programs can run.
 ///
 /// The type of label of each variable: BOOL Bit, INT Word, UINT and WORD UnsignedWord, DINT and

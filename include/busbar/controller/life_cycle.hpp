@@ -110,7 +110,7 @@ public:
     // Calls for the machine.
 
     void power_on();
-    /// A running server is shut down before (manual of variables mode, 7-3-3).
+    /// A running server is shut down before (W588, 7-3-3).
     void reset();
     void power_going();
     void mode_changed(MachineMode mode) { mode_ = mode; }
@@ -118,7 +118,7 @@ public:
     // Faults are recorded as MachineFault. One that is not the server's does not stop it (manual of
     // variables mode, 4-1-4).
 
-    /// The user program stops (manual of variables mode, 9-1-2).
+    /// The user program stops (W588, 9-1-2).
     void major_fault();
     /// A partial fault of the server is a system_error().
     void partial_fault(FaultOrigin origin);
@@ -137,24 +137,24 @@ public:
     /// project without an OPC UA server pass ServerSettings{}; see also
     /// MachineMemory::clear_security.
     void download_done(const Configured<ServerSettings>& settings);
-    /// Adds variables without a reconfiguration (manual of variables mode, 4-2-5).
+    /// Adds variables without a reconfiguration (W588, 4-2-5).
     void online_edit();
     void restore_begins();
     /// If restored, the server stays stopped until a restart, which reads the settings; otherwise
     /// it returns.
     void restore_done(bool is_restored);
-    /// Bad_InvalidState in RUN (manual of variables mode, 8-3). clear_done() is due only if there
+    /// Bad_InvalidState in RUN (W588, 8-3). clear_done() is due only if there
     /// is no problem.
     [[nodiscard]] Configured<void> clear_begins();
     void clear_done(bool is_cleared);
-    // These reconfigure (manual of variables mode, 4-2-5).
+    // These reconfigure (W588, 4-2-5).
     void address_changed();
     void certificate_renewed();
     void security_changed();
 
     /// Requested by a tool or an instruction.
     ShutdownAnswer shut_down(std::string_view reason);
-    /// Reports a fatal error in the server (manual of variables mode, 9-2-2, 44180000).
+    /// Reports a fatal error in the server (W588, 9-2-2, 44180000).
     void system_error(std::string_view text);
 
     // Answers of the ServerOperator.
@@ -183,7 +183,7 @@ public:
     [[nodiscard]] bool is_restart_due() const { return !restart_reason().empty(); }
     /// "the controller's memory was restored or cleared"; empty if no restart is due.
     [[nodiscard]] std::string_view restart_reason() const;
-    /// The shutdown is completed: power may be turned off (manual of variables mode, 4-2-4).
+    /// The shutdown is completed: power may be turned off (W588, 4-2-4).
     [[nodiscard]] bool has_stopped() const;
     /// Returns the answer that an instruction would get now; Begun if it would begin a shutdown.
     [[nodiscard]] ShutdownAnswer shutdown_answer() const;

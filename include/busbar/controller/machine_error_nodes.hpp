@@ -13,7 +13,7 @@
 namespace busbar::controller {
 
 /// Returns MajorFault if one of these is a major fault, ContinuousError for a partial or minor
-/// fault (manual of variables mode, 6-2-1 and 9-1-2); lower levels are not errors.
+/// fault (W588, 6-2-1 and 9-1-2); lower levels are not errors.
 [[nodiscard]] BUSBAR_API ErrorState error_state_of(std::span<const MachineEvent> current_errors);
 
 /// The current errors of a controller, as nodes for its clients:
@@ -27,7 +27,7 @@ namespace busbar::controller {
 ///             CurrentErrors
 ///
 /// Level and Code are the outputs of the instruction GetPLCError: the highest level of fault, and
-/// within it the highest event code (manual of variables mode, 9-1-1). The manual has no nodes for
+/// within it the highest event code (W588, 9-1-1). The manual has no nodes for
 /// these outputs, so the names are our own. Level is a String, "Partial fault" or "Minor fault",
 /// and "NoError" if there is none; Code is a UInt32, then 0. CurrentErrors has a String for each
 /// current error, including observations, in the order of their occurrence: "35D40000 Unsupported

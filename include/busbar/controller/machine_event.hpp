@@ -13,7 +13,7 @@
 
 namespace busbar::controller {
 
-/// The scope of an event (manual of variables mode, 9-1-2); the highest first.
+/// The scope of an event (W588, 9-1-2); the highest first.
 enum class EventLevel : std::uint8_t {
     MajorFault,   // everything stops
     PartialFault, // one function module stops completely
@@ -36,7 +36,7 @@ enum class EventEnd : std::uint8_t {
     Restart,
 };
 
-/// A type of event in the event log: the tables of the manual of variables mode, 9-2-1 and 9-2-2.
+/// A type of event in the event log: the tables of W588, 9-2-1 and 9-2-2.
 struct MachineEventType {
     std::uint32_t code; // 0x35D30000
     std::string_view name;

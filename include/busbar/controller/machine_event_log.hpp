@@ -50,11 +50,11 @@ struct MachineEventLogOptions {
     std::size_t max_entries{1'024};
     /// A folder of the storage.
     std::string folder{"events"};
-    /// For events whose level a user may change (manual of variables mode, 9-2-1).
+    /// For events whose level a user may change (W588, 9-2-1).
     std::vector<EventLevelChoice> levels{};
 };
 
-/// The outputs of GetPLCError (manual of variables mode, 9-1-1).
+/// The outputs of GetPLCError (W588, 9-1-1).
 struct PlcError {
     EventLevel level; // PartialFault or MinorFault
     std::uint32_t code;
@@ -62,7 +62,7 @@ struct PlcError {
     friend bool operator==(const PlcError&, const PlcError&) = default;
 };
 
-/// The event log (manual of variables mode, section 9): a LogSink that turns records into events,
+/// The event log (W588, section 9): a LogSink that turns records into events,
 /// keeps the last ones in a Storage and knows the current errors. Passes everything on to the next
 /// sink.
 ///

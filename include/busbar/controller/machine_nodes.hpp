@@ -15,7 +15,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/device.hpp>
 
-/// The nodes of a controller that publishes its variables (manual of variables mode, 6-2-1).
+/// The nodes of a controller that publishes its variables (W588, 6-2-1).
 namespace busbar::controller {
 
 enum class OperatingMode : std::uint8_t { Program, Run };

@@ -12,14 +12,14 @@
 #include <busbar/core/storage.hpp>
 #include <busbar/types/enumerations.hpp>
 
-/// The two sets of settings of a controller's server (manual of variables mode, 3-2-2 and 3-2-6),
+/// The two sets of settings of a controller's server (W588, 3-2-2 and 3-2-6),
 /// as plain values and as files. Users are a separate list.
 namespace busbar::controller {
 
 /// The controller's mode: settings change in PROGRAM only.
 enum class MachineMode : std::uint8_t { Program, Run };
 
-/// Settings of the execution log (manual of variables mode, 3-2-2).
+/// Settings of the execution log (W588, 3-2-2).
 struct ExecutionLogSettings {
     bool is_recorded{false};
     std::uint32_t files{24};       // 2 to 100
@@ -28,7 +28,7 @@ struct ExecutionLogSettings {
     friend bool operator==(const ExecutionLogSettings&, const ExecutionLogSettings&) = default;
 };
 
-/// OPC UA Server Settings (manual of variables mode, 3-2-2). Port and execution log keep their
+/// OPC UA Server Settings (W588, 3-2-2). Port and execution log keep their
 /// values while the server is not used.
 struct ServerSettings {
     /// A value that differs from the one at power-on takes effect at the next power-on (manual of
@@ -40,7 +40,7 @@ struct ServerSettings {
     friend bool operator==(const ServerSettings&, const ServerSettings&) = default;
 };
 
-/// One way to secure messages (manual of variables mode, 5-2-2).
+/// One way to secure messages (W588, 5-2-2).
 struct MessageSecurity {
     MessageSecurityMode mode{MessageSecurityMode::SignAndEncrypt};
     /// A name for crypto::find_policy_by_name; "None" with mode None.
@@ -55,7 +55,7 @@ struct MessageSecurity {
 /// Returns "SignAndEncrypt - Basic256Sha256", or "None".
 [[nodiscard]] BUSBAR_API std::string text(const MessageSecurity& security);
 
-/// Security Settings (manual of variables mode, 3-2-6). That product admits every client until a
+/// Security Settings (W588, 3-2-6). That product admits every client until a
 /// user restricts it; here no client connects anonymously or without security until a user allows
 /// it.
 struct SecuritySettings {

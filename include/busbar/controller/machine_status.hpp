@@ -10,7 +10,7 @@
 
 namespace busbar::controller {
 
-/// See the manual of variables mode, 4-2-4.
+/// See W588, 4-2-4.
 enum class OperatingStatus : std::uint8_t {
     NotStarted, // not used at power-on, or no power-on yet
     Initializing,
@@ -32,7 +32,7 @@ struct ConnectionCounts {
     std::size_t users{0};
 };
 
-/// See the manual of variables mode, 4-2-1.
+/// See W588, 4-2-1.
 struct MachineStatus {
     bool is_used{false};
     OperatingStatus operating{OperatingStatus::NotStarted};

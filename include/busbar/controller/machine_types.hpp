@@ -22,7 +22,7 @@ struct MachineTypeOptions {
     bool typed_enumerations{true};
 };
 
-/// Returns BuiltIn, with enumerations as Int32 (manual of variables mode, 6-2-2). The same for
+/// Returns BuiltIn, with enumerations as Int32 (W588, 6-2-2). The same for
 /// NX102.
 [[nodiscard]] BUSBAR_API MachineTypeOptions nj501_types();
 [[nodiscard]] BUSBAR_API MachineTypeOptions nx102_types();

@@ -24,7 +24,7 @@ struct MappedNodes {
 /// Adds the Variables and Methods of `mapping` that have labels to `source`, which a server must
 /// have, and binds their nodes to it; call it before MappedSource::start. Initial values are those
 /// of the address space. A Variable or an Argument of an unsupported type is bound too, and answers
-/// Bad_NotSupported (manual of model mode, 8.1). `types` must outlive the source.
+/// Bad_NotSupported (SH-082679, 8.1). `types` must outlive the source.
 [[nodiscard]] BUSBAR_API MappedNodes map_nodes(model::AddressSpace& space,
                                                const binary::DynamicTypes& types,
                                                const Mapping& mapping, MappedSource& source,

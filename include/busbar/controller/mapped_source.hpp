@@ -20,7 +20,7 @@
 #include <busbar/server/data_source.hpp>
 
 /// Variables and Methods whose values are labels of a PLC: the data input/output function of model
-/// mode (manual of model mode, 8.1 and 8.3).
+/// mode (SH-082679, 8.1 and 8.3).
 namespace busbar::controller {
 
 namespace detail {
@@ -62,7 +62,7 @@ struct MappedMethod {
     std::string handle{};
     /// The InputArguments, from the first on; those after the last one here have no labels.
     std::vector<MappedArgument> arguments{};
-    /// A Call answers Bad_NotSupported, and nothing is written (manual of model mode, 2.1, note 4).
+    /// A Call answers Bad_NotSupported, and nothing is written (SH-082679, 2.1, note 4).
     bool has_outputs{false};
     /// As MethodMapping::done; a Call waits for it, at most MappedOptions::call_limit.
     std::string done{};

@@ -12,7 +12,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
 
-/// Maps nodes to labels of a PLC (manual of model mode, 9.5), as plain values: model mode reads
+/// Maps nodes to labels of a PLC (SH-082679, 9.5), as plain values: model mode reads
 /// them from information model files (mapping_extensions.hpp), checks them (mapping_check.hpp),
 /// shows them as a table (mapping_table.hpp) and serves them.
 namespace busbar::controller {
@@ -129,7 +129,7 @@ struct Mapping {
 [[nodiscard]] BUSBAR_API std::vector<NodeId> mapped_nodes(const Mapping& mapping);
 
 /// Removes parts without labels, and array specifications without mapped elements, as saving and
-/// exporting do (manual of model mode, 9.5). Sorts elements and arguments by their numbers; fields
+/// exporting do (SH-082679, 9.5). Sorts elements and arguments by their numbers; fields
 /// stay in their order.
 BUSBAR_API void drop_unmapped(MappedPart& part);
 BUSBAR_API void drop_unmapped(Mapping& mapping);

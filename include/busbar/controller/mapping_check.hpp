@@ -18,7 +18,7 @@ namespace busbar::controller {
 
 class ModelSet;
 
-/// Why a node cannot be mapped (manual of model mode, 9.5), by its place. A node in several places
+/// Why a node cannot be mapped (SH-082679, 9.5), by its place. A node in several places
 /// can be mapped only if each of them allows it.
 enum class NodePlace : std::uint8_t {
     Mappable,
@@ -41,7 +41,7 @@ public:
 
     /// `node` must have been in the AddressSpace at construction.
     [[nodiscard]] NodePlace of(model::NodeIndex node) const;
-    /// Returns whether a Variable counts as mappable (manual of model mode, 2.1): below Objects,
+    /// Returns whether a Variable counts as mappable (SH-082679, 2.1): below Objects,
     /// not below Server, Aliases or a Method, in any namespace.
     [[nodiscard]] bool is_counted(model::NodeIndex node) const;
     /// Returns the least number of references from Objects to the node; 0 for a node that is not

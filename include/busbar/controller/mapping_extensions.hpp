@@ -12,7 +12,7 @@
 #include <busbar/model/nodeset_types.hpp>
 #include <busbar/model/space_reader.hpp>
 
-/// Mapping in the <Extensions> of nodes in NodeSet2 files (manual of model mode, appendix 8). In
+/// Mapping in the <Extensions> of nodes in NodeSet2 files (SH-082679, appendix 8). In
 /// the target busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 

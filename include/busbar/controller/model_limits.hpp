@@ -7,7 +7,7 @@
 
 namespace busbar::controller {
 
-/// Limits of the size of information models and their mapping (manual of model mode, 2.1). The
+/// Limits of the size of information models and their mapping (SH-082679, 2.1). The
 /// default keeps hostile files from exhausting memory, and exceeds what plants have.
 struct ModelLimits {
     // Limits of an import, which refuses more.
@@ -57,14 +57,14 @@ struct ModelLimits {
     friend bool operator==(const ModelLimits&, const ModelLimits&) = default;
 };
 
-/// RD81OPC96 (manual of model mode, 2.1): 10 files of 20 MB together, 10 namespaces of 134
+/// RD81OPC96 (SH-082679, 2.1): 10 files of 20 MB together, 10 namespaces of 134
 /// characters, 50,000 nodes on 20 levels, 25,000 Variables of 2,048K words, structures on 20
 /// levels, arrays of 10,240 elements, 25,000 labels of 800 and together 2,500,000 characters; from
 /// clients arrays of 25,000 elements, strings of 1 KB and byte strings of 10 KB; 21 types without
 /// instances.
 [[nodiscard]] BUSBAR_API ModelLimits rd81opc96_model();
 
-/// The use of its limits by a project, as the status bar shows it (manual of model mode, 4.2).
+/// The use of its limits by a project, as the status bar shows it (SH-082679, 4.2).
 struct ModelCounters {
     std::size_t labels{0};
     std::uint64_t label_length{0};

@@ -11,7 +11,7 @@
 #include <busbar/core/node_id.hpp>
 
 /// Reports about information models and their mapping, as listed in the output window of a
-/// configuration tool (manual of model mode, 4.2).
+/// configuration tool (SH-082679, 4.2).
 namespace busbar::controller {
 
 enum class ReportResult : std::uint8_t {

@@ -17,11 +17,11 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/nodeset.hpp>
 
-/// The information models of a project (manual of model mode, 9.4 and 9.6). In the target
+/// The information models of a project (SH-082679, 9.4 and 9.6). In the target
 /// busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// The state of a RequiredModel (manual of model mode, 9.6). An import with a missing one is
+/// The state of a RequiredModel (SH-082679, 9.6). An import with a missing one is
 /// refused.
 enum class ModelState : std::uint8_t { Imported, OtherVersion };
 
@@ -84,7 +84,7 @@ public:
     /// Adds a file of one namespace, or replaces the existing file of that namespace. All its
     /// RequiredModels must have been imported; another version than the required one is a warning.
     ///
-    /// Mapping (manual of model mode, 9.4): a node's mapping in the file replaces the existing one;
+    /// Mapping (SH-082679, 9.4): a node's mapping in the file replaces the existing one;
     /// if the file has none for a node, the existing one is kept. It is removed if the node is
     /// gone, or if its NodeClass is no longer Variable.
     ///
@@ -92,7 +92,7 @@ public:
     /// error has at least one report with ReportResult::Error.
     [[nodiscard]] Expected<ImportResult, ModelReports> import(const model::NodeSetSource& source);
 
-    /// Removes the last namespace of the list and its mapping (manual of model mode, 9.6).
+    /// Removes the last namespace of the list and its mapping (SH-082679, 9.6).
     /// NotUndermost for another one, StandardNamespace for namespace 0, NamespaceUnknown.
     [[nodiscard]] Expected<void, ModelReport> remove(std::string_view uri);
 

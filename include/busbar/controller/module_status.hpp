@@ -11,7 +11,7 @@
 
 namespace busbar::controller {
 
-/// The values that a module shows in its buffer memory (manual of model mode, 8.3, 10.3 and
+/// The values that a module shows in its buffer memory (SH-082679, 8.3, 10.3 and
 /// appendix 4), as Variables:
 ///
 /// - TargetDevice1Status (Un\G8448), UInt16: 0 unknown, 1 communicating, 2 failing. The manual does

@@ -19,8 +19,8 @@ struct PlcError;
 /// taken by one instruction from its start to its end. Neither side ever waits for the other.
 class BUSBAR_API InstructionDesk {
 public:
-    /// The maximum number of OPC UA instructions executed at the same time (manual of variables
-    /// mode, A-2-4).
+    /// The maximum number of OPC UA instructions executed at the same time
+    /// (W588, A-2-4).
     static constexpr std::size_t places = 32;
     /// The error code of an instruction beyond that number.
     static constexpr std::uint16_t too_many = 0x041D;
@@ -36,7 +36,7 @@ public:
 
     /// The log that GetPLCError asks, before the first scan; must outlive the last one.
     void use(const MachineEventLog& errors) { errors_ = &errors; }
-    /// What GetPLCError tells (seed 000, 9-1-1); nothing without a log. Any thread.
+    /// What GetPLCError tells (W588, 9-1-1); nothing without a log. Any thread.
     [[nodiscard]] std::optional<PlcError> plc_error() const;
 
 private:
@@ -57,7 +57,7 @@ private:
     const MachineEventLog* errors_{nullptr};
 };
 
-/// The function block OPCUA_Shutdown (manual of variables mode, A-2-1): requests the end of the OPC
+/// The function block OPCUA_Shutdown (W588, A-2-1): requests the end of the OPC
 /// UA functions so that power can be turned off. An instance belongs to one PLC task, which calls
 /// it in each scan; calls take a bounded number of steps, whatever the server does.
 class BUSBAR_API OpcuaShutdown {

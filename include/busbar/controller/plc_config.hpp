@@ -37,13 +37,13 @@ enum class PlcProgramKind : std::uint8_t {
     Toggle, // inverts a Boolean
     Copy,   // gives `target` the value of `source`
     // Treats bit 0 of an integer as a request: clears it, and gives `sets` the value `to`. A
-    // program that carries out Methods of model mode does the same (manual of model mode, 8.3).
+    // program that carries out Methods of model mode does the same (SH-082679, 8.3).
     Acknowledge,
-    // Executes the instruction OPCUA_Shutdown as long as a Boolean is TRUE (manual of variables
-    // mode, A-2), and writes the result to `sets`: 0 nothing yet, 1 busy, 2 done, otherwise its
+    // Executes the instruction OPCUA_Shutdown as long as a Boolean is TRUE
+    // (W588, A-2), and writes the result to `sets`: 0 nothing yet, 1 busy, 2 done, otherwise its
     // ErrorID.
     Shutdown,
-    // Executes the instruction GetPLCError (seed 000, 9-1-1): gives a number the code of the
+    // Executes the instruction GetPLCError (W588, 9-1-1): gives a number the code of the
     // highest current error, 0 if there is none, and `sets` its level: 0 none, 2 partial fault, 3
     // minor fault.
     PlcError,

@@ -9,7 +9,7 @@
 
 namespace busbar::controller {
 
-/// The name of the <data> that says how a variable is published (manual of variables mode, 3-3-1),
+/// The name of the <data> that says how a variable is published (W588, 3-3-1),
 /// in the <addData> of a <variable> or, for variables without one, of their <globalVars>:
 ///
 ///     <addData><data name="urn:busbar:network-publish" handleUnknown="preserve">

@@ -130,7 +130,7 @@ struct DerivedType {
     ProgramPlace place{};
 };
 
-/// The visibility of a variable (manual of variables mode, 3-3-1). All except Hidden are the same
+/// The visibility of a variable (W588, 3-3-1). All except Hidden are the same
 /// for OPC UA.
 enum class NetworkPublish : std::uint8_t { Hidden, PublishOnly, Input, Output };
 

@@ -40,8 +40,8 @@ struct ProgramImageAddition {
     server::ImageMemory* memory{nullptr};
 };
 
-/// The published variables of a program in a process image: each as in the manual of variables
-/// mode, 6-2-2, with its initial value.
+/// The published variables of a program in a process image: each as in the
+/// W588, 6-2-2, with its initial value.
 ///
 /// A variable starts with the declared value, otherwise with that of its type, otherwise with 0,
 /// the first name of an enumeration, the lower end of a subrange without 0, or an empty text. A
@@ -66,7 +66,7 @@ public:
                                                          EncodingOf encoding_of,
                                                          const ProgramImageOptions& options = {});
 
-    /// Adds variables while the task runs (manual of variables mode, 4-2-5: online edit), like
+    /// Adds variables while the task runs (W588, 4-2-5: online edit), like
     /// create(): indices into the variables of `types`' program, which may be another one and is
     /// not needed afterwards. No scan waits for it; each has all of them or none, starting with the
     /// task's next publish(). An empty list has no effect.

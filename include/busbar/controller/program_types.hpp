@@ -113,13 +113,13 @@ enum class ElementaryTypes : std::uint8_t {
     /// Those of OPC 30000, version 1.02, for the types that it defines: BYTE, WORD, DWORD, LWORD,
     /// TIME (Int64), DATE, TIME_OF_DAY (UInt32), DATE_AND_TIME and STRING.
     Plcopen,
-    /// Only those of OPC UA itself, as in the manual of variables mode, 6-2-2: TIME is Double,
+    /// Only those of OPC UA itself, as in W588, 6-2-2: TIME is Double,
     /// TIME_OF_DAY and the dates are DateTime, bit strings the unsigned integers.
     BuiltIn,
 };
 
 /// Returns the type that it is published as: TIME as a Double of milliseconds, dates and times of
-/// day as DateTime, bit strings as unsigned integers (manual of variables mode, 6-2-2); but with
+/// day as DateTime, bit strings as unsigned integers (W588, 6-2-2); but with
 /// Plcopen TIME as an Int64 of milliseconds, TIME_OF_DAY as a UInt32 of milliseconds since midnight
 /// (OPC 30000, 9.2). Enumerations are Int32.
 [[nodiscard]] BUSBAR_API BuiltInType

@@ -11,11 +11,11 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
 
-/// The project of model mode (manual of model mode, 9.3): the complete configuration of a server
+/// The project of model mode (SH-082679, 9.3): the complete configuration of a server
 /// module, as plain values and as one file.
 namespace busbar::controller {
 
-/// An information model: a NodeSet2 file that includes its mapping (manual of model mode, Appendix
+/// An information model: a NodeSet2 file that includes its mapping (SH-082679, Appendix
 /// 8).
 struct ProjectModel {
     /// The file that it was imported from, for messages: "Server_A.xml".
@@ -25,7 +25,7 @@ struct ProjectModel {
     friend bool operator==(const ProjectModel&, const ProjectModel&) = default;
 };
 
-/// The programs with which a user may connect to the server (manual of model mode, 9.7).
+/// The programs with which a user may connect to the server (SH-082679, 9.7).
 enum class ProjectPermission : std::uint8_t { Tool, Client, ToolAndClient };
 
 struct ProjectUser {
@@ -40,7 +40,7 @@ struct ProjectUser {
 /// The use of a listener.
 enum class ListenerUse : std::uint8_t { DataAndAdministration, Data, Administration };
 
-/// An Ethernet port (manual of model mode, 9.8).
+/// An Ethernet port (SH-082679, 9.8).
 struct ProjectListener {
     ListenerUse use{ListenerUse::DataAndAdministration};
     /// IPv4; empty for every address of the machine, if it is the only listener.
@@ -63,7 +63,7 @@ struct ProjectNetwork {
     friend bool operator==(const ProjectNetwork&, const ProjectNetwork&) = default;
 };
 
-/// The security of channels and the users that may log in (manual of model mode, 9.9).
+/// The security of channels and the users that may log in (SH-082679, 9.9).
 struct ProjectSecurity {
     /// Names for crypto::find_policy_by_name. If empty, every policy of the build is allowed, and
     /// no security as well.
@@ -82,7 +82,7 @@ struct ProjectSecurity {
     friend bool operator==(const ProjectSecurity&, const ProjectSecurity&) = default;
 };
 
-/// The contents of the server's own certificate (manual of model mode, 9.10); empty values are
+/// The contents of the server's own certificate (SH-082679, 9.10); empty values are
 /// omitted.
 struct ProjectCertificate {
     std::string server_name;
@@ -95,7 +95,7 @@ struct ProjectCertificate {
     friend bool operator==(const ProjectCertificate&, const ProjectCertificate&) = default;
 };
 
-/// Where the server registers (manual of model mode, 9.11).
+/// Where the server registers (SH-082679, 9.11).
 struct ProjectDiscovery {
     /// Empty: nowhere.
     std::string url;
@@ -104,7 +104,7 @@ struct ProjectDiscovery {
     friend bool operator==(const ProjectDiscovery&, const ProjectDiscovery&) = default;
 };
 
-/// The way in which values of the PLC are collected (manual of model mode, 9.12).
+/// The way in which values of the PLC are collected (SH-082679, 9.12).
 enum class ProjectSampling : std::uint8_t { Standard, HighSpeedItems, HighSpeedVariables };
 
 struct Project {
@@ -160,7 +160,7 @@ inline constexpr std::uint32_t project_version = 1;
 [[nodiscard]] BUSBAR_API Configured<Project>
 read_project(std::string_view document, const std::string& file, const ProjectLimits& limits = {});
 
-/// Checks whether the values are valid (manual of model mode, 9.7 to 9.12, and Appendix 6 with the
+/// Checks whether the values are valid (SH-082679, 9.7 to 9.12, and Appendix 6 with the
 /// preset). Reports the first that is not: `where` is "[listener 2] address". Models are only
 /// counted: see load_models.
 [[nodiscard]] BUSBAR_API Configured<void> check(const Project& project);
@@ -182,7 +182,7 @@ struct ProjectValue {
 [[nodiscard]] BUSBAR_API std::vector<ProjectValue> values_of(const Project& project);
 
 /// Returns the URLs for clients, such as "opc.tcp://192.168.3.40:4840", of each listener for data,
-/// with its address and with the host name (manual of model mode, 9.8).
+/// with its address and with the host name (SH-082679, 9.8).
 [[nodiscard]] BUSBAR_API std::vector<std::string> endpoint_urls(const ProjectNetwork& network);
 
 /// Returns the resulting allowed security, limited to the policies of this build (manual of model

@@ -7,7 +7,7 @@
 #include <busbar/controller/project.hpp>
 #include <busbar/core/api.hpp>
 
-/// Verification of one project with another (manual of model mode, 9.13): the list of differences.
+/// Verification of one project with another (SH-082679, 9.13): the list of differences.
 namespace busbar::controller {
 
 struct ProjectDifference {

@@ -26,7 +26,7 @@ BUSBAR_API void keep_models(const ModelSet& models, Project& project);
 /// Like load_models, as ProjectStore::Check: checks whether a server could load the project. Nodes
 /// that cannot be mapped are not a problem.
 [[nodiscard]] BUSBAR_API Configured<void> check_models(const Project& project);
-/// Also checks whether everything that is mapped could be served (manual of model mode, 8.3: a
+/// Also checks whether everything that is mapped could be served (SH-082679, 8.3: a
 /// wrong mapping is unavailable): by check_mapping, and by the rules for names of labels.
 [[nodiscard]] BUSBAR_API Configured<void> check_mapped_models(const Project& project);
 /// Calls check_mapping for a project's models, with the names of labels; with a preset also with

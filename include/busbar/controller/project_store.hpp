@@ -15,7 +15,7 @@
 
 namespace busbar::controller {
 
-/// The project stored by a server module (manual of model mode, 9.13), and one that a tool
+/// The project stored by a server module (SH-082679, 9.13), and one that a tool
 /// transfers: staged in the Storage, checked as a whole, and then put in place of the other one in
 /// one step. A transfer that is interrupted, refused or cut off by a power failure leaves the old
 /// one.

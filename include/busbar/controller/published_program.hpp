@@ -71,7 +71,7 @@ public:
     /// variable that has changed, which requires a download. The image is not checked. Any thread.
     [[nodiscard]] static Configured<void> check_edit(std::span<const Edition> editions,
                                                      const CheckedProgram& edited);
-    /// Applies an online edit (manual of variables mode, 3-3-2, 4-2-5 and 6-2-2): `edited` is the
+    /// Applies an online edit (W588, 3-3-2, 4-2-5 and 6-2-2): `edited` is the
     /// whole program. Variables with new names are added, with their types, and those that it no
     /// longer has are removed; a changed publish attribute counts as one of the two. `image` is the
     /// one from make_image(), and is extended; its task may run, and does not wait. The place of a

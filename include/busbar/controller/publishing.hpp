@@ -17,7 +17,7 @@ namespace busbar {
 class LogSink;
 } // namespace busbar
 
-/// Decides which variables of a program are published to clients (manual of variables mode, 6-2-2),
+/// Decides which variables of a program are published to clients (W588, 6-2-2),
 /// without a server.
 namespace busbar::controller {
 
@@ -29,14 +29,14 @@ struct VariableFacts;
 /// A limit of all variables together.
 enum class PublishingLimit : std::uint8_t { Variables, Values, DataTypes };
 
-/// Returns the name used in logs: "MaxVariables", "MaxValues", "MaxDataTypes" (manual of variables
-/// mode, 7-1-6, code 0100).
+/// Returns the name used in logs: "MaxVariables", "MaxValues", "MaxDataTypes"
+/// (W588, 7-1-6, code 0100).
 [[nodiscard]] BUSBAR_API std::string_view name(PublishingLimit limit);
 
 using PublishingLimitSet = std::bitset<3>; // indexed by PublishingLimit
 
 /// The reason why a variable by itself is not published, in the order of the checks: that of the
-/// conditions in the manual of variables mode, 1-2-2. Other tables of the manual have other orders;
+/// conditions in W588, 1-2-2. Other tables of the manual have other orders;
 /// in that of 7-1-6 no variable could have too many elements, since its size would be found first.
 enum class UnpublishedReason : std::uint8_t {
     MatrixOfStructures,
@@ -51,9 +51,9 @@ enum class UnpublishedReason : std::uint8_t {
 
 /// Returns the name used in logs, with the manual's spelling: "MultiDimensionalArray" for the first
 /// two, "NestedStructre", "Union", "SubscriptOfArray", "MaxArrayElements", "MaxMembers", "MaxSize"
-/// (manual of variables mode, 7-1-6, code 0101).
+/// (W588, 7-1-6, code 0101).
 [[nodiscard]] BUSBAR_API std::string_view name(UnpublishedReason reason);
-/// Returns the bit of the attached information of event 35D40000 (manual of variables mode, 9-2-2).
+/// Returns the bit of the attached information of event 35D40000 (W588, 9-2-2).
 [[nodiscard]] BUSBAR_API std::uint16_t event_bit(UnpublishedReason reason);
 
 struct PublishedVariable {
@@ -115,8 +115,8 @@ public:
     PublicationGroup add(const ProgramTypes& program);
 
     /// Discards the decisions about these variables, given by their folded names; variables
-    /// excluded by a limit stay excluded, since only added ones are checked (manual of variables
-    /// mode, 6-2-2). Returns the names of those that were published.
+    /// excluded by a limit stay excluded, since only added ones are checked
+    /// (W588, 6-2-2). Returns the names of those that were published.
     std::vector<std::string> remove(const std::unordered_set<std::string>& names);
 
     /// In the order of the checks; one group after another.
@@ -139,7 +139,7 @@ public:
     [[nodiscard]] std::uint64_t values() const { return values_; }
     [[nodiscard]] std::uint64_t data_types() const { return data_types_.size(); }
 
-    /// UnpublishedVariablesStatus (manual of variables mode, 6-2-1): bits 0 to 2 for the limits
+    /// UnpublishedVariablesStatus (W588, 6-2-1): bits 0 to 2 for the limits
     /// over all, bit 3 if a variable by itself is not published.
     [[nodiscard]] std::uint16_t status_bits() const;
     /// The event_bits of the variables that are not published, from position `first` on.
@@ -167,7 +167,7 @@ private:
 
 /// Records the result for all variables, or for a group that was added: VariablePublished and
 /// VariableNotPublished in the order of the checks, then PublishingLimitExceeded, then
-/// VariablesCounted with the totals (manual of variables mode, 7-1-7).
+/// VariablesCounted with the totals (W588, 7-1-7).
 BUSBAR_API void tell(LogSink& log, const Publication& publication);
 BUSBAR_API void tell(LogSink& log, const Publication& publication, const PublicationGroup& group);
 

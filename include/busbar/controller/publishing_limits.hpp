@@ -34,7 +34,7 @@ struct PublishingLimits {
     friend bool operator==(const PublishingLimits&, const PublishingLimits&) = default;
 };
 
-/// NJ501 (manual of variables mode, 1-2-2): 10,000 variables, 10,000 values, 100 structure
+/// NJ501 (W588, 1-2-2): 10,000 variables, 10,000 values, 100 structure
 /// definitions; 1,024 bytes, 1,024 elements, 100 members and three levels of each; no first index
 /// other than 0, no matrices with structures, no unions. The same for NX102.
 [[nodiscard]] BUSBAR_API PublishingLimits nj501_publishing();

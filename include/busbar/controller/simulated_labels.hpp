@@ -24,7 +24,7 @@ struct SimulatedLabelsOptions {
     /// Maximum number of requests waiting for scans. More answer TooManyOperations.
     std::size_t max_waiting{64};
     /// Points, which are words or single bits, that all requests together read and write at the end
-    /// of one scan (manual of model mode, 8.3: access unit); the rest waits for the next scans. 0:
+    /// of one scan (SH-082679, 8.3: access unit); the rest waits for the next scans. 0:
     /// all at once, so that nothing is torn. One value is never divided, however long it is.
     std::uint32_t access_unit{0};
     /// Whether labels can be sampled in each scan at all.

@@ -22,7 +22,7 @@
 #include <busbar/model/space_reader.hpp>
 
 /// The structure of a Variable's or Argument's value: leaves, each of which can be mapped to a
-/// label (manual of model mode, 8.2).
+/// label (SH-082679, 8.2).
 namespace busbar::controller {
 
 struct ShapeLimits {

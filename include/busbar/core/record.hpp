@@ -67,7 +67,7 @@ enum class RecordKind : std::uint8_t {
     ReferencesAdded,   // [SourceNodeId, ReferenceTypeId, TargetNodeId]
     ReferencesDeleted, // the same
 
-    // The life cycle of a controller's server (manual of variables mode, 4-2-4), which has no audit
+    // The life cycle of a controller's server (W588, 4-2-4), which has no audit
     // events.
     ServerStarted,
     ServerPreparing, // its endpoints and nodes are being created
@@ -80,20 +80,20 @@ enum class RecordKind : std::uint8_t {
     /// [Name, Reason, Size, ErrorDetails]: a rule excludes one variable (manual of variables mode,
     /// 7-1-6, 35D40000).
     VariableNotPublished,
-    /// [Code]: 0001, 0002, 0003, 0005 or 0302 (manual of variables mode, 9-2-2, 15000000).
+    /// [Code]: 0001, 0002, 0003, 0005 or 0302 (W588, 9-2-2, 15000000).
     ExecutionLogLost,
-    /// The own certificate and the trust lists are lost (manual of variables mode, 9-2-2,
+    /// The own certificate and the trust lists are lost (W588, 9-2-2,
     /// 95D40000).
     SecurityCleared,
     /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
     PublishingLimitExceeded,
     /// [Code, Instruction, and if known Location, Line, Instance]: an instruction of the
     /// controller's program failed; the code is a UInt16 followed, after 5401, by the event's code
-    /// (manual of variables mode, 9-2-2).
+    /// (W588, 9-2-2).
     InstructionFailed,
     ExecutionLogSaved, // works again, after ExecutionLogLost
     /// [Level: "Major fault", "Partial fault" or "Minor fault", Where: "CPU Unit"]: a fault of the
-    /// controller (manual of variables mode, 9-1-2).
+    /// controller (W588, 9-1-2).
     MachineFault,
     /// [Reason]: a configuration cannot be used, and another one is in force; status Good: it is
     /// used now, or no longer requested.

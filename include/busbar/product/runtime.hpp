@@ -27,7 +27,7 @@ struct ProgramAddition;
 
 namespace busbar::product {
 
-/// Events that only a controller's hardware and firmware know (manual of variables mode, 4-1-4 and
+/// Events that only a controller's hardware and firmware know (W588, 4-1-4 and
 /// 9-2).
 enum class HardwareEvent : std::uint8_t {
     MajorFault,
@@ -40,7 +40,7 @@ enum class HardwareEvent : std::uint8_t {
     MediumIn,
 };
 
-/// The storage medium of a runtime, on which the execution log is written (seed 000, 7-4): a memory
+/// The storage medium of a runtime, on which the execution log is written (W588, 7-4): a memory
 /// card, for example. The runtime reports each change of its state, also before the controller
 /// starts; the controller looks several times a second, as it does at its own folder. Any thread.
 class StorageMedium {
@@ -98,7 +98,7 @@ public:
     /// The mode switch was turned. Soon the controller is in this mode, or the log says why not;
     /// Runtime::mode_changed reports it.
     virtual void switch_mode(controller::MachineMode mode) = 0;
-    /// The result of the instruction GetPLCError (manual of variables mode, 9-1-1), also for the
+    /// The result of the instruction GetPLCError (W588, 9-1-1), also for the
     /// scan of a PLC; see
     /// controller/machine_event_log.hpp.
     [[nodiscard]] virtual std::optional<controller::PlcError> plc_error() const = 0;
@@ -121,7 +121,7 @@ public:
     [[nodiscard]] virtual bool start([[maybe_unused]] const Cycle& cycle) { return false; }
     /// Waits for a running scan. start() may follow.
     virtual void stop() {}
-    /// The program was edited online (manual of variables mode, 3-3-2): added variables are in the
+    /// The program was edited online (W588, 3-3-2): added variables are in the
     /// scans from the next one on, removed ones are not visible any more, and their memory stays in
     /// use. Scans continue meanwhile.
     virtual void edited([[maybe_unused]] const controller::ProgramAddition& change) {}

@@ -198,7 +198,7 @@ public:
     /// memory are best left to the runtime, which may be using it.
     using FillMemory = FunctionRef<StatusCode(ImageMemory& memory)>;
 
-    /// Adds variables while the task runs (manual of variables mode, 6-2-2: online edit). They are
+    /// Adds variables while the task runs (W588, 6-2-2: online edit). They are
     /// created and filled here; the task adopts them at its next publish(), without waiting or
     /// allocating, and each scan has all of them or none. References to other variables stay valid,
     /// and added ones are never removed. Until then Reads answer Bad_WaitingForInitialData.

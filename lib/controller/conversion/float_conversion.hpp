@@ -7,8 +7,8 @@
 #include <busbar/core/status_code.hpp>
 #include <busbar/core/status_codes.hpp>
 
-/// The tables "Floating point conversion" (seed 001, 8.2). Their borders are printed with seven and
-/// fifteen digits; here they are the greatest and the least normal number of single and double
+/// The tables "Floating point conversion" (SH-082679, 8.2). Their borders are printed with seven
+/// and fifteen digits; here they are the greatest and the least normal number of single and double
 /// precision themselves, so that all of a type's numbers are in its range.
 namespace busbar::controller::detail {
 

@@ -12,7 +12,7 @@ struct MappedType {
     const binary::DynamicType* structure{nullptr};
 };
 
-/// "Data types that can be assigned to other DataTypes" and "Subtype handling" (seed 001, 8.2).
+/// "Data types that can be assigned to other DataTypes" and "Subtype handling" (SH-082679, 8.2).
 /// A refusal has no path.
 [[nodiscard]] Expected<MappedType, ShapeRefusal>
 use_of(const model::SpaceReader& space, const binary::DynamicTypes& types, const NodeId& data_type);

@@ -6,7 +6,7 @@
 
 namespace busbar::controller::detail {
 
-/// What code points that Shift-JIS has not become: the katakana middle dot (seed 001, 8.2).
+/// What code points that Shift-JIS has not become: the katakana middle dot (SH-082679, 8.2).
 inline constexpr std::uint16_t shift_jis_middle_dot = 0x8145;
 inline constexpr char32_t replacement_character = 0xFFFD;
 

@@ -18,7 +18,7 @@ struct FoundLabel {
     bool is_unsampled{false};
 };
 
-/// Looks up a name as seed 001, 8.3 writes it. What is no such name is NotAName.
+/// Looks up a name as SH-082679, 8.3 writes it. What is no such name is NotAName.
 [[nodiscard]] FoundLabel find_label(const LabelProgram& program, std::string_view name);
 
 } // namespace busbar::controller::detail

@@ -50,7 +50,7 @@ constexpr std::array timer_rows{
     TimerRow{"LCOUNTER", LabelType::LongCounter, ElementaryType::Udint},
 };
 
-/// Function devices and the step relay (seed 001, 8.3). J1\X0 and U0\G0 besides: no other device's
+/// Function devices and the step relay (SH-082679, 8.3). J1\X0 and U0\G0 besides: no other device's
 /// name begins with these letters.
 constexpr std::array<std::string_view, 4> unsampled_devices{"FX", "FY", "FD", "S"};
 

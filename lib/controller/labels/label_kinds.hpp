@@ -19,7 +19,7 @@ namespace busbar::controller::detail {
 [[nodiscard]] bool is_utf16_text(const TypeUse& use, const ProgramTypes& types);
 
 /// Whether what lies at an address, as "%FX0" or "U3E0\G10", cannot be sampled in each scan
-/// (seed 001, 8.3: collectible devices). False for an empty one.
+/// (SH-082679, 8.3: collectible devices). False for an empty one.
 [[nodiscard]] BUSBAR_API bool is_unsampled_device(std::string_view address);
 
 } // namespace busbar::controller::detail

@@ -9,7 +9,7 @@ namespace {
 using backend::LabelRequest;
 using backend::LabelStatus;
 
-/// What points of Sample are counted in (seed 001, 8.3, error 1941H).
+/// What points of Sample are counted in (SH-082679, 8.3, error 1941H).
 constexpr std::uint64_t sampling_unit = 8'192;
 
 std::uint64_t sampled_points(std::span<const LabelStep> steps)

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view life_source = "life cycle";
 
-// Seed 000, 7-1-6, *1.
+// W588, 7-1-6, *1.
 constexpr std::string_view configuration_error = "Configuration Error";
 constexpr std::string_view start_error = "Server Start Error";
 constexpr std::string_view system_error_reason = "OPC UA System Error";

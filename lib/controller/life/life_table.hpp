@@ -9,7 +9,7 @@
 #include <busbar/controller/machine_status.hpp>
 #include <busbar/core/record.hpp>
 
-/// The life of a controller and its server as tables (seed 000, 4-1, 4-2-4 and 9-1-2): what each
+/// The life of a controller and its server as tables (W588, 4-1, 4-2-4 and 9-1-2): what each
 /// state is, where each cause leads, and what the logs are told of it. A log is told nothing else.
 namespace busbar::controller::detail {
 

@@ -12,7 +12,7 @@ namespace busbar::controller {
 
 namespace {
 
-// Why records are not saved (seed 000, 9-2-2, 15000000).
+// Why records are not saved (W588, 9-2-2, 15000000).
 constexpr std::uint16_t code_away = 0x0001;
 constexpr std::uint16_t code_unusable = 0x0002;
 constexpr std::uint16_t code_protected = 0x0003;
@@ -142,7 +142,7 @@ Stored<void> ExecutionLog::write_pending()
         const std::lock_guard queue_lock{queue_mutex_};
         has_overflowed = std::exchange(has_overflowed_, false);
     }
-    // What waits for a medium that is out is not lost yet (seed 000, 7-4-3).
+    // What waits for a medium that is out is not lost yet (W588, 7-4-3).
     const bool is_useless = fault == code_unusable && waiting() != 0;
     if (fault && (has_overflowed || is_useless)) {
         tell_lost(*fault);

@@ -161,7 +161,7 @@ Items log_published(const Record& record, DateTime)
 
 // Of the category AUTH.
 
-/// The message of the list in seed 000, 7-1-6 *2 that means the same.
+/// The message of the list in W588, 7-1-6 *2 that means the same.
 StatusCode application_error(StatusCode status)
 {
     if (status == status::Bad_CertificateChainIncomplete) {
@@ -212,7 +212,7 @@ Items log_security_settings(const Record& record, DateTime)
     return record.status.is_bad() ? Items{} : Items{{"Update", ""}};
 }
 
-/// Users and roles are told as such; of settings those of security are meant (seed 000, 3-2-6).
+/// Users and roles are told as such; of settings those of security are meant (W588, 3-2-6).
 Items log_settings(const Record& record, DateTime now)
 {
     return flag_field(record, "IsSecurity", false) ? log_security_settings(record, now) : Items{};
@@ -235,7 +235,7 @@ Items log_expiring(const Record& record, DateTime now)
 
 Items log_expired(const Record& record, DateTime)
 {
-    // There is no code for one of a list (seed 000, 5-1-1).
+    // There is no code for one of a list (W588, 5-1-1).
     return text_field(record, "ListName").empty()
                ? Items{{"Expired_Server", certificate_columns(record)}}
                : Items{};

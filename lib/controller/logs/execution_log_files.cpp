@@ -126,7 +126,7 @@ Stored<void> ExecutionLogFiles::open()
     return opened;
 }
 
-/// Numbers go on across files and restarts (seed 000, 7-1-6).
+/// Numbers go on across files and restarts (W588, 7-1-6).
 Stored<void> ExecutionLogFiles::find_serial()
 {
     if (const auto last = leading_serial(file_.last_line(), '\t')) {
@@ -202,7 +202,7 @@ Stored<void> ExecutionLogFiles::write_control()
     return written;
 }
 
-/// The current file gets a name by the time (seed 000, 7-1-5), behind all others: the first by name
+/// The current file gets a name by the time (W588, 7-1-5), behind all others: the first by name
 /// is the oldest, also if the clock was set back.
 Stored<void> ExecutionLogFiles::begin_new_file()
 {

@@ -14,7 +14,7 @@
 
 namespace busbar::controller::detail {
 
-/// "OPCUA_ExecutionLog.log" and the others of seed 000, 7-1-5.
+/// "OPCUA_ExecutionLog.log" and the others of W588, 7-1-5.
 inline constexpr std::string_view current_log_name = "OPCUA_ExecutionLog.log";
 inline constexpr std::string_view log_control_name = "OPCUA_ExecutionLog.fjc";
 

@@ -10,7 +10,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// Seed 000, 7-1-6, without the hyphens of its line breaks. Discard is 0103: 9-3 errs.
+/// W588, 7-1-6, without the hyphens of its line breaks. Discard is 0103: 9-3 errs.
 constexpr std::array log_codes{
     ExecutionLogCode{"SERVER", 1, "Start", "OPC UA Server started"},
     ExecutionLogCode{"SERVER", 4, "Prepare", "Preparing of OPC UA Server started"},

@@ -13,7 +13,7 @@
 /// What both logs write of a record.
 namespace busbar::controller::detail {
 
-/// Bytes that a name may have in a log (seed 000, 7-1-6).
+/// Bytes that a name may have in a log (W588, 7-1-6).
 inline constexpr std::size_t max_logged_name = 60;
 
 /// At least so many digits.

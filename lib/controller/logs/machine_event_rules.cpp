@@ -248,7 +248,7 @@ std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime
     if (record.kind == RecordKind::VariableNotPublished) {
         note_not_published(record);
     } else if (record.kind == RecordKind::VariablesCounted && not_published_ != 0) {
-        // One for all variables (seed 000, 9-2-2).
+        // One for all variables (W588, 9-2-2).
         all.push_back({unsupported_type, {hex_text(std::exchange(not_published_, 0), 2)}});
     }
     std::vector<MachineEvent> events;

@@ -10,7 +10,7 @@
 
 namespace busbar::controller::detail {
 
-/// Which events a record is, and which errors stand after it (seed 000, 9-2-2). Starts with no
+/// Which events a record is, and which errors stand after it (W588, 9-2-2). Starts with no
 /// error, as a controller does. One thread at a time; uses nothing but memory.
 class MachineEventRules {
 public:

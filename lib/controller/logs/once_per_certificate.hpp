@@ -11,7 +11,7 @@
 namespace busbar::controller::detail {
 
 /// Notices of the server's certificate come again each day. The logs have each once, until a
-/// restart or until there is another certificate (seed 000, 7-1-1 and 9-2-2).
+/// restart or until there is another certificate (W588, 7-1-1 and 9-2-2).
 class OncePerCertificate {
 public:
     /// False for a notice that has been told of the same certificate; true for everything else.

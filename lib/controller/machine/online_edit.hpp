@@ -6,7 +6,7 @@
 namespace busbar::controller::detail {
 
 // Whether what of `edited` is in `before` too is what it is there: the nodes of DataTypes stay, and
-// a variable that stays keeps its node and its place in the image (seed 000, 3-3-2 and 4-2-5).
+// a variable that stays keeps its node and its place in the image (W588, 3-3-2 and 4-2-5).
 // Problems are about `edited`.
 
 /// No type is another one.

@@ -7,8 +7,8 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// False if there is a label for a leaf of a type that no label can have (seed 001, 8.2). A project
-/// with such a mapping is refused; one that is there costs its node alone.
+/// False if there is a label for a leaf of a type that no label can have (SH-082679, 8.2). A
+/// project with such a mapping is refused; one that is there costs its node alone.
 bool can_have_labels(const ValueShape& shape, const std::vector<std::string>& labels)
 {
     for (std::size_t i = 0; i < std::min(labels.size(), shape.leaf_count()); ++i) {

@@ -9,7 +9,7 @@
 
 namespace busbar::controller::detail {
 
-/// Elements that have attributes (seed 001, appendix 8).
+/// Elements that have attributes (SH-082679, appendix 8).
 enum class ExtensionElement : std::uint8_t {
     DataMapping,
     Element,

@@ -16,9 +16,9 @@ namespace busbar::controller::detail {
 [[nodiscard]] Mapping translate(const Mapping& mapping, const model::SpaceReader& from,
                                 const model::SpaceReader& to);
 
-/// What is mapped after an import, before and after which there are the two AddressSpaces (seed
-/// 001, 9.4, Node setting and mapping information handling). `imported` is the mapping in the file
-/// of the namespace `index` of `after`.
+/// What is mapped after an import, before and after which there are the two AddressSpaces
+/// (SH-082679, 9.4, Node setting and mapping information handling). `imported` is the mapping in
+/// the file of the namespace `index` of `after`.
 [[nodiscard]] Mapping merge(const Mapping& mapping, const model::SpaceReader& before,
                             Mapping imported, std::uint16_t index, const model::SpaceReader& after,
                             ModelReports& reports);

@@ -165,7 +165,7 @@ NodePlaces::NodePlaces(const model::SpaceReader& space, const std::vector<std::s
         entry.is_counted = space.node_class(node) == NodeClass::Variable &&
                            walk.is(node, below_objects) && !walk.is(node, below_server) &&
                            !walk.is(node, below_aliases) && !walk.is(node, below_method);
-        // Levels are limited of what is not Server's own (seed 001, 2.1, note 5).
+        // Levels are limited of what is not Server's own (SH-082679, 2.1, note 5).
         entry.level = walk.is(node, below_server) ? 0 : entry.level;
     });
 }

@@ -6,7 +6,7 @@
 
 namespace busbar::controller::detail {
 
-/// The types of namespace 0 whose instances RD81OPC96 does not support (seed 001, 2.1). Refers to
+/// The types of namespace 0 whose instances RD81OPC96 does not support (SH-082679, 2.1). Refers to
 /// `space`, whose types must stay what they are.
 class UnsupportedTypes {
 public:

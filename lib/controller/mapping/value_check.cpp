@@ -41,7 +41,7 @@ ModelCode code_of(ShapeError error)
     }
 }
 
-/// Ranks that mapping array specification may choose for a ValueRank (seed 001, 8.2 and 9.5).
+/// Ranks that mapping array specification may choose for a ValueRank (SH-082679, 8.2 and 9.5).
 bool allows_rank(std::int32_t value_rank, std::int32_t rank)
 {
     constexpr std::int32_t scalar_or_one = -3;

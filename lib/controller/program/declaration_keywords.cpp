@@ -174,7 +174,7 @@ bool number_fits(ElementaryType type, const Variant& value)
 
 namespace {
 
-/// What is in a device's name before its number (seed 001, 8.3, Collectible devices).
+/// What is in a device's name before its number (SH-082679, 8.3, Collectible devices).
 constexpr std::array<std::string_view, 52> device_names{
     "FX", "FY",  "FD",  "SM",  "SD", "X",   "Y",   "M",   "L",   "F",    "V",    "B",    "D",
     "W",  "T",   "TS",  "TC",  "TN", "LT",  "LTS", "LTC", "LTN", "C",    "CS",   "CC",   "CN",

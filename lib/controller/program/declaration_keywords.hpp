@@ -32,7 +32,7 @@ enum class WordKind : std::uint8_t {
 [[nodiscard]] BUSBAR_API bool number_fits(ElementaryType type, const Variant& value);
 
 /// "%IX0.0", "%MW10", "%Q*": a place, a size and numbers between points (IEC 61131-3, 6.5.5.1);
-/// "%D100", "%U0\\G1": a device as seed 001 names it (8.3, Collectible devices).
+/// "%D100", "%U0\\G1": a device as SH-082679 names it (8.3, Collectible devices).
 [[nodiscard]] BUSBAR_API bool is_direct_address(std::string_view text);
 
 } // namespace busbar::controller::detail

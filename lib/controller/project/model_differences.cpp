@@ -44,7 +44,7 @@ void append_xml(std::string& to, const pugi::xml_node& node)
     node.print(writer, "", pugi::format_raw);
 }
 
-/// Labels of the elements of a mapping (seed 001, Appendix 8), by what it writes of them.
+/// Labels of the elements of a mapping (SH-082679, Appendix 8), by what it writes of them.
 void collect_labels(const pugi::xml_node& element, const std::string& path, std::size_t level,
                     std::map<std::string, std::string>& labels)
 {

@@ -18,14 +18,14 @@ namespace detail {
 namespace {
 
 constexpr std::string_view project_preset = "rd81opc96";
-/// Seed 001, 2.1.
+/// SH-082679, 2.1.
 constexpr std::size_t max_preset_files = 10;
 constexpr std::size_t max_preset_size = 20U << 20U;
 /// As [discovery] of busbar-controller has it: 10 minutes at most (Part 12, 4.3.3).
 constexpr std::uint32_t min_registration = 10;
 constexpr std::uint32_t max_registration = 600;
 
-/// What RFC 5280 (A.1) allows, and seed 001 (Appendix 6).
+/// What RFC 5280 (A.1) allows, and SH-082679 (Appendix 6).
 struct CertificateField {
     std::string_view name;
     std::string ProjectCertificate::*value;

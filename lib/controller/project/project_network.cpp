@@ -47,7 +47,7 @@ ValueProblem check_listener(const ProjectListener& listener, std::size_t index, 
 }
 
 /// Two networks of which one has the other in it are one: which listener an answer leaves by would
-/// be open (seed 001, 9.8, note 1).
+/// be open (SH-082679, 9.8, note 1).
 bool is_one_network(const ProjectListener& a, const ProjectListener& b)
 {
     const std::uint32_t mask = *ipv4_of(a.mask) & *ipv4_of(b.mask);

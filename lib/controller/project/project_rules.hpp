@@ -15,8 +15,8 @@ using ValueProblem = std::optional<Problem>;
 [[nodiscard]] ValueProblem wrong_value(std::string where, std::string_view found,
                                        std::string_view expected);
 
-/// What may stand in a value with a preset (seed 001, Appendix 6). The shading of that table is not
-/// in the text: letters, digits and the underscore, as its footnotes imply.
+/// What may stand in a value with a preset (SH-082679, Appendix 6). The shading of that table is
+/// not in the text: letters, digits and the underscore, as its footnotes imply.
 enum class Characters : std::uint8_t {
     Any,
     Word,      // letters, digits, underscore

@@ -20,7 +20,7 @@ struct ReasonRow {
 };
 
 /// In the order of UnpublishedReason. Two have one name in the execution log and a bit each in the
-/// event (seed 000, 7-1-6 and 9-2-2).
+/// event (W588, 7-1-6 and 9-2-2).
 constexpr std::array reason_rows{
     ReasonRow{"MultiDimensionalArray", 0, "is an array of structures with several dimensions"},
     ReasonRow{"MultiDimensionalArray", 1, "has a member that is an array of several dimensions"},

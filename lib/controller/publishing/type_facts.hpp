@@ -11,7 +11,7 @@
 
 namespace busbar::controller::detail {
 
-/// What the rules of seed 000, 6-2-2 ask of a structure or union, with all that lies in it.
+/// What the rules of W588, 6-2-2 ask of a structure or union, with all that lies in it.
 struct TypeFacts {
     std::uint64_t values{0};
     std::uint64_t members{0}; // its own

@@ -40,7 +40,7 @@ struct ToAdminister {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// Whether that would work, and if not, why not.
     std::function<Configured<void>()> may_restart;
-    /// Whether a machine is in RUN, in which users and roles stay as they are (seed 000, 3-2-6).
+    /// Whether a machine is in RUN, in which users and roles stay as they are (W588, 3-2-6).
     std::function<bool()> is_in_run;
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> users_changed;

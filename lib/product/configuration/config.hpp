@@ -101,7 +101,7 @@ struct FilesConfig {
     administration::FileLimits limits;
 };
 
-/// A controller that publishes the variables of its program by itself (seed 000).
+/// A controller that publishes the variables of its program by itself (W588).
 struct MachineConfig {
     /// Null: there is none.
     std::shared_ptr<const controller::CheckedProgram> program;
@@ -113,7 +113,7 @@ struct MachineConfig {
     std::shared_ptr<const std::string> program_text;
     /// Of the folder that has everything; empty: the server's name.
     std::string name;
-    /// Whether there is an OPC UA server for clients (seed 000, 3-2-2): without one the program
+    /// Whether there is an OPC UA server for clients (W588, 3-2-2): without one the program
     /// runs, and no port is opened. Counts from a start on.
     bool is_used{true};
     controller::MachineMode mode{controller::MachineMode::Run};
@@ -122,7 +122,7 @@ struct MachineConfig {
     /// The memory card: where the execution log is.
     std::string medium_folder{"busbar-medium"};
     controller::ExecutionLogSettings execution_log;
-    /// Of events that have another one than the system's (seed 000, 9-2-1).
+    /// Of events that have another one than the system's (W588, 9-2-1).
     std::vector<controller::EventLevelChoice> event_levels;
     /// Whether clients may tell what its hardware would (see publish_hardware).
     bool simulates_hardware{false};
@@ -133,7 +133,7 @@ struct MachineConfig {
     controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
 };
 
-/// The PLC whose variables are labels, for a server of model mode (seed 001, 8.3).
+/// The PLC whose variables are labels, for a server of model mode (SH-082679, 8.3).
 struct LabelConfig {
     /// Null: there are none.
     std::shared_ptr<const controller::Program> program;

@@ -49,7 +49,7 @@ channel::SecuritySetting read_setting(const TomlTable& table)
             mode == "Sign" ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt};
 }
 
-/// `policies` and `mode` (seed 001, 9.9): these policies with the mode and every stronger one.
+/// `policies` and `mode` (SH-082679, 9.9): these policies with the mode and every stronger one.
 /// Where none is named: None, and whatever is not deprecated.
 SecuritySettings read_policies(const TomlTable& table)
 {
@@ -89,7 +89,7 @@ SecuritySettings read_policies(const TomlTable& table)
     return settings;
 }
 
-/// `allow` (seed 000, 5-2-2): "None", "Sign - Basic256Sha256".
+/// `allow` (W588, 5-2-2): "None", "Sign - Basic256Sha256".
 SecuritySettings read_allowed(const TomlTable& table)
 {
     SecuritySettings settings;

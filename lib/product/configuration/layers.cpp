@@ -43,7 +43,7 @@ constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerCon
          [](const ControllerConfig& c) { return access_value(c.users.certified); }},
     }};
 
-/// What a project always says (seed 001, 9.7 to 9.11); of all else, what differs.
+/// What a project always says (SH-082679, 9.7 to 9.11); of all else, what differs.
 constexpr std::array<std::string_view, 6> project_settings{
     "endpoint",      "server.address",      "server.port", "certificates.trust_all_clients",
     "discovery.url", "discovery.interval_s"};

@@ -11,8 +11,8 @@
 
 namespace busbar::product {
 
-/// Settings that a machine takes in PROGRAM only: those of its server and of its security (seed
-/// 000, 3-2-2 and 3-2-6: "Changes in RUN mode").
+/// Settings that a machine takes in PROGRAM only: those of its server and of its security
+/// (W588, 3-2-2 and 3-2-6: "Changes in RUN mode").
 [[nodiscard]] std::span<const std::string_view> program_only_settings();
 
 /// Of a machine that is in RUN: Bad_InvalidState if one of those is another one in `next` than

@@ -30,7 +30,7 @@ void take_nj501(ControllerConfig& config)
     config.users.password_rules = server::nj501_password_rules();
     config.machine.publishing = controller::nj501_publishing();
     config.machine.types = controller::nj501_types();
-    config.least_port = 1'025; // seed 000, 3-2-2
+    config.least_port = 1'025; // W588, 3-2-2
 }
 
 void take_nx102(ControllerConfig& config)

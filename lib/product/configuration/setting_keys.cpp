@@ -84,7 +84,7 @@ std::vector<Setting> security_settings(const ControllerConfig& preset)
     };
 }
 
-/// Of the machine (seed 000, 3-2-2).
+/// Of the machine (W588, 3-2-2).
 std::vector<Setting> machine_settings()
 {
     return {

@@ -28,7 +28,7 @@ namespace busbar::product {
 /// True if the key stands for a list of tables, [[plc.variable]]: its value is a list of texts,
 /// each an inline table: `{ name = "Speed", type = "Int16" }`.
 [[nodiscard]] bool is_table_list(std::string_view name);
-/// True for what is of the security profile (seed 000, 3-2-6): who may come in, and how his
+/// True for what is of the security profile (W588, 3-2-6): who may come in, and how his
 /// messages are protected.
 [[nodiscard]] bool is_security_setting(std::string_view name);
 /// True if a change is in force at once.

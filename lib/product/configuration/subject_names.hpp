@@ -12,7 +12,7 @@ namespace busbar::product {
 
 /// What the own certificate says of its owner when it is made.
 struct SubjectNames {
-    /// "{address}" stands for the machine's address (seed 000, 3-2-4); empty: the server's name.
+    /// "{address}" stands for the machine's address (W588, 3-2-4); empty: the server's name.
     std::string common_name{};
     std::string organization{"Busbar"};
     std::string locality{};
@@ -39,7 +39,7 @@ inline constexpr std::array subject_keys{
     SubjectKey{"organizational_unit", &SubjectNames::organizational_unit, 64},
 };
 
-/// What seed 000 has its products make by themselves (3-2-4, 5-1-1).
+/// What W588 has its products make by themselves (3-2-4, 5-1-1).
 [[nodiscard]] SubjectNames nj501_subject();
 
 /// The names in a certificate for these hosts, the first of them the one that clients are given;

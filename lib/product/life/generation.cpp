@@ -42,7 +42,7 @@ std::int32_t local_utc_offset(DateTime now)
                : 0;
 }
 
-/// Only a restart lets a machine's server in again that is out (seed 000, 4-1-2).
+/// Only a restart lets a machine's server in again that is out (W588, 4-1-2).
 Configured<void> check_run(const Machine* machine)
 {
     const std::string why = machine != nullptr ? machine->why_out() : std::string{};

@@ -56,7 +56,7 @@ struct Requests {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate is another one.
     std::function<void()> renewed;
-    /// Who may come in, or how, is another one (seed 000, 4-2-5).
+    /// Who may come in, or how, is another one (W588, 4-2-5).
     std::function<void()> security_changed;
     /// The machine has other addresses.
     std::function<void()> address_changed;
@@ -163,7 +163,7 @@ private:
     void attach(const Requests& requests);
     /// Whether other information models than those that are served could be.
     [[nodiscard]] Configured<void> check_models(const ControllerConfig& next) const;
-    /// A machine's backups (seed 000, 8-2 and 8-3).
+    /// A machine's backups (W588, 8-2 and 8-3).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     backups(const Requests& requests);
     /// Its program.
@@ -171,7 +171,7 @@ private:
     programs(const Requests& requests);
     /// Puts in force what can be of another configuration while it runs.
     void apply(const ControllerConfig& next);
-    /// Those, and the project of model mode (seed 001, 9.13).
+    /// Those, and the project of model mode (SH-082679, 9.13).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     transfers(const Requests& requests);
 

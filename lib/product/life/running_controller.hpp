@@ -104,12 +104,12 @@ private:
     /// Suspended still tells what was done.
     void halt(const std::string& why, ServerState state = ServerState::Failed);
     /// A download brings back neither a server that is out until a restart nor a program that a
-    /// fault has stopped (seed 000, 4-1-2).
+    /// fault has stopped (W588, 4-1-2).
     void stay_out();
     void refuse_beginning(const Beginning& beginning);
     /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
     void listen_as_told();
-    /// Some seconds after the machine's memory was replaced: what runs is not of it (seed 000,
+    /// Some seconds after the machine's memory was replaced: what runs is not of it (W588,
     /// 8-3).
     void restart_replaced();
     void register_with_discovery_server(const ControllerConfig& config);
@@ -172,7 +172,7 @@ private:
     /// `before` is the document that was kept before, which counts again if it is refused: then the
     /// status says why.
     void download_soon(ProgramChange change, Reading reading, std::optional<std::string> before);
-    /// A download may bring other settings of the server, which change in PROGRAM only (seed 000,
+    /// A download may bring other settings of the server, which change in PROGRAM only (W588,
     /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
     /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online
     /// edit; empty: it could be. Throws ConfigError.

@@ -13,7 +13,7 @@ namespace busbar::product {
 /// fault", "partial fault", "partial fault of the server", "minor fault", "minor fault of the
 /// server", "watchdog", "medium out", "medium in", or of a medium "medium taken", "medium full" or
 /// "medium protected", until it is in; anything else is Bad_OutOfRange. For those who may stop a
-/// server: Engineer, ConfigureAdmin and SecurityAdmin (seed 000, 8-1).
+/// server: Engineer, ConfigureAdmin and SecurityAdmin (W588, 8-1).
 ///
 /// `happened` is called within the Call, on the server's thread. `table`, whose index is `source`,
 /// and `medium`, which may be null, must outlive the server.

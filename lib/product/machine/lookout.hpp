@@ -23,7 +23,7 @@ namespace busbar::product {
 inline constexpr std::chrono::seconds lookout_period{60};
 
 /// What nobody tells a controller that runs, and it has to look at: whether its own certificate
-/// still names the machine's addresses (seed 000, 3-2-2; event 15020000), and whether certificates
+/// still names the machine's addresses (W588, 3-2-2; event 15020000), and whether certificates
 /// of clients have expired (5-1-1).
 ///
 /// On the server's thread.

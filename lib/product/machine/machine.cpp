@@ -17,9 +17,9 @@ namespace busbar::product {
 
 namespace {
 
-/// Files of the execution log are at most 100 (seed 000, 7-1-5).
+/// Files of the execution log are at most 100 (W588, 7-1-5).
 constexpr std::size_t most_log_entries = 1'000;
-/// Programs whose Preparing the execution log has room for anyway (seed 000, 1-2-2).
+/// Programs whose Preparing the execution log has room for anyway (W588, 1-2-2).
 constexpr std::size_t usual_variables = 10'000;
 
 // Of the saver.
@@ -129,7 +129,7 @@ void Machine::tell_log_of_medium(bool is_in)
     if (is_in || !is_medium_there_) {
         execution_log_->medium_changed(is_in ? controller::LogMedium::In
                                              : controller::LogMedium::Out);
-    } else { // who is going to take it out gets what waits (seed 000, 7-4-3)
+    } else { // who is going to take it out gets what waits (W588, 7-4-3)
         static_cast<void>(execution_log_->release_medium());
     }
 }

@@ -57,7 +57,7 @@ private:
     std::atomic<bool> has_removed_{false};
 };
 
-/// What the manual of a shipping controller says of its server's life and logs (seed 000): here the
+/// What the manual of a shipping controller says of its server's life and logs (W588): here the
 /// hardware is simulated. Outlives servers, each of which publishes a MachineProgram.
 ///
 /// Everything on the servers' thread, but for the logs.
@@ -68,7 +68,7 @@ public:
     /// Why there is another server.
     enum class Cause : std::uint8_t { Restart, Download };
 
-    /// What has a server that runs reconfigured (seed 000, 4-2-5).
+    /// What has a server that runs reconfigured (W588, 4-2-5).
     using Change = void (controller::LifeCycle::*)();
     using Adding = FunctionRef<Configured<controller::ProgramAddition>()>;
     /// Has the servers' thread call medium_is(). Called by another one.
@@ -104,13 +104,13 @@ public:
     [[nodiscard]] bool serve(controller::InstructionDesk& desk);
     /// The server with this program is served from now on, at this URL, if there is to be one.
     /// `program` must outlive it, or shut_down(). If the server was being initialized until now,
-    /// instructions that are at `desk` came too early (seed 000, A-2-4).
+    /// instructions that are at `desk` came too early (W588, A-2-4).
     void run(MachineProgram& program, const std::string& endpoint_url,
              controller::InstructionDesk& desk);
     /// Whether this is still the machine that `config` would make.
     [[nodiscard]] bool fits(const ControllerConfig& config) const;
     /// A server with this program, which was made with `config`, has taken the place of another
-    /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
+    /// one; as run(), and the life goes through the states between (W588, 4-2-4).
     void replace(Cause cause, MachineProgram& program, const ControllerConfig& config,
                  controller::InstructionDesk& desk);
     /// The program that runs was edited online: `add` adds to it what is new, to the server, too,
@@ -121,7 +121,7 @@ public:
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
     /// The server is out until a restart, and all else goes on: the state is Shutdown, and logs are
-    /// saved (seed 000, 4-1-3).
+    /// saved (W588, 4-1-3).
     void shut_server_down(const std::string& reason);
     /// Why the server is out; empty: it is not.
     [[nodiscard]] std::string why_out() const;
@@ -129,7 +129,7 @@ public:
     void shut_down();
 
     /// The execution log, if there is one, as "ExecutionLog": whoever may see it reads its files,
-    /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1). The event log as "EventLog",
+    /// whoever may clear it removes them (W588, 7-2-2 and 8-1). The event log as "EventLog",
     /// for the same to read.
     [[nodiscard]] std::vector<administration::FileSystem> file_systems();
     /// Whether there are other files than at the last call. Any thread; waits for nothing.
@@ -148,7 +148,7 @@ public:
     /// nothing is saved until then.
     void values_replaced() { retained_->stop(); }
     /// Its memory was restored or cleared: the server's state is Shutdown, and a restart is due
-    /// (seed 000, 4-1-3). True as happen().
+    /// (W588, 4-1-3). True as happen().
     [[nodiscard]] bool memory_replaced();
 
 private:
@@ -196,7 +196,7 @@ private:
     std::optional<MachineRetained> retained_;
     std::unique_ptr<controller::LifeCycle> life_;
     std::uint32_t preparation_{0};
-    /// A restart is due (seed 000, 8-2 and 8-3).
+    /// A restart is due (W588, 8-2 and 8-3).
     bool is_memory_replaced_{false};
     /// Of an online edit, while that is made.
     const Adding* adding_{nullptr};

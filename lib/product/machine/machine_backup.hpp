@@ -16,7 +16,7 @@
 
 namespace busbar::product {
 
-/// Backup, restore, verification and Clear All Memory of a machine over OPC UA (seed 000, 8-2 and
+/// Backup, restore, verification and Clear All Memory of a machine over OPC UA (W588, 8-2 and
 /// 8-3): the Object "Backup" below Objects, a TemporaryFileTransferType. Its generateOptions are
 /// null for GenerateFileForRead of a backup file, and else one of these texts:
 ///
@@ -25,7 +25,7 @@ namespace busbar::product {
 ///     GenerateFileForWrite  "restore"                          a backup file follows
 ///                           "restore without security profile"
 ///                           "restore by command\n" and what is in a RestoreCommand.ini, of which
-///                               OpcuaSPF decides (seed 000, 8-2-2): a backup file follows
+///                               OpcuaSPF decides (W588, 8-2-2): a backup file follows
 ///                           "verify"                           a backup file follows
 ///                           "verify without security profile"
 ///                           "clear"                            an empty file follows
@@ -38,7 +38,7 @@ namespace busbar::product {
 ///
 /// After a restore and after a clearing a restart is due: until then nothing of the machine's
 /// memory changes, what would answers Bad_InvalidState, and so do another restore and another
-/// clearing. Clear All Memory wants PROGRAM mode, and answers Bad_InvalidState in RUN (seed 000,
+/// clearing. Clear All Memory wants PROGRAM mode, and answers Bad_InvalidState in RUN (W588,
 /// 8-3).
 ///
 /// What a restore or a clearing has replaced is told as records of settings, users, roles, trust
@@ -65,14 +65,14 @@ public:
         std::function<void(FunctionRef<void()>)> hold_files;
         /// Within that: the RETAIN values are others.
         std::function<void()> values_replaced;
-        /// The server is to stop, and a restart is due (seed 000, 4-1-3 and 4-1-4). The client has
+        /// The server is to stop, and a restart is due (W588, 4-1-3 and 4-1-4). The client has
         /// no answer yet.
         std::function<void()> replaced;
     };
 
     explicit MachineBackup(Needs needs);
 
-    /// For AdministrationParts::file_transfers: for SecurityAdmin, the administrator of seed 000,
+    /// For AdministrationParts::file_transfers: for SecurityAdmin, the administrator of W588,
     /// 8-1, who alone may change certificates and security settings.
     [[nodiscard]] administration::TemporaryFileTransfer transfer();
 

@@ -10,7 +10,7 @@ namespace busbar::product {
 
 /// What a machine keeps, as one Storage for its backups: the folder of certificates, in which also
 /// users, roles and settings lie, and in the folder "event-log" the event log, which lies elsewhere
-/// and is read only (seed 000, 8-2-1: saved, not restored). Threads and errors are those of both.
+/// and is read only (W588, 8-2-1: saved, not restored). Threads and errors are those of both.
 class MachineFiles final : public Storage {
 public:
     static constexpr std::string_view event_folder = "event-log";

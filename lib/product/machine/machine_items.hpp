@@ -8,7 +8,7 @@
 
 namespace busbar::product {
 
-/// What a machine's memory consists of (seed 000, 3-2-9, 8-2-1, 8-2-2 and 8-3), in a MachineFiles:
+/// What a machine's memory consists of (W588, 3-2-9, 8-2-1, 8-2-2 and 8-3), in a MachineFiles:
 /// the program and the server settings; the values of RETAIN variables; the security profile of
 /// certificates, revocation lists, users, roles and security settings (see is_security_setting),
 /// which lie in one file with the other settings and are a part of their own in backups; the event

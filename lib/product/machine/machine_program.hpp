@@ -22,7 +22,7 @@ namespace busbar::product {
 /// The name of a machine's folder.
 [[nodiscard]] const std::string& controller_name(const ControllerConfig& config);
 
-/// A machine's program as one server publishes it (seed 000, 6-2). Outlives that server, on whose
+/// A machine's program as one server publishes it (W588, 6-2). Outlives that server, on whose
 /// thread it is.
 class MachineProgram {
 public:
@@ -35,17 +35,16 @@ public:
     using MemoryOf = std::function<std::span<std::byte>(const controller::GlobalVariable&)>;
     [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server,
                                                             MemoryOf memory_of);
-    /// The nodes of seed 000, 6-2-1, after make_plc(), and what stands in the machine's log, which
+    /// The nodes of W588, 6-2-1, after make_plc(), and what stands in the machine's log, which
     /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
     /// Throws ConfigError.
     model::NodeIndex publish(server::Server& server, std::uint32_t source,
                              const controller::MachineEventLog& log);
 
-    /// Adds what `edited` has and the program has not, and takes out what it has not any more (seed
-    /// 000, 3-3-2 and 4-2-5), after publish(); the task may run, and waits for nothing. The problem
-    /// is that it takes a download: nothing was changed, or nodes are missing which a download
-    /// brings.
-    /// check_edit() must have found nothing against it.
+    /// Adds what `edited` has and the program has not, and takes out what it has not any more
+    /// (W588, 3-3-2 and 4-2-5), after publish(); the task may run, and waits for nothing. The
+    /// problem is that it takes a download: nothing was changed, or nodes are missing which a
+    /// download brings. check_edit() must have found nothing against it.
     [[nodiscard]] Configured<controller::ProgramAddition>
     edit(controller::PublishedProgram::Edition edited, server::Server& server);
 

@@ -23,7 +23,7 @@ struct ProgramBase {
     PlcTrial trial;
 };
 
-/// Whether an online edit makes the last edition to this program (seed 000, 3-3-2). Any thread.
+/// Whether an online edit makes the last edition to this program (W588, 3-3-2). Any thread.
 [[nodiscard]] Configured<void>
 check_edit(std::span<const controller::PublishedProgram::Edition> editions,
            const controller::CheckedProgram& edited);

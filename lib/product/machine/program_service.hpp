@@ -59,7 +59,7 @@ struct ProgramVerdict {
     std::string against_download{};
 };
 
-/// A machine's program over OPC UA (seed 000, 3-3-2 and 4-1-4): the Object "Program" below Objects,
+/// A machine's program over OPC UA (W588, 3-3-2 and 4-1-4): the Object "Program" below Objects,
 /// a TemporaryFileTransferType. Its generateOptions are null for GenerateFileForRead of the
 /// program's text, and else one of these texts:
 ///
@@ -100,7 +100,7 @@ public:
     explicit ProgramService(Needs needs);
 
     /// For AdministrationParts::file_transfers: for those who may transfer a project, which are
-    /// administrator and designer (seed 000, 8-1).
+    /// administrator and designer (W588, 8-1).
     [[nodiscard]] administration::TemporaryFileTransfer transfer();
 
     [[nodiscard]] Result<std::vector<std::byte>>

@@ -53,7 +53,7 @@ struct StatusSources {
     const PendingChanges& pending;
 };
 
-/// What the server's status says (seed 000, 4-2-1): Use, OperatingStatus, EndPoint (empty unless it
+/// What the server's status says (W588, 4-2-1): Use, OperatingStatus, EndPoint (empty unless it
 /// is Running), ConnectedClients, ConnectedUsers and their names; and beyond that HaltReason,
 /// RestartReasons (empty: none is due), PendingChanges and CurrentErrors, each with what to do, and
 /// GoesOnWithoutServer (a shutdown does not end the controller).

@@ -53,7 +53,7 @@ void apply_users(const Project& project, UserConfig& users, const SettingValues&
             account.roles = {"ConfigureAdmin", "SecurityAdmin"};
             if (user.permission == ProjectPermission::ToolAndClient) {
                 account.roles.emplace_back("Operator");
-            } else { // seed 001, 9.7: Configuration tool only
+            } else { // SH-082679, 9.7: Configuration tool only
                 account.access = AccountAccess::None;
             }
         }
@@ -151,7 +151,7 @@ void add_property(model::AddressSpace& space, model::NodeIndex object, const std
     expect(space.add_property(node, std::move(variable)), "Module/" + name);
 }
 
-/// Seed 001, 9.14. The third item, the server's status, is ServerStatus.State of the Server.
+/// SH-082679, 9.14. The third item, the server's status, is ServerStatus.State of the Server.
 model::NodeIndex add_module(model::AddressSpace& space, const std::string& version)
 {
     model::NewNode node;

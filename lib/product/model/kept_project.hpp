@@ -25,7 +25,7 @@ struct PublishedProject {
     model::NodeIndex module;
 };
 
-/// The project of a server in model mode, which lies in a folder of its own (seed 001, 9.3), and
+/// The project of a server in model mode, which lies in a folder of its own (SH-082679, 9.3), and
 /// what is made of it. On the server's thread.
 class KeptProject {
 public:
@@ -42,7 +42,7 @@ public:
     /// online, have said.
     void apply(ControllerConfig& config, const administration::SettingValues& changes) const;
     /// Adds the models' nodes to the server, and the Object "Module" with OperationMode and Version
-    /// (seed 001, 9.14); logs what there is to say. Throws ConfigError. Any thread.
+    /// (SH-082679, 9.14); logs what there is to say. Throws ConfigError. Any thread.
     [[nodiscard]] PublishedProject publish(server::Server& server, const std::string& version,
                                            LogSink& log) const;
     /// The one that is served; null if there is none yet. Another one that is written meanwhile

@@ -14,7 +14,7 @@
 
 namespace busbar::product {
 
-/// Writes what happens to labels to the log: the events and error codes of seed 001, 8.3. Of many
+/// Writes what happens to labels to the log: the events and error codes of SH-082679, 8.3. Of many
 /// errors the first ones of each minute, and how many more there were: an error that goes on is
 /// told again and again, and fills no log.
 class LabelLog final : public controller::MappedObserver {

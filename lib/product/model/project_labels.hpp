@@ -11,9 +11,9 @@
 namespace busbar::product {
 
 /// The labels of a project that the PLC which runs has not, or has of another type than their nodes
-/// (seed 001, 8.2 and 8.3). None where the PLC has to be asked for its labels: the server does that
-/// once the project counts. A problem is one of the project's models. Takes time in proportion to
-/// the project; any thread.
+/// (SH-082679, 8.2 and 8.3). None where the PLC has to be asked for its labels: the server does
+/// that once the project counts. A problem is one of the project's models. Takes time in proportion
+/// to the project; any thread.
 [[nodiscard]] Configured<std::vector<controller::LabelDifference>>
 label_differences(const controller::Project& project, const backend::LabelBackend& plc);
 

@@ -17,7 +17,7 @@
 
 namespace busbar::product {
 
-/// The project of model mode over OPC UA (seed 001, 9.13 and 9.14): the Object "Project" below
+/// The project of model mode over OPC UA (SH-082679, 9.13 and 9.14): the Object "Project" below
 /// Objects, a TemporaryFileTransferType. Its generateOptions are null for GenerateFileForRead of
 /// the project file, and else one of these texts:
 ///

@@ -126,7 +126,7 @@ std::optional<CallResult> CallJob::plan(const ServiceContext& context, std::size
         return CallResult{status::Bad_NotExecutable};
     }
     if (!is_executable(space, *method)) {
-        // A Method of an ObjectType itself has nothing to act on (manual of model mode, 8.1).
+        // A Method of an ObjectType itself has nothing to act on (SH-082679, 8.1).
         const bool is_type = space.node_class(space.find(call.object_id)) == NodeClass::ObjectType;
         return CallResult{is_type ? status::Bad_NotSupported : status::Bad_NotImplemented};
     }

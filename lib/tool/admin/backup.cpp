@@ -43,7 +43,7 @@ Json report_of(RemoteTransfer& transfer)
     return json ? *std::move(json) : Json{};
 }
 
-/// What a restore came to. The server stops after it (seed 000, 4-1-3), so that there may be nobody
+/// What a restore came to. The server stops after it (W588, 4-1-3), so that there may be nobody
 /// who says so.
 std::string restored_text(RemoteTransfer& transfer)
 {

@@ -10,12 +10,12 @@
 
 namespace busbar::tool::admin {
 
-/// Whether a file of this name is one of an execution log (seed 000, 7-1-5): also no path.
+/// Whether a file of this name is one of an execution log (W588, 7-1-5): also no path.
 [[nodiscard]] bool is_log_name(std::string_view name);
 /// Whether it is the one that is being written.
 [[nodiscard]] bool is_current_log(std::string_view name);
 
-/// The columns of seed 000, 7-2-2, for an output of so many columns.
+/// The columns of W588, 7-2-2, for an output of so many columns.
 [[nodiscard]] std::string log_title(std::size_t columns);
 /// An entry below that title. Details that there is no room for stand below it.
 [[nodiscard]] std::string log_line(const controller::ExecutionLogEntry& entry, std::size_t columns);

@@ -29,7 +29,7 @@ std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
 }
 
 /// The one that the server uses for this connection, for those who may see it but not export it
-/// (seed 000, 8-1); nothing if this user may not.
+/// (W588, 8-1); nothing if this user may not.
 std::optional<crypto::Certificate> displayed(Connection& connection)
 {
     const Variant shown =
@@ -180,7 +180,7 @@ std::vector<std::string> hosts_of_now(const std::string& connected, const Varian
     return hosts;
 }
 
-/// "NxOpcUaServer@192.0.2.50" has the address of now after the @ (seed 000, 3-2-5).
+/// "NxOpcUaServer@192.0.2.50" has the address of now after the @ (W588, 3-2-5).
 void renew_address(std::string& common_name, const std::vector<std::string>& hosts)
 {
     const auto addresses_of = [](const std::vector<std::string>& names) {

@@ -14,7 +14,7 @@ namespace busbar::tool::admin {
 namespace {
 
 constexpr const char* log_folder = "ExecutionLog";
-/// 65,536 records of 256 bytes are 16 MiB (seed 000, 7-1-5).
+/// 65,536 records of 256 bytes are 16 MiB (W588, 7-1-5).
 constexpr std::size_t max_log_size = 64U << 20U;
 constexpr std::size_t max_log_files = 100;
 

@@ -12,7 +12,7 @@
 
 namespace busbar::tool::admin {
 
-/// The execution log of a server, which shares its files as the folder "ExecutionLog" (seed 000,
+/// The execution log of a server, which shares its files as the folder "ExecutionLog" (W588,
 /// 7-2). All of it throws Failure.
 class RemoteLog {
 public:

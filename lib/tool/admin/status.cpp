@@ -44,7 +44,7 @@ std::string number(const Variant& value)
     return "not told";
 }
 
-/// What a busbar-controller says of itself (seed 000, 4-2-1), in its own namespace.
+/// What a busbar-controller says of itself (W588, 4-2-1), in its own namespace.
 Variant fact(Connection& connection, const char* name)
 {
     return read(connection, NodeId{1, String{"Status/" + std::string{name}}});

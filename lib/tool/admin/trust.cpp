@@ -114,7 +114,7 @@ Additions read_additions(const std::vector<std::string>& files)
     return additions;
 }
 
-/// What the server has is not added, and what it has rejected is moved from there (seed 000,
+/// What the server has is not added, and what it has rejected is moved from there (W588,
 /// 3-2-5).
 void check_certificates(const Additions& additions, const TrustRows& rows, const char* to)
 {

@@ -17,7 +17,7 @@ namespace {
 using controller::ModelReport;
 using controller::ReportResult;
 
-/// An item of the status bar or of a tooltip of it (seed 001, 4.2).
+/// An item of the status bar or of a tooltip of it (SH-082679, 4.2).
 struct Counter {
     const char* name;
     std::uint64_t count;
@@ -104,7 +104,7 @@ controller::ModelReports check_program(const controller::Project& project, const
     return *std::move(reports);
 }
 
-/// What the button of the output window does (seed 001, 4.2), for settings too.
+/// What the button of the output window does (SH-082679, 4.2), for settings too.
 Exit check_project(Context& context, const ProjectArguments& arguments)
 {
     const controller::Project project = open_project(arguments.words[0]);

@@ -54,7 +54,7 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
 Exit show_tree(Context& context, const ProjectArguments& arguments);
 /// What labels are declared as, and the DataTypes of nodes that can be mapped to them.
 Exit list_label_types(Context& context, const ProjectArguments& arguments);
-/// All that a model says of one node, and what of it can be mapped to what (seed 001, 9.4). `text`
+/// All that a model says of one node, and what of it can be mapped to what (SH-082679, 9.4). `text`
 /// is a NodeId or a path from the Root.
 Exit show_node(Context& context, const controller::Project& project, const std::string& text);
 

@@ -16,7 +16,7 @@ void append_to(std::string& list, std::string_view text)
     list += (list.empty() ? "" : ", ") + std::string{text};
 }
 
-/// The row of the tables "Data types of labels" (seed 001, 8.2).
+/// The row of the tables "Data types of labels" (SH-082679, 8.2).
 void add_type(const controller::DeclaredLabelType& declared, Table& table, JsonLine& json)
 {
     controller::LabelTypes types;

@@ -154,7 +154,7 @@ Exit map_node(Context& context, const ProjectArguments& arguments)
         context, safe(words[1]) + (is_cleared ? ": nothing is mapped" : " is " + safe(words[2])));
 }
 
-/// Rank and dimensions of an array that does not say them itself (seed 001, 9.5), with the first
+/// Rank and dimensions of an array that does not say them itself (SH-082679, 9.5), with the first
 /// labels of it: without any label it is not kept.
 Exit specify_array(Context& context, const ProjectArguments& arguments)
 {

@@ -39,7 +39,7 @@ Exit import_model(Context& context, const ProjectArguments& arguments)
 }
 
 /// Named after the namespace, with "_1", "_2" and so on where a file of that name is there and is
-/// not replaced (seed 001, 9.4).
+/// not replaced (SH-082679, 9.4).
 std::string default_file(const std::string& uri, bool replaces)
 {
     std::vector<std::string> taken;

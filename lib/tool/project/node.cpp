@@ -91,7 +91,7 @@ private:
     JsonLine json_;
 };
 
-/// All that the tool of seed 001 shows of a node, in the tabs of its subwindow and in the tree.
+/// All that the tool of SH-082679 shows of a node, in the tabs of its subwindow and in the tree.
 class NodePage {
 public:
     NodePage(const ModelSet& models, NodeIndex node)

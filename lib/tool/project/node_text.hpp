@@ -14,7 +14,7 @@
 
 namespace busbar::tool::project {
 
-/// "-1 (Scalar)", as the tool of seed 001 shows it (9.4).
+/// "-1 (Scalar)", as the tool of SH-082679 shows it (9.4).
 [[nodiscard]] std::string rank_text(std::int32_t rank);
 /// "2,3"
 [[nodiscard]] std::string dimensions_text(std::span<const std::uint32_t> dimensions);

@@ -19,7 +19,7 @@ namespace {
 using controller::MappablePart;
 using controller::ModelSet;
 
-/// A row of the tree (seed 001, 9.4). What a part or an argument does not have stays empty.
+/// A row of the tree (SH-082679, 9.4). What a part or an argument does not have stays empty.
 struct TreeRow {
     std::string name{};
     std::string display_name{};
@@ -119,7 +119,7 @@ std::string TreeLister::mapping_of(const NodeId& id) const
     return found != mapping.methods.end() ? several(controller::count_labels(found->second)) : "";
 }
 
-/// "Int16[3]", as the tool of seed 001 shows it (9.5).
+/// "Int16[3]", as the tool of SH-082679 shows it (9.5).
 std::string type_with_dimensions(const std::string& type, std::int32_t rank,
                                  std::span<const std::uint32_t> dimensions)
 {

@@ -28,7 +28,7 @@ namespace busbar::test {
 /// Something to be done so much later, on the machine's thread.
 using DoLater = std::function<void(Duration, std::function<void()>)>;
 
-/// A controller of seed 000 with all that it keeps, between two times that it is switched on: what
+/// A controller of W588 with all that it keeps, between two times that it is switched on: what
 /// it has to remember lies in the two media. What only hardware and people do are calls.
 class VirtualMachine final : private controller::ServerOperator {
 public:

@@ -6,7 +6,7 @@
 
 namespace label_change_test {
 
-// Labels that change (seed 001, 8.3: label-related data update), and the programs of a PLC.
+// Labels that change (SH-082679, 8.3: label-related data update), and the programs of a PLC.
 
 using namespace busbar;
 using namespace busbar::controller;

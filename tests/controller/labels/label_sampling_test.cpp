@@ -4,7 +4,7 @@
 
 namespace label_sampling_test {
 
-// Sampling in each scan (seed 001, 8.3: high-speed sampling).
+// Sampling in each scan (SH-082679, 8.3: high-speed sampling).
 
 using namespace busbar;
 using namespace busbar::controller;

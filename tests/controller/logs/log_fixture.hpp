@@ -14,7 +14,7 @@
 /// Records as the layers tell them, that live as long as the test needs.
 namespace busbar::test {
 
-/// 2017-10-17T14:52:50.747Z, when the examples of seed 000, 7-1-7 begin.
+/// 2017-10-17T14:52:50.747Z, when the examples of W588, 7-1-7 begin.
 inline constexpr DateTime example_start{DateTime::from_unix_seconds(1'508'251'970).ticks +
                                         7'470'000};
 

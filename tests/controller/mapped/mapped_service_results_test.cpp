@@ -2,7 +2,7 @@
 
 namespace mapped_service_results_test {
 
-// What a whole service answers, not each of its nodes (seed 001, 8.1).
+// What a whole service answers, not each of its nodes (SH-082679, 8.1).
 
 using namespace busbar;
 using namespace busbar::test;

@@ -10,7 +10,7 @@ namespace label_check_test {
 using namespace busbar;
 using namespace busbar::controller;
 
-// Seed 001, 8.2 and 8.3: the labels of a project and those of a PLC, before a server asks it.
+// SH-082679, 8.2 and 8.3: the labels of a project and those of a PLC, before a server asks it.
 
 namespace {
 

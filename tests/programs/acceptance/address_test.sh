@@ -1,6 +1,6 @@
 #!/bin/sh
 # The machine has another address than before while its server runs: the server is made anew, and
-# says that its certificate does not name that address (seed 000, 3-1-1 and 4-2-5).
+# says that its certificate does not name that address (W588, 3-1-1 and 4-2-5).
 # usage: address_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

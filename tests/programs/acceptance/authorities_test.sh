@@ -1,5 +1,5 @@
 #!/bin/sh
-# Who may do what (seed 000, 8-1): each of the 25 rows of the manual's table, tried by a user of
+# Who may do what (W588, 8-1): each of the 25 rows of the manual's table, tried by a user of
 # each of its five levels. Who may not is refused with a reason, and has changed nothing.
 # usage: authorities_test.sh CONTROLLER BUSBAR
 set -u

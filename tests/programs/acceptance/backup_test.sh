@@ -1,6 +1,6 @@
 #!/bin/sh
 # A unit takes the place of another one: program, settings of files too, values of RETAIN variables,
-# users, roles and certificates come with a backup, but not the certificate of the server (seed 000,
+# users, roles and certificates come with a backup, but not the certificate of the server (W588,
 # 8-2-1, 8-2-2 and 8-2-4). After each step the power goes.
 # usage: backup_test.sh CONTROLLER BUSBAR
 set -u

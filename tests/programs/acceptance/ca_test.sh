@@ -1,5 +1,5 @@
 #!/bin/sh
-# Clients whose certificates a CA signed: what has to be registered for whom (seed 000, A-3-2), in
+# Clients whose certificates a CA signed: what has to be registered for whom (W588, A-3-2), in
 # the six cases of the manual's table, and what the tool does for it (A-3-3).
 # usage: ca_test.sh CONTROLLER BUSBAR
 set -u

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The names of a project in the server's certificate, also where that was made before there was a
-# project (seed 001, 9.10), and the records of certificates that come and go.
+# project (SH-082679, 9.10), and the records of certificates that come and go.
 # usage: certificate_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -37,7 +37,7 @@ logged 'other names are configured' && fail "the certificate has the names"
 shut_down
 
 # What comes into the folders of a machine that runs, and goes, is in the execution log once; what
-# was there at the start is not (seed 000, 7-1-1).
+# was there at the start is not (W588, 7-1-1).
 machine >> controller.toml
 press 17 > press.st
 mine=$(ls pki/trusted/certs)

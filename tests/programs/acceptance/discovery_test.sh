@@ -1,7 +1,7 @@
 #!/bin/sh
 # The server of a project registers with a discovery server, by which clients find it while it runs,
-# and no longer (seed 001, 9.11). The discovery server is node-opcua's, which comes with the peers of
-# tests/interop; without it this is left out.
+# and no longer (SH-082679, 9.11). The discovery server is node-opcua's, which comes with the peers
+# of tests/interop; without it this is left out.
 # usage: discovery_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The instruction OPCUA_Shutdown, as the user program executes it (seed 000, A-2): the server is shut
+# The instruction OPCUA_Shutdown, as the user program executes it (W588, A-2): the server is shut
 # down and the program goes on, what fails is an event, and a restart brings the server back.
 # usage: instruction_test.sh CONTROLLER BUSBAR
 set -u
@@ -70,8 +70,8 @@ corrected() {
 }
 await corrected
 
-# Executed in the first scan, which the server is still initialized in, once more often than there are
-# places: it fails with its codes, and the server runs.
+# Executed in the first scan, which the server is still initialized in, once more often than there
+# are places: it fails with its codes, and the server runs.
 power_cut
 {
     echo VAR_GLOBAL

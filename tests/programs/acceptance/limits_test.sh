@@ -1,6 +1,6 @@
 #!/bin/sh
-# The limits of the product of model mode for what a project may hold (seed 001, 2.1): one more of each
-# is told with its code, and the characters that names may have (Appendix 6).
+# The limits of the product of model mode for what a project may hold (SH-082679, 2.1): one more of
+# each is told with its code, and the characters that names may have (Appendix 6).
 # usage: limits_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

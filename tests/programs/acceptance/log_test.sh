@@ -1,6 +1,6 @@
 #!/bin/sh
 # The execution log: its records, files and settings, how it is looked at, fetched and cleared, what
-# becomes of it without its medium, and the shutdown that saves it (seed 000, 3-2-8 and chapter 7).
+# becomes of it without its medium, and the shutdown that saves it (W588, 3-2-8 and chapter 7).
 # usage: log_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

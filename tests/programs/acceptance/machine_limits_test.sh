@@ -1,5 +1,5 @@
 #!/bin/sh
-# What the manual of variables mode promises and where it ends (seed 000, 1-2-2): transport, models,
+# What the manual of variables mode promises and where it ends (W588, 1-2-2): transport, models,
 # sessions, variables, certificates, ways in; with the limits of its product.
 # usage: machine_limits_test.sh CONTROLLER BUSBAR
 set -u

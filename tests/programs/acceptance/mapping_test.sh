@@ -1,5 +1,5 @@
 #!/bin/sh
-# Values of a model's nodes that are labels of a PLC (seed 001, 8.2 and 8.3): conversions and their
+# Values of a model's nodes that are labels of a PLC (SH-082679, 8.2 and 8.3): conversions and their
 # ranges, parts that are mapped, what labels can be, and what becomes of nodes when labels change.
 # usage: mapping_test.sh CONTROLLER BUSBAR
 set -u

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Users, network, security, certificate and discovery of a project of model mode (seed 001, 9.7 to
+# Users, network, security, certificate and discovery of a project of model mode (SH-082679, 9.7 to
 # 9.11): what can be chosen, what is refused with which reason, and what a server makes of it.
 # usage: model_settings_test.sh CONTROLLER BUSBAR
 set -u

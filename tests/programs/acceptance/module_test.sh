@@ -1,7 +1,7 @@
 #!/bin/sh
-# The module of model mode while it runs (seed 001, 4.1, 8.4, 8.5, 9.13 to 9.15): its first project,
-# what it says of itself, projects that are read, written, verified and taken up, or cannot be, and the
-# certificates of clients and users.
+# The module of model mode while it runs (SH-082679, 4.1, 8.4, 8.5, 9.13 to 9.15): its first
+# project, what it says of itself, projects that are read, written, verified and taken up, or cannot
+# be, and the certificates of clients and users.
 # usage: module_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A project of model mode without a server (seed 001, 9.3 to 9.6, 8.2 and Appendix 8): models,
+# A project of model mode without a server (SH-082679, 9.3 to 9.6, 8.2 and Appendix 8): models,
 # everything that they say of a node, what can be mapped, mapping by hand and by spreadsheet, and
 # what is refused with its reason.
 # usage: offline_test.sh CONTROLLER BUSBAR

@@ -1,6 +1,6 @@
 #!/bin/sh
 # From a controller whose server is not used to values that a client reads and writes, and what to
-# look at then: the steps of the manual's procedure (seed 000, 1-3-1), over the network once there
+# look at then: the steps of the manual's procedure (W588, 1-3-1), over the network once there
 # is one.
 # usage: procedure_test.sh CONTROLLER BUSBAR
 set -u

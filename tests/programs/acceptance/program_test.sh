@@ -1,6 +1,6 @@
 #!/bin/sh
 # The program of a controller, at the machine and from afar: checked, compared, edited online,
-# downloaded and taken back, and the mode that a download waits for (seed 000, 3-3-2, 4-1-4 and
+# downloaded and taken back, and the mode that a download waits for (W588, 3-3-2, 4-1-4 and
 # 8-1). After each step the power goes, and what was acknowledged is there again.
 # usage: program_test.sh CONTROLLER BUSBAR
 set -u
@@ -157,8 +157,8 @@ mode_is RUN
 power_cycle
 mode_is RUN
 
-# What was changed online is dropped at the machine: settings, and the program that was sent. It does
-# not come back, either, where the configuration is damaged later.
+# What was changed online is dropped at the machine: settings, and the program that was sent. It
+# does not come back, either, where the configuration is damaged later.
 program sent.st 'INT := 18' 'Depth : INT := 3;'
 as designer 0 admin program edit "$url" sent.st --yes
 value Depth 3

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A project of model mode over power cycles (seed 001, 9.13 and 9.14): what was written is served
+# A project of model mode over power cycles (SH-082679, 9.13 and 9.14): what was written is served
 # from the next start on, a damaged one is told while the last one runs, and each user does what
 # the permission says (9.7).
 # usage: project_test.sh CONTROLLER BUSBAR

@@ -1,6 +1,6 @@
 #!/bin/sh
 # What the troubleshooting says is done about certificates, those of clients and that of the server:
-# the trouble is there, the remedy is a command that exists, and it helps (seed 000, 9-3;
+# the trouble is there, the remedy is a command that exists, and it helps (W588, 9-3;
 # TROUBLESHOOTING.md).
 # usage: remedies_certificate_test.sh CONTROLLER BUSBAR
 set -u

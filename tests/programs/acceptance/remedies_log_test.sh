@@ -1,6 +1,6 @@
 #!/bin/sh
 # What the troubleshooting says is done where the execution log is empty, or values cannot be saved:
-# the trouble is there, and the remedy helps (seed 000, 9-3; TROUBLESHOOTING.md). Media that are full
+# the trouble is there, and the remedy helps (W588, 9-3; TROUBLESHOOTING.md). Media that are full
 # or write-protected are mounted for it, where that is allowed.
 # usage: remedies_log_test.sh CONTROLLER BUSBAR
 set -u

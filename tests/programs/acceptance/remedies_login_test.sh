@@ -1,6 +1,6 @@
 #!/bin/sh
 # What the troubleshooting says is done about logins and what users may: the trouble is there, the
-# remedy is a command that exists, and it helps (seed 000, 9-3; TROUBLESHOOTING.md).
+# remedy is a command that exists, and it helps (W588, 9-3; TROUBLESHOOTING.md).
 # usage: remedies_login_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,6 +1,6 @@
 #!/bin/sh
 # What the troubleshooting says is done where a node of a model is missing or wrong, or a project
-# does not become what is served: the trouble is there, the remedy exists, and it helps (seed 001,
+# does not become what is served: the trouble is there, the remedy exists, and it helps (SH-082679,
 # 10.3; TROUBLESHOOTING.md).
 # usage: remedies_node_test.sh CONTROLLER BUSBAR
 set -u

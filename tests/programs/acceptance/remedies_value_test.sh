@@ -1,7 +1,7 @@
 #!/bin/sh
 # What the troubleshooting says is done where values of a model cannot be read or written, change
-# late, or Methods are refused: the trouble is there, the remedy exists, and it helps (seed 001, 8.3
-# and 10.3; TROUBLESHOOTING.md).
+# late, or Methods are refused: the trouble is there, the remedy exists, and it helps (SH-082679,
+# 8.3 and 10.3; TROUBLESHOOTING.md).
 # usage: remedies_value_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,7 +1,7 @@
 #!/bin/sh
 # What the troubleshooting says is done about variables that are not shown, not read or written, not
 # subscribed to, or have lost their values: the trouble is there, the remedy exists, and it helps
-# (seed 000, 9-3; TROUBLESHOOTING.md).
+# (W588, 9-3; TROUBLESHOOTING.md).
 # usage: remedies_variable_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Values of RETAIN variables over power cycles (seed 000, 6-2-2): what a client was told is written
+# Values of RETAIN variables over power cycles (W588, 6-2-2): what a client was told is written
 # is there after kill -9, whenever it comes and whatever has become of the files.
 # usage: retained_test.sh CONTROLLER BUSBAR
 set -u

@@ -1,6 +1,6 @@
 #!/bin/sh
-# How values of a model come from the PLC (seed 001, 8.3 and 9.12): the sampling modes and what they
-# cannot sample, samples that come late, and values that are read over several scans.
+# How values of a model come from the PLC (SH-082679, 8.3 and 9.12): the sampling modes and what
+# they cannot sample, samples that come late, and values that are read over several scans.
 # usage: sampling_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Who may come in and how changes in PROGRAM only, and the logs have it (seed 000, 3-2-6 and 4-2-5).
+# Who may come in and how changes in PROGRAM only, and the logs have it (W588, 3-2-6 and 4-2-5).
 # usage: security_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,7 +1,7 @@
 #!/bin/sh
-# What a server of model mode says to clients' requests with the limits of its product (seed 001, 2.1,
-# 8.1 and 8.3): revised values, limits of each service, status codes, sampling and its time stamps.
-# usage: services_test.sh CONTROLLER BUSBAR
+# What a server of model mode says to clients' requests with the limits of its product (SH-082679,
+# 2.1, 8.1 and 8.3): revised values, limits of each service, status codes, sampling and its time
+# stamps. usage: services_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The settings of the server: address, use, port, end point and execution log, when a change counts,
-# and what transfers, restores and clears take of them (seed 000, 3-1-1, 3-2-2, 3-2-3 and 3-2-9).
+# and what transfers, restores and clears take of them (W588, 3-1-1, 3-2-2, 3-2-3 and 3-2-9).
 # usage: settings_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,6 +1,6 @@
 #!/bin/sh
 # A controller always starts: whatever has become of its program, its configuration, its settings,
-# its project or its addresses since it ran last (seed 000, 4-2-4; seed 001, 9.8 and 9.13).
+# its project or its addresses since it ran last (W588, 4-2-4; SH-082679, 9.8 and 9.13).
 # usage: start_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

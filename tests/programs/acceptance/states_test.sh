@@ -1,6 +1,6 @@
 #!/bin/sh
 # When the server runs, stops and is made anew: for its administrator, in each state of the CPU, and
-# with each change that reconfigures it (seed 000, 4-1, 4-2-4 and 4-2-5).
+# with each change that reconfigures it (W588, 4-1, 4-2-4 and 4-2-5).
 # usage: states_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -138,8 +138,8 @@ serves_nobody "after OPCUA_Shutdown"
 power_cycle
 step_ends
 status_is Running
-# Not to be used: it runs until the restart, and then there is none, until it is to be used again and
-# the power comes back.
+# Not to be used: it runs until the restart, and then there is none, until it is to be used again
+# and the power comes back.
 one_step
 chief 0 admin setting set "$url" machine.use false
 says 'wait for a restart: machine.use'
@@ -178,8 +178,8 @@ value Controller/DeviceState/ErrorState '"NoError"'
 
 entry variables 4-1-4: states of the CPU
 value Controller/DeviceState/Mode '"PROGRAM"'
-# Executed during a backup, an online edit and in RUN; stopped during a download and after a restore,
-# a clearing, a watchdog error and an error of the server.
+# Executed during a backup, an online edit and in RUN; stopped during a download and after a
+# restore, a clearing, a watchdog error and an error of the server.
 chief 0 admin backup "$url" whole.backup
 value Speed 17
 one_step

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a controller says of itself: its status as the tool prints it (seed 000, 4-2-1), faults (4-1-3
+# What a controller says of itself: its status as the tool prints it (W588, 4-2-1), faults (4-1-3
 # and 6-2-1), what is asked for and not in force, and past events with cause and correction (9-1-1);
 # for whom (8-1), and again after each power cut.
 # usage: status_test.sh CONTROLLER BUSBAR
@@ -96,8 +96,9 @@ as op 0 browse "$url" "nsu=urn:busbar:machine;s=Controller/"
 says 'Status'
 
 entry variables 9-1-1: error status
-# Faults of the controller: told, shown as 4-1-3 has it, and over after a reset. The program gets the
-# highest level and in that the highest code by GetPLCError, which a major fault does not change.
+# Faults of the controller: told, shown as 4-1-3 has it, and over after a reset. The program gets
+# the highest level and in that the highest code by GetPLCError, which a major fault does not
+# change.
 got 0 0 || fail "there is an error"
 one_step
 simulate "minor fault"

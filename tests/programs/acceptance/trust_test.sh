@@ -1,6 +1,6 @@
 #!/bin/sh
 # The certificate of the server and those of its clients: made, shown, exported, made again,
-# trusted, moved, removed, refused, and told when they expire (seed 000, 3-2-4, 3-2-5 and 5-1-1).
+# trusted, moved, removed, refused, and told when they expire (W588, 3-2-4, 3-2-5 and 5-1-1).
 # usage: trust_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The security settings: users, names and passwords, anonymous logins, policies and modes, each as a
-# whole and not in RUN; and connections with each of them (seed 000, 3-2-6, 5-1-2, 5-2 and 6-1).
+# whole and not in RUN; and connections with each of them (W588, 3-2-6, 5-1-2, 5-2 and 6-1).
 # usage: users_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2

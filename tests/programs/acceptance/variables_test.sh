@@ -1,6 +1,6 @@
 #!/bin/sh
 # The variables that a machine publishes: the controller's folder, their attributes, types and
-# restrictions, and the publish attribute (seed 000, 3-3-1, 6-2-1 and 6-2-2).
+# restrictions, and the publish attribute (W588, 3-3-1, 6-2-1 and 6-2-2).
 # usage: variables_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -240,7 +240,8 @@ recorded 'zNew SubscriptOfArray'
 step_ends
 
 entry variables A-1: start-up times
-# As many as there can be, of the type that the manual measures with; busbar-bench startup has times.
+# As many as there can be, of the type that the manual measures with; busbar-bench startup has
+# times.
 {
     printf "{attribute 'publish' := 'publish only'}\nVAR_GLOBAL\n"
     seq 10000 | sed 's/.*/    v& : INT := &;/'
