@@ -237,12 +237,23 @@ void check_token(const client::EndpointChoice& choice, const client::UserIdentit
     require(!policy->is_none() || is_hidden);
 }
 
+/// Whether a TransportProfileUri may be that of UA TCP: also a missing one, that of version 1.00,
+/// and one with a slash at its end.
+bool is_tcp(std::string_view uri)
+{
+    uri.remove_suffix(uri.ends_with('/') ? 1 : 0);
+    return uri.empty() || uri == transport ||
+           uri == "http://opcfoundation.org/UA/profiles/transport/uatcp";
+}
+
 /// That `choice` is what was wished for, at the host that was asked.
 void check_choice(const client::EndpointChoice& choice, const client::SecurityWishes& wishes)
 {
     const EndpointDescription& endpoint = choice.endpoint;
-    require(choice.policy == crypto::find_policy(endpoint.security_policy_uri.view()));
-    require(endpoint.transport_profile_uri.view() == transport);
+    const bool is_left_out = endpoint.security_policy_uri.empty() && choice.policy->is_none();
+    require(is_left_out ||
+            choice.policy == crypto::find_policy(endpoint.security_policy_uri.view()));
+    require(is_tcp(endpoint.transport_profile_uri.view()));
     const auto url = channel::EndpointUrl::parse(endpoint.endpoint_url.view());
     require(url && channel::is_same_host(url->host, "plc"));
     if (choice.policy->is_none()) {
@@ -308,7 +319,11 @@ void compare(const Array<EndpointDescription>& endpoints)
     std::ranges::reverse(others);
     require(client::check_endpoints(endpoints, others).has_value());
     if (!others.empty()) {
-        const bool is_compared = others[0].transport_profile_uri.view() == transport;
+        // One without a transport is compared where its URL is one of UA TCP, or is missing, too.
+        const std::string_view url = others[0].endpoint_url.view();
+        const std::string_view uri = others[0].transport_profile_uri.view();
+        const bool is_compared =
+            uri.empty() ? url.empty() || channel::EndpointUrl::parse(url) : is_tcp(uri);
         const Array<EndpointDescription> fewer{std::span{others}.subspan(1)};
         require(client::check_endpoints(endpoints, fewer).has_value() != is_compared);
     }

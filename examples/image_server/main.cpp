@@ -73,6 +73,7 @@ private:
 
 } // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory or threads an example ends
 int main(int argc, char** argv)
 {
     const std::string port = argc > 1 ? argv[1] : "4840";

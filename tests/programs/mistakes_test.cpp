@@ -49,7 +49,7 @@ constexpr Mistake mistakes[] = {
      "Basic256Sha512 is not a security policy, perhaps Basic256Sha256 is meant; there are"},
     {"policy that the server lacks",
      "busbar read $SECURE i=2258 $LOGIN --policy Aes256_Sha256_RsaPss", 4,
-     "no endpoint of the server has a security policy that we accept"},
+     "the server has no endpoint for UA TCP with a security policy that we accept"},
     {"server without security", "busbar read $OPEN i=2258", 4, "--insecure allows none at all"},
     {"server that is not known", "busbar read $SECURE i=2258 $LOGIN", 4, "`busbar cert trust "},
     {"certificate that has expired", "busbar read $EXPIRED i=2258 $LOGIN", 4,

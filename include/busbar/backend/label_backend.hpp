@@ -137,8 +137,8 @@ public:
     /// before (SH-082679, 8.3).
     virtual std::uint64_t sampled(std::span<std::byte> /*bytes*/, DateTime& /*time*/) { return 0; }
 
-    /// What the names stand for now, one for each, without a request; addresses do not count.
-    /// Nothing, as here, if the PLC has to be asked for that. Any thread.
+    /// Returns the labels that the names stand for now, one for each, without a request; addresses
+    /// do not count. Nothing, the default, if the PLC has to be asked for that. Any thread.
     [[nodiscard]] virtual std::optional<std::vector<ResolvedLabel>>
     look_up(std::span<const std::string> /*names*/) const
     {

@@ -51,7 +51,7 @@ struct LabelTypes {
 /// A label whose type differs from the one that has the values of its part.
 struct LabelDifference {
     NodeId node{};
-    /// As MappablePart::path.
+    /// Like MappablePart::path.
     std::string part{};
     std::string label{};
     /// "UINT, WORD": types with the same values, or if there are none, those whose range may hold

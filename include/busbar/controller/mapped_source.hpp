@@ -41,9 +41,9 @@ struct MappedVariable {
     Variant initial{};
     /// Has CurrentRead. A Variable without it is not sampled in each scan.
     bool is_readable{true};
-    /// As DataMapping::quality. With a bad quality the value is not there.
+    /// The label of its quality, like DataMapping::quality. There is no value while it is bad.
     std::string quality{};
-    /// Of all labels of the value, with both ranges; not set: they are converted as they are.
+    /// The scaling of all labels of the value, with both ranges; if not set, they are not scaled.
     Scaling scaling{};
 };
 
@@ -64,9 +64,9 @@ struct MappedMethod {
     std::vector<MappedArgument> arguments{};
     /// A Call answers Bad_NotSupported, and nothing is written (SH-082679, 2.1, note 4).
     bool has_outputs{false};
-    /// As MethodMapping::done; a Call waits for it, at most MappedOptions::call_limit.
+    /// Like MethodMapping::done; a Call waits for it, at most MappedOptions::call_limit.
     std::string done{};
-    /// All OutputArguments, if there is a `done`. What has no label is zero.
+    /// All OutputArguments, if there is a `done`. Those without a label are zero.
     std::vector<MappedArgument> outputs{};
 };
 

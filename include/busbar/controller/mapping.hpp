@@ -101,10 +101,10 @@ struct MethodMapping {
     std::vector<MappedPart> arguments{};
     /// Like DataMapping::sign.
     std::string sign{};
-    /// The label that the program sets when it is done: a Call is answered then, with the
-    /// OutputArguments. Empty: it is answered when the handle is set.
+    /// The label that the program sets when the Method is done: a Call is answered then, with the
+    /// OutputArguments. If empty, it is answered when the handle is set.
     std::string done{};
-    /// As `arguments`, of OutputArguments.
+    /// The parts of the OutputArguments, like `arguments`.
     std::vector<MappedPart> outputs{};
 
     friend bool operator==(const MethodMapping&, const MethodMapping&) = default;

@@ -10,19 +10,19 @@
 #include <busbar/core/problem.hpp>
 
 /// Instances of the types of imported models, so that a companion specification, which has types
-/// only, can be mapped. Of the target busbar::model_mode, which needs pugixml.
+/// only, can be mapped. In the target busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// What becomes part of a project's models.
+/// An instance that is to be added to a project's models.
 struct NewInstance {
-    /// Of ModelSet::space().
+    /// A node of ModelSet::space().
     NodeId parent{};
     /// An ObjectType or VariableType that is not abstract.
     NodeId type{};
     /// The BrowseName, which is also the end of the NodeId.
     std::string name{};
-    /// The namespace of its nodes, which is made if the project has none of this URI: no companion
-    /// specification's, whose nodes are those of its file.
+    /// The namespace of its nodes, which is created if the project has none of this URI. It cannot
+    /// be that of a companion specification, whose nodes are those of its file.
     std::string uri{};
     /// BrowsePaths of Optional members, "Identification/SerialNumber".
     std::vector<std::string> optional{};
@@ -38,11 +38,11 @@ struct InstanceResult {
 /// Adds an Object or Variable with all Mandatory members of its type, the type's supertypes and
 /// Interfaces, within one another, and the Optional ones that were chosen; Methods are the
 /// instance's own, with their arguments. NodeIds have String identifiers, "Line/Status/Speed", so
-/// that what is added again has the same; below a parent of the same namespace they begin with the
-/// parent's. Where the node is there and of that type, what it lacks is added.
+/// that nodes that are added again have the same ones; below a parent of the same namespace they
+/// begin with the parent's. If the node exists and has that type, its missing members are added.
 ///
-/// The nodes are a file of the ModelSet as others are, with their mapping. The problem says what
-/// cannot be; the ModelSet is as before then. References to space() end.
+/// The nodes form a file of the ModelSet like others, with their mapping. The problem says what is
+/// not possible; the ModelSet is unchanged then. References to space() become invalid.
 [[nodiscard]] BUSBAR_API Configured<InstanceResult> add_instance(ModelSet& models,
                                                                  const NewInstance& instance);
 

@@ -36,7 +36,7 @@ public:
 
     /// The log that GetPLCError asks, before the first scan; must outlive the last one.
     void use(const MachineEventLog& errors) { errors_ = &errors; }
-    /// What GetPLCError tells (W588, 9-1-1); nothing without a log. Any thread.
+    /// Returns the result of GetPLCError (W588, 9-1-1); nothing without a log. Any thread.
     [[nodiscard]] std::optional<PlcError> plc_error() const;
 
 private:

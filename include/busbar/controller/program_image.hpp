@@ -20,7 +20,7 @@ namespace busbar::controller {
 
 struct ProgramImageOptions {
     server::ImageOptions image{};
-    /// As in the nodes, see MachineTypes::elementary_in.
+    /// The elementary types of the nodes, see MachineTypes::elementary_in.
     ElementaryTypes elementary{ElementaryTypes::BuiltIn};
     /// Returns the memory of a variable in the runtime, like ImageVariable::runtime; empty: the
     /// variable is in the image, like all variables without this function. A variable in the

@@ -103,7 +103,7 @@ private:
     Check check_new_;
     ProjectLimits limits_;
     std::shared_ptr<const Project> current_;
-    /// Of the file that current_ was read from; nothing if that is not known.
+    /// The version of the file that current_ was read from; nothing if that is not known.
     std::optional<StorageEntry::Version> version_;
     std::optional<Transfer> transfer_;
     std::uint32_t last_number_{0};

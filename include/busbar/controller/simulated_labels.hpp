@@ -54,7 +54,7 @@ public:
     void start(std::unique_ptr<backend::LabelRequest> request) override;
     void attach(backend::LabelListener* listener) override;
     std::uint64_t sampled(std::span<std::byte> bytes, DateTime& time) override;
-    /// By the newest program, also before the first scan.
+    /// Looks in the newest program, also before the first scan.
     [[nodiscard]] std::optional<std::vector<backend::ResolvedLabel>>
     look_up(std::span<const std::string> names) const override;
 

@@ -59,7 +59,7 @@ struct ShapeRefusal {
     ShapeError error;
     /// The path of the part as in leaf paths: ".Inner.Mode"; empty for the value itself.
     std::string path;
-    /// For the person who maps; printable.
+    /// A name for the person who maps; printable.
     std::string text;
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/types/ids.hpp>

@@ -276,8 +276,7 @@ CLI::App* add(CLI::App& cert, Run& run, const std::shared_ptr<CertArguments>& ar
 
 void add_cert(CLI::App& app, Run& run)
 {
-    auto* cert =
-        app.add_subcommand("cert", "Manages certificates: your own, and those that are trusted.");
+    auto* cert = app.add_subcommand("cert", "Manages certificates, your own and trusted ones.");
     cert->require_subcommand(1);
     const auto arguments = std::make_shared<CertArguments>();
     const auto name = [&](CLI::App* command, bool is_required) {

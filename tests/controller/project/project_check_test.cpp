@@ -106,7 +106,7 @@ TEST_CASE("9.9 Security: the mode goes with the policies", "[9.9]")
         {{{"security.policies", "None"}}, "[security] policies: found \"None\""},
         {{{"security.policies", "Basic256Sha256, Basic256Sha256"}}, "[security] policies: found"},
         {{{"security.mode", "None"}}, "[security] mode: found \"None\", expected Sign or"},
-        {{{"security.policies", ""}}, "[security] mode: found \"Sign\", expected None"},
+        {{{"security.policies", ""}}, "[security] mode: found \"SignAndEncrypt\", expected None"},
         {{{"security.policies", ""}, {"security.mode", "None"}}},
         {{{"security.allow_passwords", "no"}}, "[security] allow_passwords: found \"no\""},
         {{{"security.allow_passwords", "no"}, {"security.allow_anonymous", "yes"}}},

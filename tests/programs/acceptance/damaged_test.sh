@@ -23,6 +23,7 @@ chief 0 admin user add "$url" pat --new-password-file password
 as pat 0 read "$url" i=2259
 
 # The list is cut short, the power goes: the copy counts, and it says so.
+# told '`users.json` or `roles.json`, "which lies beside as .refused, and its last good copy counts"'
 is_as_before() {
     logged "$1.*, which lies beside as .refused, and its last good copy counts" ||
         fail "$1: the log does not say so"
@@ -48,6 +49,7 @@ logged 'last good copy counts' && fail "the copy counts though nothing is wrong"
 as operator 1 admin log "$url"
 
 # Without a copy all is closed to all but the administrator, who opens it.
+# told '`roles.json`, "every role but SecurityAdmin is closed until an administrator opens it"'
 one_step
 echo damage > pki/roles.json
 echo damage > pki/taken-over/roles.json
@@ -59,4 +61,16 @@ as operator 1 admin log "$url"
 step_ends
 chief 0 write "$url" "$operator_endpoints" true
 as operator 0 admin log "$url"
+
+# Without a copy its users are gone, until an administrator adds them again.
+# told '`users.json`, "which lies beside as .refused and does not count"'
+one_step
+echo damage > pki/users.json
+echo damage > pki/taken-over/users.json
+power_cycle
+logged 'users.json.* does not count' || fail "no line"
+as pat 4 read "$url" i=2259
+chief 0 admin user add "$url" pat --new-password-file password
+as pat 0 read "$url" i=2259
+step_ends
 finish

@@ -125,6 +125,7 @@ says 'i=105  *Line.Gone  *.*the PLC has none of this name  *refused'
 says 'i=106  *Line.UDW  *DINT.*  *UDINT, DWORD  *converted'
 chief 1 project update "$url" --yes
 says '2 of its labels cannot be used'
+# told 'an update or restart is refused, as labels of the project cannot be used'
 logged 'Line.S of ns=1;i=104: found STRING(7), expected INT; Line.Gone of ns=1;i=105' ||
     fail "the refusal does not name the labels"
 says 'despite-labels'
