@@ -7,6 +7,8 @@
 #include <numbers>
 #include <type_traits>
 
+#include <busbar/controller/machine_event_log.hpp>
+
 #include "visit_number.hpp"
 
 namespace busbar::controller::detail {
