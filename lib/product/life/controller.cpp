@@ -86,7 +86,7 @@ Controller::create(Configuration configuration, Runtime& runtime, const Controll
     if (options.takes_signals) {
         hold_hangups();
     }
-    // All threads but the PLC's, which so goes before them (G8).
+    // All threads but the PLC's, which so goes before them.
     controller::PlcTask::keep_priority();
     net::give_way();
     auto parts = std::make_unique<Parts>(std::move(configuration), runtime, options);
