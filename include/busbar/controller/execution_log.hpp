@@ -82,7 +82,8 @@ public:
     [[nodiscard]] Stored<void> flush();
 
     /// Call it before files of the log are removed: saves the waiting records, so that they go with
-    /// the files, and the next serial number, so that numbers go on without them.
+    /// the files, and the next serial number, so that numbers go on without them. Unlike the others
+    /// it may be called by the thread that serves clients, which the removal blocks anyway.
     [[nodiscard]] Stored<void> prepare_removal();
 
     /// Call it before the medium is taken out (W588, 7-4-3): saves the waiting
