@@ -70,8 +70,9 @@ private:
 Configured<void> InstanceMaker::load()
 {
     const model::AddressSpace& from = models_.space();
-    for (std::uint16_t i = 1; i < from.namespace_count(); ++i) {
-        if (!space_.add_namespace(from.namespace_uri(i))) {
+    for (std::size_t i = 1; i < from.namespace_count(); ++i) {
+        // An index in the space is a UInt16, so the count fits.
+        if (!space_.add_namespace(from.namespace_uri(static_cast<std::uint16_t>(i)))) {
             return misconfigured("instance", "there are too many namespaces");
         }
     }
