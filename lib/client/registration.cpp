@@ -52,6 +52,7 @@ struct Registration::Impl {
     {
     }
 
+    void start_again(TimePoint now);
     void attempt(TimePoint now);
     void on_client(ClientState state, StatusCode why);
     void send();
@@ -59,6 +60,7 @@ struct Registration::Impl {
     void attempt_ended(StatusCode why, TimePoint now);
     void stop(TimePoint now);
     void end_farewell(TimePoint now);
+    void end_stop(TimePoint now);
     [[nodiscard]] RegisteredServer description() const;
     [[nodiscard]] RegisterServer2Request extended_request() const;
     void tell_configuration_results(const Array<StatusCode>& results);
@@ -86,9 +88,23 @@ struct Registration::Impl {
     std::optional<StatusCode> result;
 
     bool is_stopping{false};
+    /// Registers again once the present stop is over.
+    bool starts_again{false};
     bool has_tried_farewell{false};
     TimePoint stop_by{no_deadline};
 };
+
+void Registration::Impl::start_again(TimePoint now)
+{
+    if (phase != Phase::Stopped) {
+        starts_again = is_stopping;
+        return;
+    }
+    is_stopping = false;
+    may_be_known = false;
+    stop_by = no_deadline;
+    attempt(now);
+}
 
 void Registration::Impl::attempt(TimePoint now)
 {
@@ -200,12 +216,21 @@ void Registration::Impl::end_farewell(TimePoint now)
         attempt(now);
         return;
     }
+    end_stop(now);
+}
+
+void Registration::Impl::end_stop(TimePoint now)
+{
     is_registered = false;
     phase = Phase::Stopped;
+    if (std::exchange(starts_again, false)) {
+        start_again(now);
+    }
 }
 
 void Registration::Impl::stop(TimePoint now)
 {
+    starts_again = false;
     if (std::exchange(is_stopping, true) || phase == Phase::Stopped) {
         return;
     }
@@ -305,6 +330,11 @@ void Registration::start(TimePoint now)
     }
 }
 
+void Registration::start_again(TimePoint now)
+{
+    impl_->start_again(now);
+}
+
 void Registration::stop(TimePoint now)
 {
     impl_->stop(now);
@@ -335,10 +365,9 @@ void Registration::handle_deadline(TimePoint now)
     Impl& impl = *impl_;
     if (impl.phase == Impl::Phase::Attempting && now >= impl.stop_by) {
         impl.has_tried_farewell = true;
-        impl.phase = Impl::Phase::Stopped;
-        impl.is_registered = false;
         impl.tell(status::Bad_Timeout);
         impl.client->close(now);
+        impl.end_stop(now);
     } else if (impl.phase == Impl::Phase::Attempting && now >= impl.next_at) {
         impl.next_at = no_deadline;
         impl.result = status::Bad_Timeout;

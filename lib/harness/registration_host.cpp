@@ -30,6 +30,12 @@ void RegistrationHost::start()
     static_cast<void>(client_.client());
 }
 
+void RegistrationHost::start_again()
+{
+    registration_.start_again(world_.now());
+    static_cast<void>(client_.client());
+}
+
 void RegistrationHost::stop(Duration limit)
 {
     registration_.stop(world_.now());

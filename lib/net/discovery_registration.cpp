@@ -64,6 +64,12 @@ void DiscoveryRegistration::stop(std::function<void()> on_stopped)
     driver_->wake();
 }
 
+void DiscoveryRegistration::start_again()
+{
+    registration_.start_again(now());
+    driver_->wake();
+}
+
 bool DiscoveryRegistration::is_stopped() const
 {
     return registration_.is_stopped();

@@ -23,6 +23,8 @@ public:
     void start();
     /// Unregisters and calls `on_stopped`, later, when that is done or its time is over.
     void stop(std::function<void()> on_stopped);
+    /// Registers again after stop().
+    void start_again();
     [[nodiscard]] bool is_stopped() const;
 
 private:

@@ -78,6 +78,23 @@ Result<void> ServerLoop::register_with(DiscoveryRegistrationConfig config,
     return {};
 }
 
+void ServerLoop::unregister()
+{
+    for (const auto& registration : impl_->registrations) {
+        registration->stop({});
+    }
+}
+
+void ServerLoop::register_again()
+{
+    if (impl_->is_stopping) {
+        return;
+    }
+    for (const auto& registration : impl_->registrations) {
+        registration->start_again();
+    }
+}
+
 void ServerLoop::stop_on_signals(std::function<void()> first)
 {
     impl_->signals.add(SIGINT);

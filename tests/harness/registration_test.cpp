@@ -330,6 +330,55 @@ TEST_CASE("a server that stops while it registers says so", "[registration]")
     CHECK(discovery.count("RegisterServer2Request") <= before + 2);
 }
 
+TEST_CASE("a server that was taken back registers again when it is told to", "[registration]")
+{
+    World world;
+    DiscoveryServer discovery{world};
+    RegistrationHost press_server{world, open_client(), press()};
+    press_server.start();
+    REQUIRE(press_server.await_registered(true, 5s));
+    press_server.start_again(); // it is registered
+    const auto again = [&] {
+        press_server.start_again();
+        world.run_for(10s);
+        REQUIRE(press_server.is_registered());
+        CHECK_FALSE(press_server.registration().is_stopped());
+        REQUIRE(discovery.entries().size() == 1);
+        CHECK(discovery.find(server_uri)->server.is_online);
+        const std::size_t before = discovery.count("RegisterServer2Request");
+        world.run_for(1h + 1s);
+        CHECK(discovery.count("RegisterServer2Request") == before + 12);
+    };
+    SECTION("later")
+    {
+        press_server.stop();
+        CHECK(discovery.entries().empty());
+        world.run_for(1h);
+        CHECK(discovery.entries().empty());
+        again();
+    }
+    SECTION("while it is being taken back")
+    {
+        const auto steps = GENERATE(range(0, 20));
+        press_server.stop(0s);
+        for (int i = 0; i < steps; ++i) {
+            world.step();
+        }
+        again();
+        press_server.stop();
+        CHECK(discovery.entries().empty());
+    }
+    SECTION("and is not any more, as it stops for good")
+    {
+        press_server.stop(0s);
+        press_server.start_again();
+        press_server.stop();
+        world.run_for(1h);
+        CHECK(press_server.registration().is_stopped());
+        CHECK(discovery.entries().empty());
+    }
+}
+
 TEST_CASE("a log that tells everything once has an end", "[registration]")
 {
     LogBook book;

@@ -68,6 +68,8 @@ public:
     /// Unregisters the server once, if the discovery server may know of it. is_stopped() is true
     /// when that is done or its time is over.
     void stop(TimePoint now);
+    /// After stop(): registers again, as by start(), once the server is unregistered.
+    void start_again(TimePoint now);
     [[nodiscard]] bool is_stopped() const;
 
     /// True if the last attempt succeeded.

@@ -65,6 +65,10 @@ public:
     /// Bad_TcpEndpointUrlInvalid. Call it before run(), once for each discovery server.
     [[nodiscard]] Result<void> register_with(DiscoveryRegistrationConfig config,
                                              const channel::ChannelEnvironment& environment);
+    /// Unregisters the server while run() continues, as for a server that serves only
+    /// administrators; register_again() ends that. Call both on the loop's thread, during run().
+    void unregister();
+    void register_again();
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM. Calls `first` before, on the
     /// loop's thread, to save what must not be lost if the process is killed soon; it may be null.
     /// Call it once, before run().

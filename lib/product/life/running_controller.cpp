@@ -229,7 +229,11 @@ Requests RunningController::requests()
 {
     return {
         .stop = [this] { loop_.stop(); },
-        .shut_down = [this](const std::string& reason) { machine_->shut_server_down(reason); },
+        .shut_down =
+            [this](const std::string& reason) {
+                machine_->shut_server_down(reason);
+                loop_.unregister();
+            },
         .restart = [this](const administration::RestartWish& wish) { restart(wish); },
         .renewed =
             [this] {
@@ -438,6 +442,7 @@ void RunningController::serve_instructions()
 {
     if (machine_->serve(current_->plant().plc().instructions())) {
         halt("the controller's program has shut the OPC UA server down");
+        loop_.unregister();
     }
 }
 

@@ -176,6 +176,9 @@ void RunningController::succeed(Successor& next)
                           current_->plant().plc().instructions());
         stay_out();
     }
+    if (machine_ && machine_->why_out().empty()) {
+        loop_.register_again();
+    }
     clients_.use(current_->clients());
     renewed();
     keep();

@@ -57,4 +57,27 @@ done
 await is_found
 kill "$pid"
 await ended
+await is_lost
+
+# A machine's server that is shut down is not to be found, although the controller goes on; after
+# its restart it is.
+{
+    server "$port" machine-pki
+    machine
+    printf '[discovery]\nurl = "opc.tcp://localhost:%s"\n' "$lds"
+} > machine.toml
+press 0 > press.st
+begin machine-pki --config machine.toml
+await is_found
+one_step
+chief 0 admin shutdown "$url" --seconds 0 --yes
+await logged 'is taken back from the discovery server'
+await is_lost
+await reaches admin status "$url"
+says '^Server operating status: *Shutdown'
+chief 0 admin shutdown "$url" --restart --seconds 0 --yes
+await is_found
+await reaches admin status "$url"
+says '^Server operating status: *Running'
+step_ends
 finish
