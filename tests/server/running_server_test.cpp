@@ -203,6 +203,9 @@ TEST_CASE_METHOD(ServerFixture, "reconfigure: sessions of an endpoint that goes 
     auto changed = server.config();
     changed.endpoints.pop_back(); // None
     REQUIRE(RunningServer{server}.reconfigure(changed));
+    CHECK(server.session_count() == 2); // what is being answered is answered first
+    REQUIRE(server.next_deadline() <= now);
+    server.handle_deadline(now);
     CHECK(server.session_count() == 1);
     CHECK(server.subscription_count() == 1); // to be transferred
     CHECK(read(client) == status::Good);

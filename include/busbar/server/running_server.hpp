@@ -38,7 +38,8 @@ public:
     /// Replaces the configuration, whole or not at all: certificate, endpoints, limits, names. The
     /// problem is that of check_config, or names what cannot change in a running server
     /// (application_uri, limits.max_assembly). Sessions and Subscriptions stay, except sessions
-    /// that use a removed endpoint, whose Subscriptions wait to be transferred.
+    /// that use a removed endpoint: they end with the next handle_deadline(), so that the request
+    /// that removes it is answered, and their Subscriptions wait to be transferred.
     ///
     /// With another certificate all channels with security are closed a second later, so that
     /// pending answers arrive; clients activate their sessions over new ones (Part 12, 7.10.9).

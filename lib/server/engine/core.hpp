@@ -135,6 +135,9 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     std::uint64_t first_new_link_id{0};
     /// The time when the clients' certificates are checked again.
     TimePoint trust_check_deadline{no_deadline};
+    /// The time when sessions are ended whose endpoint has gone: the next deadline, so that a
+    /// request that takes its own endpoint away is answered.
+    TimePoint homeless_deadline{no_deadline};
 
     /// The maximum size of kept_memory.
     [[nodiscard]] static std::size_t kept_bytes(const ServerLimits& limits);

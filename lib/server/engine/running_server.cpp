@@ -89,7 +89,7 @@ Configured<void> RunningServer::reconfigure(ServerConfig config) const
     if (!is_same || has_other_hosts) {
         impl_->watch_certificate(impl_->latest);
     }
-    impl_->end_homeless_sessions();
+    impl_->homeless_deadline = impl_->latest;
     impl_->claim();
     Record record{RecordKind::SettingsChanged, LogLevel::Info, "server"};
     record.text = is_same ? "has another configuration"
@@ -147,6 +147,7 @@ void RunningServer::trust_changed() const
 
 void Server::Impl::end_homeless_sessions()
 {
+    homeless_deadline = no_deadline;
     static_cast<void>(end_sessions(
         status::Bad_SecurityPolicyRejected, false, [&](const detail::Session& session) {
             return std::none_of(config.endpoints.begin(), config.endpoints.end(),

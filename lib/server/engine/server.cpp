@@ -203,7 +203,8 @@ TimePoint Server::Impl::first_due()
     const detail::Session* first = sessions.next_due();
     return std::min({first != nullptr ? first->next_deadline() : no_deadline, shutdown_deadline,
                      certificate_check, old_channels_deadline, trust_check_deadline,
-                     kept_memory.next_deadline(), subscriptions.next_deadline()});
+                     homeless_deadline, kept_memory.next_deadline(),
+                     subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -236,6 +237,9 @@ void Server::handle_deadline(TimePoint now)
         }
     });
     survive("the end of channels", [&] {
+        if (impl_->homeless_deadline <= now) {
+            impl_->end_homeless_sessions();
+        }
         if (impl_->old_channels_deadline <= now) {
             impl_->close_old_channels();
         }

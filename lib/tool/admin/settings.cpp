@@ -169,10 +169,17 @@ Exit change(Context& context, Connection& connection, const std::vector<std::str
                       "see `busbar admin setting list`"};
     }
     std::string waiting;
-    for (const Row& row : rows_of(connection, root, names)) {
-        if (row.waits) {
-            waiting += (waiting.empty() ? "" : ", ") + safe(row.name);
+    try {
+        for (const Row& row : rows_of(connection, root, names)) {
+            if (row.waits) {
+                waiting += (waiting.empty() ? "" : ", ") + safe(row.name);
+            }
         }
+    } catch (const Failure& failure) {
+        // They may change how clients connect, and who may.
+        return report(context, "changed; whether they are in force cannot be read by the same "
+                               "connection any more: " +
+                                   std::string{failure.what()});
     }
     return report(context, waiting.empty() ? "changed and in force"
                                            : "changed; these wait for a restart: " + waiting);

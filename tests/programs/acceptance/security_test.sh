@@ -73,13 +73,20 @@ await has SERVER 0005 $((runs + 4))
 chief 0 admin setting set "$url" limits.sessions 41
 kill -HUP "$pid"
 chief 0 read --value "$url" "$(node Speed)"
+# Taking back the policy that the command itself has come by is answered before it goes.
+chief 0 admin setting reset "$url" endpoint
+says '^changed'
+await has AUTH 0100 4
+await has SERVER 0005 $((runs + 5))
+chief 0 admin setting list "$url" --changed
+grep -q '^endpoint ' out && fail "the endpoints are still others than the file's"
 # An account of the file, changed at the machine.
 sed -i 's/"ConfigureAdmin", //' controller.toml
 kill -HUP "$pid"
-await has AUTH 0100 4
-await has SERVER 0005 $((runs + 5))
+await has AUTH 0100 5
+await has SERVER 0005 $((runs + 6))
 shut_down
 await has SERVER 0006 2
-[ "$(count AUTH 0100)" -eq 4 ] || fail "$(count AUTH 0100) changes of security instead of 4"
-[ "$(count SERVER 0005)" -eq $((runs + 5)) ] || fail "$(count SERVER 0005) starts"
+[ "$(count AUTH 0100)" -eq 5 ] || fail "$(count AUTH 0100) changes of security instead of 5"
+[ "$(count SERVER 0005)" -eq $((runs + 6)) ] || fail "$(count SERVER 0005) starts"
 finish
