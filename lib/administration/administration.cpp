@@ -177,8 +177,9 @@ Configured<void> Administration::Impl::attach_certificates(server::Server& serve
         return attached;
     }
     if (parts.reset) {
+        const auto& end = parts.restart ? parts.restart : parts.stop;
         server_reset.emplace(
-            detail::ServerReset::Needs{server, table, *parts.log, parts.reset, parts.stop});
+            detail::ServerReset::Needs{server, table, *parts.log, parts.reset, end});
         if (auto attached = server_reset->attach(); !attached) {
             return attached;
         }

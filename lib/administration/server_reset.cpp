@@ -41,7 +41,7 @@ void ServerReset::reset(server::MethodCall& call)
             "the server was reset: certificates and users may not be accepted any more", till_end,
             {});
         if (has_begun) {
-            needs.stop();
+            needs.end();
         }
     };
     if (const auto done = needs_.reset(); !done) {

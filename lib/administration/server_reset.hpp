@@ -20,7 +20,8 @@ public:
         NodeTable& table;
         LogSink& log;
         const std::function<Configured<void>()>& reset;
-        const std::function<void()>& stop;
+        /// Ends the program, which may start again.
+        const std::function<void()>& end;
     };
 
     explicit ServerReset(const Needs& needs) : needs_{needs} {}

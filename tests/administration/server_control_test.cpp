@@ -99,13 +99,22 @@ TEST_CASE_METHOD(Control, "server control: a shutdown waits for nobody when all 
     CHECK(stops == 1);
 }
 
-TEST_CASE_METHOD(Control, "server control: the end after a reset is not taken back")
+TEST_CASE_METHOD(WithoutRestart, "server control: a reset of what cannot start again ends it")
 {
     auto admin = log_in();
     CHECK(name(call(admin, NodeId{0, id::ServerConfiguration},
                     NodeId{0, id::ServerConfiguration_ResetToServerDefaults}, {})
                    .status_code) == "Good");
     CHECK(stops == 1);
+}
+
+TEST_CASE_METHOD(Control, "server control: the end after a reset is not taken back")
+{
+    auto admin = log_in();
+    CHECK(name(call(admin, NodeId{0, id::ServerConfiguration},
+                    NodeId{0, id::ServerConfiguration_ResetToServerDefaults}, {})
+                   .status_code) == "Good");
+    CHECK(restarts == 1);
     CallRequest running;
     running.methods_to_call.resize(1);
     CHECK(name(admin.status_of<CallResponse>(running)) == "Bad_Shutdown");
@@ -235,11 +244,12 @@ TEST_CASE_METHOD(GoingOn,
     out.reset();
     CHECK(request(again, ServerState::Running) == "Good");
     CHECK(read(again, id::Server_ServerStatus_State).value == Variant{ServerState::Running});
-    // A reset ends the program all the same.
+    // A reset has the program start again all the same.
     CHECK(name(call(again, NodeId{0, id::ServerConfiguration},
                     NodeId{0, id::ServerConfiguration_ResetToServerDefaults}, {})
                    .status_code) == "Good");
-    CHECK(stops == 1);
+    CHECK(restarts == 1);
+    CHECK(stops == 0);
 }
 
 TEST_CASE_METHOD(Control, "server control: who gives no reason has the usual one told")

@@ -308,11 +308,21 @@ run 4 --user setup --password-file code --trust admin status "$url"
 # Everything is as on the first day: another certificate, another code, nobody trusted.
 as_admin 1 admin reset "$url"
 says "nothing was done"
+thumbprint() { sed -n 's/.*own certificate .*, \([0-9A-F]*\): .*/\1/p' log | tail -n 1; }
+before=$(thumbprint)
 as_admin 0 admin reset "$url" --yes
-await ended && wait "$pid" || fail "the controller ends with $?"
-[ -e new/users.json ] && fail "the users are not forgotten"
-[ -z "$(find new/trusted new/own -type f)" ] || fail "certificates are not forgotten"
-serve --config new.toml
+says 'starts again'
+told_ready() { [ "$(grep -c '^ready' log)" -eq "$1" ]; }
+await told_ready 2
 logged 'with the code' || fail "there is no new code"
+url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log | tail -n 1)
+[ -e new/users.json ] && fail "the users are not forgotten"
+[ -z "$(find new/trusted -type f)" ] || fail "certificates are not forgotten"
+[ "$(thumbprint)" != "$before" ] || fail "the certificate is the one before"
 as_admin 4 admin status "$url"
+# It can be set up again, without anybody at the machine but who reads the code.
+sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
+run 0 --user setup --password-file code --trust admin setup "$url" chief --new-password-file chief
+await logged 'the setup is over'
+as_admin 0 admin status "$url"
 exit $((failures > 0))

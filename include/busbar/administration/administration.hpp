@@ -71,7 +71,7 @@ struct AdministrationParts {
     /// sent to the client. If empty, it may.
     std::function<Configured<void>()> may_run{};
     /// Likewise for a restart: the serving program ends and starts again. If empty, clients cannot
-    /// request one.
+    /// request one, and a reset calls `stop`.
     std::function<void()> restart{};
     /// Used instead of `restart` by a program that replaces this server by another one (see
     /// net::ServerLoop::hand_over): the shutdown has not begun when this is called, in a callback
@@ -81,8 +81,9 @@ struct AdministrationParts {
     /// problem goes to the log, its status to the client. If empty, it would.
     std::function<Configured<void>()> may_replace{};
     /// ResetToServerDefaults (Part 12, 7.10.13), requires `certificates` and `stop`: discards all
-    /// changes of administrators, completely or not at all, before `stop` is called. Called on the
-    /// server's thread; the problem is for the log. If empty, the Method does not exist.
+    /// changes of administrators, completely or not at all, before `restart` is called, or `stop` if
+    /// there is no `restart`. Called on the server's thread; the problem is for the log. If empty,
+    /// the Method does not exist.
     std::function<Configured<void>()> reset{};
     /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); if empty, the property does not
     /// exist.

@@ -112,14 +112,21 @@ void Administered::read_users()
 
 Configured<void> Administered::reset()
 {
-    // Whoever set the first account's password at the machine keeps it.
-    static constexpr std::array<std::string_view, 5> names{
-        users_file, roles_file, "settings.json", ReceivedProgram::file_name, "setup.code"};
-    static constexpr std::array<std::string_view, 15> folders{
-        TakenOverFiles::folder, "own/certs",         "own/private",         "own/crl",
-        "own/replaced",         "trusted/certs",     "trusted/crl",         "issuers/certs",
-        "issuers/crl",          "rejected/certs",    "users/trusted/certs", "users/trusted/crl",
-        "users/issuers/certs",  "users/issuers/crl", "users/rejected/certs"};
+    // Whoever set the first account's password at the machine keeps it. The files of the machine
+    // that were taken over stay, too: without them it would not start if they became bad since.
+    static constexpr std::array<std::string_view, 8> names{users_file,
+                                                           roles_file,
+                                                           Settings::file_name,
+                                                           ReceivedProgram::file_name,
+                                                           "setup.code",
+                                                           "taken-over/settings",
+                                                           "taken-over/users.json",
+                                                           "taken-over/roles.json"};
+    static constexpr std::array<std::string_view, 14> folders{
+        "own/certs",         "own/private",         "own/crl",           "own/replaced",
+        "trusted/certs",     "trusted/crl",         "issuers/certs",     "issuers/crl",
+        "rejected/certs",    "users/trusted/certs", "users/trusted/crl", "users/issuers/certs",
+        "users/issuers/crl", "users/rejected/certs"};
     return administration::remove_files(files_, names, folders);
 }
 
@@ -142,6 +149,7 @@ void Administered::attach(const ToAdminister& what)
                                               .stop = what.stop,
                                               .shut_down = what.shut_down,
                                               .may_run = what.may_run,
+                                              .restart = what.start_over,
                                               .replace = what.restart,
                                               .may_replace = what.may_restart};
     parts.authorities = what.config.users.authorities;

@@ -32,6 +32,8 @@ struct ToAdminister {
     server::Worker& worker;
     /// Ends the program.
     std::function<void()> stop;
+    /// Has the program start again after a reset.
+    std::function<void()> start_over;
     /// Goes on without the server; empty: the program ends.
     std::function<void(const std::string& reason)> shut_down;
     /// Whether the server may go on without a restart, and if not, why not.

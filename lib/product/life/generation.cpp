@@ -203,6 +203,7 @@ void Generation::attach(const Requests& requests)
          .settings = *settings_,
          .worker = worker_,
          .stop = requests.stop,
+         .start_over = requests.start_over,
          .shut_down = around_.machine != nullptr ? requests.shut_down : nullptr,
          .may_run = [machine = around_.machine] { return check_run(machine); },
          .restart = requests.restart,

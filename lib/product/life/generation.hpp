@@ -51,6 +51,8 @@ struct Surroundings {
 /// What administrators have the controller do. Called on the server's thread.
 struct Requests {
     std::function<void()> stop;
+    /// As stop, and starts again with what is there then.
+    std::function<void()> start_over;
     /// A machine goes on without its server.
     std::function<void(const std::string& reason)> shut_down;
     std::function<void(const administration::RestartWish& wish)> restart;

@@ -229,6 +229,11 @@ Requests RunningController::requests()
 {
     return {
         .stop = [this] { loop_.stop(); },
+        .start_over =
+            [this] {
+                starts_again_ = true;
+                loop_.stop();
+            },
         .shut_down =
             [this](const std::string& reason) {
                 machine_->shut_server_down(reason);

@@ -173,11 +173,14 @@ Exit status_of(Context& context, Connection& connection, const AdminArguments&)
 Exit reset(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     make_sure(context, arguments,
-              "Forget all certificates, users, roles and settings, and stop the server?");
+              "Forget all certificates, users, roles and settings, and start the server again?");
     const NodeId configuration = standard(id::ServerConfiguration);
     call(connection, configuration, child_of(connection, configuration, "ResetToServerDefaults"),
          {}, "resetting the server to its defaults");
-    return report(context, "the server stops, and starts as it was configured on the machine");
+    return report(context, "all that was changed online is forgotten; the server starts again in "
+                           "some seconds as it is configured on the machine, with another "
+                           "certificate, and trusts only clients that it is told to trust there, "
+                           "or that have its setup code");
 }
 
 } // namespace
@@ -227,7 +230,7 @@ void add_shutdown(CLI::App& admin, Run& run)
     command->add_flag("--restart", arguments.restarts, "have it start again, with its settings");
     command->add_flag("--yes", arguments.is_sure, "do not ask");
     group
-        .add("reset", "Forgets certificates, users, roles and settings, and stops the server.", 0,
+        .add("reset", "Forgets certificates, users, roles and settings, and starts again.", 0,
              "URL", reset)
         ->add_flag("--yes", arguments.is_sure, "do not ask");
 }
