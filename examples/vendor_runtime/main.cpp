@@ -24,31 +24,32 @@ struct Tank {
     double set_point{50.0};
     std::uint8_t is_pumping{0};
     std::uint8_t is_leaking{0};
+    std::uint8_t has_card{1};    // the contact of the slot for the memory card
     std::uint32_t error_code{0}; // of the highest fault of the controller
 
     [[nodiscard]] std::span<std::byte> find(std::string_view name)
     {
         const auto bytes = [](auto& value) { return std::as_writable_bytes(std::span{&value, 1}); };
-        if (name == "Level") {
-            return bytes(level);
+        const std::pair<std::string_view, std::span<std::byte>> all[] = {
+            {"Level", bytes(level)},        {"SetPoint", bytes(set_point)},
+            {"Pumping", bytes(is_pumping)}, {"Leaking", bytes(is_leaking)},
+            {"CardIn", bytes(has_card)},    {"ErrorCode", bytes(error_code)}};
+        for (const auto& [each, memory] : all) {
+            if (each == name) {
+                return memory;
+            }
         }
-        if (name == "SetPoint") {
-            return bytes(set_point);
-        }
-        if (name == "Pumping") {
-            return bytes(is_pumping);
-        }
-        if (name == "ErrorCode") {
-            return bytes(error_code);
-        }
-        return name == "Leaking" ? bytes(is_leaking) : std::span<std::byte>{};
+        return {}; // the controller has memory for it
     }
 };
 
 /// Each download makes another one.
 class TankProgram final : public product::LoadedProgram {
 public:
-    TankProgram(Tank& tank, product::RuntimeHost& host) : tank_{tank}, host_{host} {}
+    TankProgram(Tank& tank, product::StorageMedium& card, product::RuntimeHost& host)
+        : tank_{tank}, card_{card}, host_{host}
+    {
+    }
     ~TankProgram() override { TankProgram::stop(); }
 
     /// Starts the maker's task, here a thread. Without this function the controller's own task
@@ -83,6 +84,8 @@ public:
             host_.happen(HardwareEvent::MinorFault);
         }
         was_leaking_ = tank_.is_leaking != 0;
+        using State = product::StorageMedium::State;
+        card_.set(tank_.has_card != 0 ? State::Usable : State::Away);
         const auto error = host_.plc_error(); // as the instruction GetPLCError
         tank_.error_code = error ? error->code : 0;
     }
@@ -103,6 +106,7 @@ private:
     }
 
     Tank& tank_;
+    product::StorageMedium& card_;
     product::RuntimeHost& host_;
     net::SystemWallClock clock_;
     bool was_leaking_{false};
@@ -130,11 +134,15 @@ public:
                                      "the program has no such variable, which the tank needs");
             }
         }
-        return std::make_unique<TankProgram>(tank_, *host_);
+        return std::make_unique<TankProgram>(tank_, card_, *host_);
     }
+    /// The memory card, on which the execution log lies. Without lie_in() its files are in the
+    /// folder of the configuration.
+    [[nodiscard]] product::StorageMedium* medium() override { return &card_; }
 
 private:
     Tank tank_;
+    product::StorageMedium card_;
     product::RuntimeHost* host_{nullptr};
 };
 

@@ -40,6 +40,22 @@ chief 0 write "$url" "$(node Leaking)" false
 step_ends
 power_cycle
 await has_value ErrorCode 0
+
+# The runtime tells that its card is away: records wait for it, and come to it.
+log_files() { cat busbar-medium/packages/OPCUA_Server/ExecutionLog/*.log; }
+has_logins() { [ "$(log_files | grep -c AUTH)" -gt "$1" ]; }
+one_step
+await has_logins 0
+chief 0 write "$url" "$(node CardIn)" false
+await logged 'the medium is away, and records wait for it'
+logins=$(log_files | grep -c AUTH)
+reads Level
+reads Level
+[ "$(log_files | grep -c AUTH)" -eq "$logins" ] || fail "it writes to a card that is away"
+chief 0 write "$url" "$(node CardIn)" true
+await logged 'the medium is in again, and records are saved'
+await has_logins "$logins"
+step_ends
 chief 0 browse "$url" "/Objects/Tank 1"
 says GlobalVars
 
