@@ -21,9 +21,14 @@
 /// busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// The state of a RequiredModel (SH-082679, 9.6). An import with a missing one is
-/// refused.
-enum class ModelState : std::uint8_t { Imported, OtherVersion };
+/// The state of a RequiredModel (SH-082679, 9.6). An import with a missing one is refused.
+enum class ModelState : std::uint8_t {
+    Imported,
+    /// Later than required, which has all that the required one has.
+    LaterVersion,
+    /// Earlier than required, or neither earlier nor later, so that nodes may be missing.
+    OtherVersion
+};
 
 struct RequiredModelStatus {
     std::string uri;
@@ -41,7 +46,7 @@ struct ModelNamespace {
     std::string uri;
     std::string version;
     std::string publication_date;
-    /// OtherVersion if one of `required` is.
+    /// That of the worst one of `required`.
     ModelState state{ModelState::Imported};
     std::vector<RequiredModelStatus> required;
 
@@ -82,7 +87,7 @@ public:
     ~ModelSet();
 
     /// Adds a file of one namespace, or replaces the existing file of that namespace. All its
-    /// RequiredModels must have been imported; another version than the required one is a warning.
+    /// RequiredModels must have been imported; an earlier one than required is a warning.
     ///
     /// Mapping (SH-082679, 9.4): a node's mapping in the file replaces the existing one;
     /// if the file has none for a node, the existing one is kept. It is removed if the node is

@@ -29,7 +29,7 @@ pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name)
 HeaderModel model_of(const pugi::xml_node& xml)
 {
     return {xml.attribute("ModelUri").value(), xml.attribute("Version").value(),
-            xml.attribute("PublicationDate").value()};
+            xml.attribute("PublicationDate").value(), xml.attribute("ModelVersion").value()};
 }
 
 /// The namespace index in "ns=3;i=1"; nothing if it is no NodeId.

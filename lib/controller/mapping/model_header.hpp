@@ -16,6 +16,8 @@ struct HeaderModel {
     std::string uri;
     std::string version;
     std::string publication_date;
+    /// By the rules of semantic versioning; empty in older files.
+    std::string model_version{};
 };
 
 /// What a file is about, before its nodes are loaded.

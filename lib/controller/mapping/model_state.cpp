@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <compare>
 #include <cstdint>
+#include <optional>
 
 #include <busbar/controller/mapping_extensions.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/core/text_forms.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "extension_attributes.hpp"
@@ -19,7 +22,7 @@ using detail::HeaderModel;
 /// Of a namespace by the AddressSpace's NamespaceMetadata (Part 5, 6.3.14).
 HeaderModel metadata_of(const model::SpaceReader& space, const std::string& uri)
 {
-    HeaderModel result{uri, {}, {}};
+    HeaderModel result{uri, {}, {}, {}};
     const model::NodeIndex all = space.find(id::Server_Namespaces);
     if (all == model::no_node) {
         return result;
@@ -43,42 +46,70 @@ HeaderModel metadata_of(const model::SpaceReader& space, const std::string& uri)
     return result;
 }
 
-bool differs(const std::string& asked, const std::string& there)
+/// Compares versions by the numbers between their periods; unordered if they differ in another way.
+std::partial_ordering compare_versions(std::string_view one, std::string_view other)
 {
-    return !asked.empty() && !there.empty() && asked != there;
-}
-
-/// Compares versions by the numbers between their periods.
-bool is_later(std::string_view version, std::string_view than)
-{
-    const auto take = [](std::string_view& text) {
+    if (one == other) {
+        return std::partial_ordering::equivalent;
+    }
+    const auto take = [](std::string_view& text) -> std::optional<std::uint32_t> {
         const std::size_t end = std::min(text.find('.'), text.size());
         std::uint32_t number = 0;
-        std::from_chars(text.data(), text.data() + end, number);
+        const auto read = std::from_chars(text.data(), text.data() + end, number);
+        const bool is_number = read.ec == std::errc{} && read.ptr == text.data() + end;
         text.remove_prefix(std::min(end + 1, text.size()));
-        return number;
+        return is_number ? std::optional{number} : std::nullopt;
     };
-    while (!version.empty()) {
-        const std::uint32_t one = take(version);
-        const std::uint32_t other = take(than);
-        if (one != other) {
-            return one > other;
+    while (!one.empty() || !other.empty()) {
+        const auto left = one.empty() ? 0 : take(one);
+        const auto right = other.empty() ? 0 : take(other);
+        if (!left || !right) {
+            return std::partial_ordering::unordered;
+        }
+        if (*left != *right) {
+            return *left <=> *right;
         }
     }
-    return false;
+    return std::partial_ordering::equivalent;
+}
+
+std::partial_ordering compare_dates(const std::string& one, const std::string& other)
+{
+    const auto left = parse_date_time(one);
+    const auto right = parse_date_time(other);
+    return left && right ? std::partial_ordering{left->ticks <=> right->ticks}
+                         : std::partial_ordering::unordered;
+}
+
+/// Compares what is there with what is asked for: by ModelVersion, without which a model is the
+/// older one, then by PublicationDate (Part 6, F.2). Version is a text for people, and counts only
+/// if one of them has no date.
+std::partial_ordering compare_models(const HeaderModel& there, const HeaderModel& asked)
+{
+    if (there.model_version.empty() != asked.model_version.empty()) {
+        return asked.model_version.empty() ? std::partial_ordering::greater
+                                           : std::partial_ordering::less;
+    }
+    if (const auto compared = compare_versions(there.model_version, asked.model_version);
+        compared != 0) {
+        return compared;
+    }
+    if (!there.publication_date.empty() && !asked.publication_date.empty()) {
+        return compare_dates(there.publication_date, asked.publication_date);
+    }
+    return there.version.empty() || asked.version.empty()
+               ? std::partial_ordering::equivalent
+               : compare_versions(there.version, asked.version);
 }
 
 ModelState state_of(const HeaderModel& asked, const HeaderModel& there)
 {
-    if (asked.uri == "http://opcfoundation.org/UA/") {
-        // A later namespace 0 has all of an earlier one.
-        return is_later(asked.version, there.version) ? ModelState::OtherVersion
-                                                      : ModelState::Imported;
-    }
-    return differs(asked.version, there.version) ||
-                   differs(asked.publication_date, there.publication_date)
-               ? ModelState::OtherVersion
-               : ModelState::Imported;
+    const bool is_standard = asked.uri == "http://opcfoundation.org/UA/"; // has metadata, no header
+    const auto compared =
+        is_standard ? compare_versions(there.version, asked.version) : compare_models(there, asked);
+    return compared == 0  ? ModelState::Imported
+           : compared > 0 ? ModelState::LaterVersion
+                          : ModelState::OtherVersion;
 }
 
 model::NodeSetLimits nodeset_limits(const ModelLimits& limits)
@@ -229,17 +260,24 @@ void ModelSet::State::list_namespace(const detail::ModelHeader& header)
                          ModelState::Imported,
                          {}};
     for (const HeaderModel& required : header.required) {
-        const auto there = std::find_if(namespaces.begin(), namespaces.end(),
-                                        [&](const auto& each) { return each.uri == required.uri; });
-        const ModelState state =
-            there == namespaces.end()
-                ? ModelState::OtherVersion
-                : state_of(required, {there->uri, there->version, there->publication_date});
+        const ModelState state = state_of_required(required);
         entry.required.push_back(
             {required.uri, required.version, required.publication_date, state});
-        entry.state = state == ModelState::Imported ? entry.state : state;
+        entry.state = std::max(entry.state, state);
     }
     namespaces.push_back(std::move(entry));
+}
+
+ModelState ModelSet::State::state_of_required(const HeaderModel& required) const
+{
+    if (required.uri == namespaces.front().uri) {
+        const ModelNamespace& standard = namespaces.front();
+        return state_of(required, {standard.uri, standard.version, {}, {}});
+    }
+    const auto there = std::find_if(headers.begin(), headers.end(), [&](const auto& each) {
+        return each.model.uri == required.uri;
+    });
+    return there == headers.end() ? ModelState::OtherVersion : state_of(required, there->model);
 }
 
 std::uint64_t ModelSet::State::file_size() const

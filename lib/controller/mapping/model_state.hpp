@@ -36,6 +36,7 @@ struct ModelSet::State {
     void note_versions(std::string_view imported, ModelReports& reports) const;
     void list_namespaces();
     void list_namespace(const detail::ModelHeader& header);
+    [[nodiscard]] ModelState state_of_required(const detail::HeaderModel& required) const;
     [[nodiscard]] std::uint64_t file_size() const;
     /// With the nodes that it has already.
     [[nodiscard]] std::size_t node_count() const { return space.node_count() - built_in; }

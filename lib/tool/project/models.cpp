@@ -83,7 +83,15 @@ Exit delete_model(Context& context, const ProjectArguments& arguments)
 
 const char* name_of(controller::ModelState state)
 {
-    return state == controller::ModelState::Imported ? "imported" : "another version";
+    switch (state) {
+    case controller::ModelState::Imported:
+        return "imported";
+    case controller::ModelState::LaterVersion:
+        return "a later version";
+    case controller::ModelState::OtherVersion:
+        break;
+    }
+    return "another version";
 }
 
 void write_model(JsonLine& json, const controller::ModelNamespace& each)
@@ -114,15 +122,15 @@ Exit list_namespaces(Context& context, const ProjectArguments& arguments)
             required += (required.empty() ? "" : ", ") + safe(other.uri);
             if (other.state != controller::ModelState::Imported) {
                 required += safe(" (of " + other.version + ", published " + other.publication_date +
-                                 ", and here is another version)");
+                                 ", and here is " + name_of(other.state) + ")");
             }
         }
         table.add({{std::to_string(each.index)},
                    {safe(each.uri)},
                    {safe(each.version)},
                    {safe(each.publication_date).substr(0, 10)},
-                   {required,
-                    each.state == controller::ModelState::Imported ? Style::Plain : Style::Bad}});
+                   {required, each.state == controller::ModelState::OtherVersion ? Style::Bad
+                                                                                 : Style::Plain}});
     }
     if (context.options.is_json) {
         context.out.line(json.close_array().document());

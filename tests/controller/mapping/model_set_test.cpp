@@ -22,6 +22,13 @@ std::string dependent(const std::string& uri, const std::string& on, const std::
                 required(on, version), "<Uri>" + on + "</Uri>");
 }
 
+/// The file with these attributes of its model instead of Version="1".
+std::string of_version(std::string file, std::string_view attributes)
+{
+    constexpr std::string_view version = "Version=\"1\"";
+    return file.replace(file.find(version), version.size(), attributes);
+}
+
 } // namespace
 
 TEST_CASE("9.4 Import: what is mapped in the file and before", "[9.4]")
@@ -131,6 +138,49 @@ TEST_CASE("9.6 Import status: an older RequiredModel by its date is a warning, t
     const auto result = project.import(file("urn:d", variable("s=A"), newer, "<Uri>urn:t</Uri>"));
     CHECK(has(result.reports, ModelCode::ModelOfOtherVersion));
     CHECK(project.models.namespaces().at(2).state == ModelState::OtherVersion);
+}
+
+TEST_CASE("9.6 Import status: a later RequiredModel is shown, and no warning", "[9.6]")
+{
+    struct Case {
+        const char* asked;
+        const char* there;
+        ModelState state;
+    };
+    constexpr auto same = ModelState::Imported;
+    constexpr auto later = ModelState::LaterVersion;
+    constexpr auto other = ModelState::OtherVersion;
+    constexpr const char* day_one = "PublicationDate=\"2024-01-01T00:00:00Z\"";
+    const std::vector<Case> cases{
+        // ModelVersion counts before PublicationDate (Part 6, F.2), Version only without both.
+        {"Version=\"1.03\"", "Version=\"1.05.0\"", later},
+        {"Version=\"1.10\"", "Version=\"1.9\"", other},
+        {"Version=\"two\"", "Version=\"one\"", other},
+        {"Version=\"1\"", day_one, same},
+        {day_one, "Version=\"0\" PublicationDate=\"2025-01-01T00:00:00Z\"", later},
+        {day_one, "PublicationDate=\"2024-01-01T01:00:00+01:00\"", same},
+        {day_one, "PublicationDate=\"2023-12-31T23:59:59Z\"", other},
+        {"PublicationDate=\"then\"", day_one, other},
+        {"PublicationDate=\"2024-01-01T00:00:00Z\" ModelVersion=\"1.2.0\"",
+         "PublicationDate=\"2023-01-01T00:00:00Z\" ModelVersion=\"1.10.0\"", later},
+        {"PublicationDate=\"2023-01-01T00:00:00Z\" ModelVersion=\"1.2.0\"",
+         "PublicationDate=\"2024-01-01T00:00:00Z\" ModelVersion=\"1.1.9\"", other},
+        {"PublicationDate=\"2024-01-01T00:00:00Z\" ModelVersion=\"1.2\"",
+         "PublicationDate=\"2023-01-01T00:00:00Z\" ModelVersion=\"1.2\"", other},
+        {day_one, "PublicationDate=\"2023-01-01T00:00:00Z\" ModelVersion=\"1.0.0\"", later},
+        {"PublicationDate=\"2023-01-01T00:00:00Z\" ModelVersion=\"1.0.0\"", day_one, other},
+    };
+    for (const Case& each : cases) {
+        CAPTURE(each.asked, each.there);
+        ModelFixture project;
+        project.import(of_version(file("urn:t", cell()), each.there));
+        const std::string asks =
+            "<RequiredModel ModelUri=\"urn:t\" " + std::string{each.asked} + "/>";
+        const auto result =
+            project.import(file("urn:d", variable("s=A"), asks, "<Uri>urn:t</Uri>"));
+        CHECK(has(result.reports, ModelCode::ModelOfOtherVersion) == (each.state == other));
+        CHECK(project.models.namespaces().at(2).state == each.state);
+    }
 }
 
 TEST_CASE("9.4 Import: one namespace for each file", "[9.4]")
