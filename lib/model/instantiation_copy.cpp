@@ -114,7 +114,10 @@ Result<NodeIndex> Instantiation::copy(NodeIndex parent, const DeclaredMember& me
         return shared ? Result<NodeIndex>{declaration} : fail(shared.error());
     }
     const NodeIndex type = is_method ? no_node : type_of(declaration, path);
-    if (type == no_node && !is_method) {
+    if (!is_method && (type == no_node || space_.is_abstract(type))) {
+        if (options_.fault != nullptr) {
+            *options_.fault = {path, space_.node_id(space_.type_definition(declaration))};
+        }
         return fail(status::Bad_TypeDefinitionInvalid);
     }
     NodeIndex created = no_node;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <busbar/controller/model_set.hpp>
@@ -27,6 +28,9 @@ struct NewInstance {
     /// BrowsePaths of Optional members, "Identification/SerialNumber".
     std::vector<std::string> optional{};
     bool has_all_optional{false};
+    /// The types of members that replace those of the model, by BrowsePath: a member of an abstract
+    /// type needs one. Each is a subtype of the model's type that is not abstract.
+    std::vector<std::pair<std::string, NodeId>> types{};
 };
 
 struct InstanceResult {

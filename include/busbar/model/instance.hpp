@@ -52,6 +52,14 @@ struct InstanceLimits {
 /// estimate is rather too high; it is meant for limits.
 [[nodiscard]] BUSBAR_API std::size_t memory_of(const SpaceReader& space, NodeIndex node);
 
+/// The member for which an instance could not be created, as its type has a choice to make.
+struct InstanceFault {
+    /// The BrowsePath of the member.
+    std::string path{};
+    /// The type of the InstanceDeclaration.
+    NodeId declared_type{};
+};
+
 struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
     /// together with the nodes on the way to them. Bad_NotFound if the type has no such path.
@@ -60,6 +68,9 @@ struct InstanceOptions {
     /// declaration may have an abstract type and leave the choice to the instance. Each must be the
     /// declared type or a subtype of it; else Bad_TypeDefinitionInvalid.
     std::vector<std::pair<std::string, NodeId>> types;
+    /// Receives the member that a Bad_TypeDefinitionInvalid is about, unless it is null; stays as
+    /// it is if that is about the instance's own type.
+    InstanceFault* fault{nullptr};
     /// Adds every Optional member whose type is not abstract, or those for which the function,
     /// which may be empty, is true.
     bool all_optional{false};

@@ -56,6 +56,10 @@ private:
     [[nodiscard]] Configured<void> check() const;
     [[nodiscard]] NodeId id_of_instance(NodeIndex parent) const;
     [[nodiscard]] Configured<void> explain(StatusCode status) const;
+    [[nodiscard]] Configured<void> explain_type() const;
+    [[nodiscard]] std::string concrete_subtypes(NodeIndex type) const;
+    [[nodiscard]] model::InstanceOptions options();
+    [[nodiscard]] Configured<void> check_chosen_types() const;
     [[nodiscard]] std::set<std::string> required_uris() const;
     [[nodiscard]] bool has_mapped(const std::string& uri) const;
 
@@ -65,6 +69,7 @@ private:
     std::uint16_t index_{0};
     std::size_t count_before_{0};
     NodeId id_;
+    model::InstanceFault fault_;
 };
 
 Configured<void> InstanceMaker::load()
@@ -136,9 +141,8 @@ Configured<void> InstanceMaker::explain(StatusCode status) const
         return refuse(instance_.type, "has no Optional member of a path that was asked for; "
                                       "expected BrowsePaths as Identification/SerialNumber");
     }
-    if (status == status::Bad_TypeDefinitionInvalid) {
-        return refuse(instance_.type, "found a Mandatory member of an abstract type, which "
-                                      "only a subtype of this type can have");
+    if (status == status::Bad_TypeDefinitionInvalid && !fault_.path.empty()) {
+        return explain_type();
     }
     if (status == status::Bad_TooManyOperations) {
         return refuse(instance_.type,
@@ -146,6 +150,75 @@ Configured<void> InstanceMaker::explain(StatusCode status) const
                       "ones");
     }
     return refuse(instance_.type, "cannot be instantiated: " + std::string{name(status)});
+}
+
+/// Names some of the types that a member of this abstract type can have.
+std::string InstanceMaker::concrete_subtypes(NodeIndex type) const
+{
+    constexpr std::size_t most = 8;
+    std::size_t count = 0;
+    std::string names;
+    space_.for_each([&](NodeIndex node) {
+        if (node == type || space_.is_abstract(node) || !space_.is_subtype_of(node, type)) {
+            return;
+        }
+        if (++count <= most) {
+            names += (names.empty() ? "" : ", ") + space_.browse_name(node).name.str();
+        }
+    });
+    return count > most ? names + " and " + std::to_string(count - most) + " more" : names;
+}
+
+Configured<void> InstanceMaker::explain_type() const
+{
+    const std::string declared = display_name(fault_.declared_type);
+    const auto chosen = std::find_if(instance_.types.begin(), instance_.types.end(),
+                                     [&](const auto& each) { return each.first == fault_.path; });
+    const std::string names = concrete_subtypes(space_.find(fault_.declared_type));
+    std::string why = "has the member " + printable(fault_.path);
+    if (chosen != instance_.types.end()) {
+        why += ", for which the type " + display_name(chosen->second) +
+               " was chosen, expected a subtype of " + declared + " that is not abstract";
+        return refuse(instance_.type, names.empty() ? why : why + ": " + names);
+    }
+    why += " of the abstract type " + declared;
+    if (names.empty()) {
+        return refuse(instance_.type, why +
+                                          ", of which no model has a subtype that is not abstract; "
+                                          "import the model that has one");
+    }
+    return refuse(instance_.type, why + "; choose one of its subtypes for it (--type " +
+                                      printable(fault_.path) + "=TYPE): " + names);
+}
+
+model::InstanceOptions InstanceMaker::options()
+{
+    model::InstanceOptions options;
+    options.optional = instance_.optional;
+    options.all_optional = instance_.has_all_optional;
+    options.types = instance_.types;
+    options.methods = model::InstanceMethods::Copied;
+    options.fault = &fault_;
+    return options;
+}
+
+Configured<void> InstanceMaker::check_chosen_types() const
+{
+    for (const auto& [path, type] : instance_.types) {
+        const NodeIndex member = model::find_by_path(space_, space_.find(id_), path);
+        const bool is_member = member != model::no_node;
+        if (is_member && space_.type_definition(member) == space_.find(type)) {
+            continue;
+        }
+        return refuse(instance_.type,
+                      is_member ? "has the member " + printable(path) + " of the type " +
+                                      display_name(space_.node_id(space_.type_definition(member))) +
+                                      " already, which stays"
+                                : "gets no member " + printable(path) +
+                                      ", for which a type was chosen; expected the BrowsePath of a "
+                                      "Mandatory member or of an Optional one that was chosen");
+    }
+    return {};
 }
 
 Configured<void> InstanceMaker::make()
@@ -157,24 +230,20 @@ Configured<void> InstanceMaker::make()
     const NodeIndex parent = space_.find(instance_.parent);
     const NodeIndex type = space_.find(instance_.type);
     id_ = id_of_instance(parent);
-    model::InstanceOptions options;
-    options.optional = instance_.optional;
-    options.all_optional = instance_.has_all_optional;
-    options.methods = model::InstanceMethods::Copied;
     if (const NodeIndex there = space_.find(id_); there != model::no_node) {
         if (space_.type_definition(there) != type) {
             return refuse(id_, "is there already and of another type, expected " +
                                    display_name(instance_.type));
         }
-        const auto added = model::add_optional(space_, there, options);
-        return added ? Configured<void>{} : explain(added.error());
+        const auto added = model::add_optional(space_, there, options());
+        return added ? check_chosen_types() : explain(added.error());
     }
     model::NewNode node;
     node.id = id_;
     node.browse_name = QualifiedName{index_, String{instance_.name}};
     node.parent = parent;
-    const auto made = model::instantiate(space_, node, type, options);
-    return made ? Configured<void>{} : explain(made.error());
+    const auto made = model::instantiate(space_, node, type, options());
+    return made ? check_chosen_types() : explain(made.error());
 }
 
 /// Of the nodes that the namespace's refer to.

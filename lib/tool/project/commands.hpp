@@ -39,6 +39,8 @@ struct ProjectArguments {
     /// Of an instance.
     std::vector<std::string> optional;
     bool has_all_optional{false};
+    /// PATH=TYPE of members.
+    std::vector<std::string> types;
     std::string uri;
 };
 

@@ -1,4 +1,5 @@
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <busbar/controller/mapping_table.hpp>
@@ -56,6 +57,17 @@ NodeId type_of(const ModelSet& models, const std::string& text)
     return found.front();
 }
 
+/// Of "PATH=TYPE".
+std::pair<std::string, NodeId> type_choice(const ModelSet& models, const std::string& text)
+{
+    const std::size_t end = text.find('=');
+    if (end == 0 || end == std::string::npos || end + 1 == text.size()) {
+        throw Failure{Exit::Usage, "--type " + safe(text) + " is not a choice of a type",
+                      "expected PATH=TYPE, as Axis/Motor=ServoMotorType"};
+    }
+    return {text.substr(0, end), type_of(models, text.substr(end + 1))};
+}
+
 /// "PackMLBaseObject" of a PackMLBaseObjectType.
 std::string default_name(const model::SpaceReader& space, const NodeId& type)
 {
@@ -84,6 +96,9 @@ Exit add_one(Context& context, const ProjectArguments& arguments)
     instance.uri = arguments.uri.empty() ? own_uri : arguments.uri;
     instance.optional = arguments.optional;
     instance.has_all_optional = arguments.has_all_optional;
+    for (const std::string& choice : arguments.types) {
+        instance.types.push_back(type_choice(models, choice));
+    }
     const auto made = controller::add_instance(models, instance);
     if (!made) {
         throw Failure{Exit::Failed, safe(text(made.error())), "the project is as it was"};
@@ -112,7 +127,12 @@ void add_instances(CLI::App& project, Run& run)
                      "for more")
         ->type_name("PATH");
     command->add_flag("--all-optional", arguments->has_all_optional,
-                      "all Optional members, but for those of abstract types");
+                      "all Optional members, but for those of abstract types without a choice");
+    command
+        ->add_option("--type", arguments->types,
+                     "the type of a member, by its path, where the model has an abstract one; "
+                     "repeat it for more")
+        ->type_name("PATH=TYPE");
     command
         ->add_option("--namespace", arguments->uri,
                      "of its nodes, instead of " + std::string{own_uri})

@@ -168,4 +168,48 @@ TEST_CASE_METHOD(Fixture, "Instances that cannot be are refused, and nothing is 
     CHECK(refused(wrong).find("namespace that models require") != std::string::npos);
 }
 
+TEST_CASE_METHOD(Fixture, "Instances have a chosen type where the model has an abstract one")
+{
+    const auto contains = [](const std::string& text, const std::string& part) {
+        CAPTURE(text, part);
+        return text.find(part) != std::string::npos;
+    };
+    import(file("urn:axes", type("AxisType", "i=58", {}) +
+                                type("ToolType", "i=58", "IsAbstract=\"true\"") +
+                                member("Object", "Tool", "AxisType", "i=78", {},
+                                       reference("i=40", "ns=1;s=ToolType")) +
+                                "</UAObject>\n"),
+           "axes.xml");
+    NewInstance axis = drive("Axis");
+    axis.type = id("AxisType", "urn:axes");
+    CHECK(contains(refused(axis), "has the member Tool of the abstract type"));
+    CHECK(contains(refused(axis), "no model has a subtype"));
+    import(file("urn:axes",
+                type("AxisType", "i=58", {}) + type("ToolType", "i=58", "IsAbstract=\"true\"") +
+                    member("Object", "Tool", "AxisType", "i=78", {},
+                           reference("i=40", "ns=1;s=ToolType")) +
+                    "</UAObject>\n" + type("DrillType", "ns=1;s=ToolType", {}) +
+                    member("Variable", "Speed", "DrillType", "i=78",
+                           "DataType=\"i=11\" AccessLevel=\"3\"", reference("i=40", "i=63")) +
+                    "</UAVariable>\n"),
+           "axes.xml");
+    CHECK(contains(refused(axis), "--type Tool=TYPE): DrillType"));
+    axis.types = {{"Tool", id("MotorType", "urn:companion")}};
+    CHECK(contains(refused(axis), "MotorType was chosen, expected a subtype of"));
+    axis.types = {{"Tool", id("ToolType", "urn:axes")}};
+    CHECK(contains(refused(axis), "that is not abstract: DrillType"));
+    const NodeId drill = id("DrillType", "urn:axes");
+    axis.types = {{"Tool", drill}, {"Tol", drill}};
+    CHECK(contains(refused(axis), "gets no member Tol"));
+    axis.types = {{"Tool", drill}};
+    const auto made = add_instance(models, axis);
+    INFO((made ? "" : text(made.error())));
+    REQUIRE(made);
+    CHECK(is_there("Axis/Tool/Speed"));
+    // The same again is no change, another type is.
+    REQUIRE(add_instance(models, axis));
+    axis.types = {{"Tool", id("MotorType", "urn:companion")}};
+    CHECK(contains(refused(axis), "already, which stays"));
+}
+
 } // namespace model_instance_test

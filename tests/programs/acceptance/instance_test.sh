@@ -34,6 +34,48 @@ says "expected one of the project's own"
 project 0 check cell.busbar
 project 0 show cell.busbar "nsu=$cell;s=Second"
 
+# A member of an abstract type, whose instances choose one.
+{
+    cat << 'END'
+<UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
+  <NamespaceUris><Uri>urn:axes</Uri></NamespaceUris>
+  <Models><Model ModelUri="urn:axes" Version="1"/></Models>
+END
+    # axis_type NAME SUPERTYPE ATTRIBUTES
+    axis_type() {
+        echo "<UAObjectType NodeId=\"ns=1;s=$1\" BrowseName=\"1:$1\" $3><References>
+            <Reference ReferenceType=\"i=45\" IsForward=\"false\">$2</Reference></References></UAObjectType>"
+    }
+    axis_type AxisType i=58 ''
+    axis_type ToolType i=58 'IsAbstract="true"'
+    axis_type DrillType 'ns=1;s=ToolType' ''
+    axis_type MillType 'ns=1;s=ToolType' ''
+    cat << 'END'
+<UAObject NodeId="ns=1;s=AxisType.Tool" BrowseName="1:Tool"><References>
+  <Reference ReferenceType="i=40">ns=1;s=ToolType</Reference>
+  <Reference ReferenceType="i=37">i=78</Reference>
+  <Reference ReferenceType="i=47" IsForward="false">ns=1;s=AxisType</Reference></References></UAObject>
+<UAVariable NodeId="ns=1;s=DrillType.Speed" BrowseName="1:Speed" DataType="i=11" AccessLevel="3"><References>
+  <Reference ReferenceType="i=40">i=63</Reference>
+  <Reference ReferenceType="i=37">i=78</Reference>
+  <Reference ReferenceType="i=47" IsForward="false">ns=1;s=DrillType</Reference></References></UAVariable>
+</UANodeSet>
+END
+} > axes.xml
+project 0 new axes.busbar
+project 0 import axes.busbar axes.xml
+project 1 instance axes.busbar /Objects AxisType Axis
+says 'has the member Tool of the abstract type 1:ToolType; choose one'
+says '(--type Tool=TYPE): DrillType, MillType$'
+project 2 instance axes.busbar /Objects AxisType Axis --type Tool
+project 1 instance axes.busbar /Objects AxisType Axis --type Tool=ToolType
+says 'subtype of 1:ToolType that is not abstract: DrillType, MillType$'
+project 1 instance axes.busbar /Objects AxisType Axis --type Tol=DrillType
+project 0 instance axes.busbar /Objects AxisType Axis --type Tool=DrillType
+says 's=Axis: 3 nodes added'
+project 0 csv axes.busbar --all
+says "^nsu=$own;s=Axis/Tool/Speed,.*,Double"
+
 if [ ! -d "$nodesets" ]; then
     echo "without node-opcua-nodesets: PackML and Machinery are left out"
     finish
