@@ -44,7 +44,8 @@ TEST_CASE_METHOD(Fixture, "the PLC behind a project is configured")
 {
     const auto config =
         parse("access_unit = 480\nwaiting = 8\nsampling = false\nsampled_points = 8192\n"
-              "utc_offset_minutes = -90\nisolate_failures = true\n[[plc.program]]\nkind = "
+              "utc_offset_minutes = -90\nisolate_failures = true\ncall_limit_ms = "
+              "60000\n[[plc.program]]\nkind = "
               "\"acknowledge\"\n"
               "target = \"Handle\"\nsets = \"State\"\nto = 6\n");
     REQUIRE(config.labels.program != nullptr);
@@ -55,11 +56,13 @@ TEST_CASE_METHOD(Fixture, "the PLC behind a project is configured")
     CHECK(config.labels.options.max_sampled_points == 8'192);
     CHECK(config.labels.utc_offset == -90);
     CHECK(config.labels.isolates_failures);
+    CHECK(config.labels.call_limit == std::chrono::minutes{1});
     REQUIRE(config.plc.programs.size() == 1);
     CHECK(config.plc.programs[0].sets == "State");
     CHECK(config.plc.programs[0].to == 6);
     CHECK_FALSE(parse("").labels.utc_offset);
     CHECK_FALSE(parse("").labels.isolates_failures);
+    CHECK(parse("").labels.call_limit == std::chrono::seconds{4});
 }
 
 TEST_CASE_METHOD(Fixture, "a mistake of the PLC behind a project has its place")
@@ -68,6 +71,7 @@ TEST_CASE_METHOD(Fixture, "a mistake of the PLC behind a project has its place")
     const std::pair<std::string, const char*> mistakes[] = {
         {"unit = 1", "plant.toml:3: found \"unit\""},
         {"waiting = 0", "plant.toml:3: waiting: found 0, expected"},
+        {"call_limit_ms = 60001", "plant.toml:3: call_limit_ms: found 60001, expected"},
         {"utc_offset_minutes = 1441", "plant.toml:3: utc_offset_minutes"},
         {program + "\"Lamp\"", "plant.toml:5: target: found 'Lamp'"},
         {program + "\"Handle\"\nsets = \"Lamp\"", "plant.toml:6: sets: found 'Lamp'"},

@@ -145,6 +145,7 @@ struct LabelConfig {
     std::optional<std::int32_t> utc_offset;
     /// See MappedOptions.
     bool isolates_failures{false};
+    std::chrono::milliseconds call_limit{4'000};
 };
 
 /// As a number for net::ServerLoop::listen; its default, 0, is for all.

@@ -21,7 +21,7 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
 {
     constexpr std::int64_t most_minutes{std::int64_t{24} * 60};
     table.allow({"program", "access_unit", "waiting", "sampling", "sampled_points",
-                 "utc_offset_minutes", "isolate_failures"});
+                 "utc_offset_minutes", "isolate_failures", "call_limit_ms"});
     LabelConfig& labels = config.labels;
     labels.program_file = table.text("program", "");
     auto& options = labels.options;

@@ -62,6 +62,7 @@ struct Commons {
     static constexpr Common of(Log*) { return {"machine"}; }
     static constexpr Common of(MachineConfig*) { return {"machine", false, false, false}; }
     static constexpr Common of(Labels*) { return {"labels", false, false, false}; }
+    static constexpr Common of(LabelConfig*) { return {"labels", false, false, false}; }
     static constexpr Common of(server::ImageOptions*) { return {"plc"}; }
     static constexpr Common of(ControllerConfig*) { return {"plc"}; }
 };
@@ -83,6 +84,7 @@ struct Place {
     static auto& of(auto& config, Log*) { return config.machine.execution_log; }
     static auto& of(auto& config, MachineConfig*) { return config.machine; }
     static auto& of(auto& config, Labels*) { return config.labels.options; }
+    static auto& of(auto& config, LabelConfig*) { return config.labels; }
     static auto& of(auto& config, server::ImageOptions*) { return config.image; }
     static auto& of(auto& config, ControllerConfig*) { return config; }
 };
@@ -373,6 +375,7 @@ constexpr LimitKey keys[] = {
     row<&Labels::access_unit>("access_unit", {}, 0, most_points),
     row<&Labels::max_waiting>("waiting", {}, 1, 100'000),
     row<&Labels::max_sampled_points>("sampled_points", {}, 1, most_points),
+    row<&LabelConfig::call_limit>("call_limit_ms", {}, 10, 60'000),
     row<&ControllerConfig::scan>("scan_ms", {}, 1, 10'000),
     row<&ControllerConfig::realtime_priority>("realtime_priority", {}, 0, 99),
     row<&server::ImageOptions::max_queued_scans>("queued_scans", {}, 1, 1'000),

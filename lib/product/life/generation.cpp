@@ -121,6 +121,7 @@ void Generation::prepare()
             .labels = around_.labels,
             .utc_offset_minutes = config_.labels.utc_offset.value_or(local_utc_offset(clock.now())),
             .isolates_failures = config_.labels.isolates_failures,
+            .call_limit = config_.labels.call_limit,
             .clock = clock,
             .log = administered_.log(),
             .module = published.module});

@@ -1,5 +1,6 @@
 #include "mapped_model.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string>
@@ -74,6 +75,9 @@ controller::MappedOptions options_of(const MappedModel::Needs& needs)
     }
     options.conversion.utc_offset_minutes = needs.utc_offset_minutes;
     options.isolates_failures = needs.isolates_failures;
+    options.call_limit = needs.call_limit;
+    // The source's own timeout ends a Call that waits for longer.
+    options.timeout = std::max(options.timeout, needs.call_limit + std::chrono::seconds{1});
     return options;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <set>
@@ -50,6 +51,8 @@ public:
         std::shared_ptr<backend::LabelBackend> labels;
         std::int32_t utc_offset_minutes;
         bool isolates_failures;
+        /// See MappedOptions.
+        std::chrono::milliseconds call_limit;
         const WallClock& clock;
         LogSink& log;
         /// Where the values of the module's buffer memory are shown.

@@ -193,4 +193,15 @@ run 3 --trust call "$url" /Objects "$(node Weigh)" 12
 says 'Bad_Timeout'
 kill "$pid"
 await ended
+# One that takes longer than a Call waits by default: the second Call waits for six seconds.
+module 'sets = "Ready"
+to = 1
+period_ms = 6000' | sed 's/^program = "line.st"/&\ncall_limit_ms = 20000/' > module.toml
+serve_cell tank.busbar
+for scale in 12 13; do
+    run 0 --trust call "$url" /Objects "$(node Weigh)" $scale
+    says $scale
+done
+kill "$pid"
+await ended
 finish
