@@ -8,7 +8,7 @@
 
 #include <busbar/controller/backup.hpp>
 #include <busbar/storage/memory_storage.hpp>
-#include <controller/life/checksum.hpp>
+#include <controller/backup/sealed_backup.hpp>
 
 namespace backup_fuzz {
 
@@ -102,15 +102,12 @@ void expect(bool holds)
     }
 }
 
-/// With a right checksum, so that what is behind it is reached.
+/// With the right checksums, so that what comes after them is reached.
 std::vector<std::byte> sealed(std::span<const std::byte> bytes)
 {
-    std::vector<std::byte> file{bytes.begin(), bytes.end()};
-    const std::uint32_t sum = controller::detail::checksum(file);
-    for (unsigned i = 0; i < 4; ++i) {
-        file.push_back(static_cast<std::byte>(sum >> (8 * i) & 0xFFU));
-    }
-    return file;
+    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    return text.starts_with("BUSBARBK") ? test::sealed_earlier(bytes)
+                                        : test::TarBlocks{{bytes.begin(), bytes.end()}}.sealed();
 }
 
 /// A restore that is to leave the security profile leaves it.
@@ -142,8 +139,9 @@ void keep_the_profile(std::span<const std::byte> backup)
 
 } // namespace
 
-/// A backup file of any origin, without its checksum: it is restored whole, and only where it may
-/// be, or changes nothing. The same bytes as a RestoreCommand.ini and as a file of settings.
+/// A backup file of any origin, a tar or one of version 1 without its checksum: it is restored
+/// whole, and only where it may be, or changes nothing. The next backup has what was restored. The
+/// same bytes as a RestoreCommand.ini and as a file of settings.
 int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto bytes = std::as_bytes(std::span{data, size});
@@ -181,6 +179,13 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
             expect(item.differences.empty() ||
                    item.differences == std::vector<std::string>{"server.json"});
         }
+    }
+    const auto next = memory.backup({});
+    expect(next && *next == memory.backup({}));
+    const auto same = memory.verify(*next, {});
+    expect(same.has_value());
+    for (const VerifiedItem& item : *same) {
+        expect(item.differences.empty());
     }
     return 0;
 }

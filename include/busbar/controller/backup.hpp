@@ -129,11 +129,9 @@ struct VerifiedItem {
 /// A controller's data. Every change takes effect completely or not at all, even if the power
 /// fails. Records SecurityCleared where 9-2-2 has 95D40000.
 ///
-/// A backup file has: "BUSBARBK", version and size of the manifest (32 bits each, little-endian),
-/// the manifest, the bytes of all files in its order, and the CRC-32 of everything before it. The
-/// manifest is JSON: "controller", "created", "opc_ua" (false: from a controller without OPC UA
-/// server; no items) and "items", each with "name", "group" ("settings", "values", "security",
-/// "events") and "files" with "name" and "size".
+/// A backup file is a tar: "SHA256SUMS", which `sha256sum -c` takes, "manifest.json" and the files
+/// below "files/". lib/controller/backup/FORMAT.md describes it. Files of version 1, which were no
+/// tars, are read as well.
 ///
 /// Compatibility (W588, 8-2-3): a file with another version of the format, or
 /// with items unknown to this controller, is refused. Known items that the file does not have are

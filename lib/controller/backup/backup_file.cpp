@@ -1,290 +1,224 @@
 #include "backup_file.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <optional>
-#include <unordered_set>
 #include <utility>
 
 #include <busbar/core/text.hpp>
-#include <core/json.hpp>
-#include <core/json_writer.hpp>
+#include <busbar/crypto/digest.hpp>
 
+#include "backup_manifest.hpp"
 #include "controller/life/checksum.hpp"
+#include "tar.hpp"
 
 namespace busbar::controller::detail {
 
 namespace {
 
-using busbar::detail::Json;
-using busbar::detail::JsonWriter;
+using Bytes = std::span<const std::byte>;
 
-constexpr std::string_view backup_magic = "BUSBARBK";
-constexpr std::uint32_t backup_version = 1;
-constexpr std::size_t header_size = backup_magic.size() + 2 * sizeof(std::uint32_t);
-constexpr std::size_t max_manifest_size = 4U << 20U;
+constexpr std::string_view sums_name = "SHA256SUMS";
+constexpr std::string_view manifest_name = "manifest.json";
 
-struct GroupName {
-    MemoryGroup group;
-    std::string_view name;
-};
-/// Those that may be in a backup.
-constexpr std::array group_names{GroupName{MemoryGroup::ServerSettings, "settings"},
-                                 GroupName{MemoryGroup::RetainedValues, "values"},
-                                 GroupName{MemoryGroup::SecurityProfile, "security"},
-                                 GroupName{MemoryGroup::EventLog, "events"}};
-
-// Writing.
-
-void append_number(std::vector<std::byte>& to, std::uint32_t number)
+std::string place_of(std::string_view name)
 {
-    for (unsigned shift = 0; shift < 32; shift += 8) {
-        to.push_back(static_cast<std::byte>(number >> shift & 0xFFU));
+    return std::string{"files/"}.append(name);
+}
+
+/// A line as sha256sum writes it, in which names with these characters are marked.
+std::string sum_line(std::string_view name, Bytes bytes)
+{
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string line = name.find_first_of("\\\n\r") != std::string_view::npos ? "\\" : "";
+    for (const std::byte byte : crypto::sha256(bytes)) {
+        line += digits[std::to_integer<std::size_t>(byte >> 4U)];
+        line += digits[std::to_integer<std::size_t>(byte & std::byte{15})];
     }
-}
-
-void append_text(std::vector<std::byte>& to, std::string_view text)
-{
-    const auto bytes = std::as_bytes(std::span{text});
-    to.insert(to.end(), bytes.begin(), bytes.end());
-}
-
-void write_text(JsonWriter& json, std::string_view name, std::string_view text)
-{
-    json.name(name);
-    json.string(text);
-}
-
-void write_item(JsonWriter& json, const SavedItem& item)
-{
-    const auto* const group =
-        std::find_if(group_names.begin(), group_names.end(),
-                     [&](const GroupName& each) { return each.group == item.group; });
-    json.begin_object();
-    write_text(json, "name", item.name);
-    write_text(json, "group", group->name);
-    json.name("files");
-    json.begin_list();
-    for (const SavedFile& file : item.files) {
-        json.begin_object();
-        write_text(json, "name", file.name);
-        json.name("size");
-        json.word(std::to_string(file.bytes.size()));
-        json.end_object();
+    line += "  ";
+    for (const char each : name) {
+        switch (each) {
+        case '\\':
+            line += R"(\\)";
+            break;
+        case '\n':
+            line += R"(\n)";
+            break;
+        case '\r':
+            line += R"(\r)";
+            break;
+        default:
+            line += each;
+        }
     }
-    json.end_list();
-    json.end_object();
+    return line += '\n';
 }
 
-std::string manifest_of(const SavedMemory& memory)
+template <typename Function>
+void for_each_file(const SavedMemory& memory, Function function)
 {
-    JsonWriter json;
-    json.begin_object();
-    write_text(json, "controller", memory.label.controller);
-    write_text(json, "created", to_string(memory.label.time));
-    json.name("opc_ua");
-    json.word(memory.has_opc_ua ? "true" : "false");
-    json.name("items");
-    json.begin_list();
     for (const SavedItem& item : memory.items) {
-        write_item(json, item);
+        for (const SavedFile& file : item.files) {
+            function(place_of(file.name), file.bytes);
+        }
     }
-    json.end_list();
-    json.end_object();
-    return json.take();
 }
 
-// Reading.
-
-Unexpected<Problem> no_backup(std::string text)
+/// Takes a line from the beginning of SHA256SUMS for each file of the tar, in its order.
+Configured<void> check_sums(TarReader files, std::string_view sums, const MemoryLimits& limits)
 {
-    return misconfigured("backup", std::move(text));
+    for (std::size_t count = 0;; ++count) {
+        const auto file = files.next();
+        if (!file) {
+            return Unexpected{file.error()};
+        }
+        if (!*file) {
+            break;
+        }
+        if (count > limits.max_files) { // one of them is the manifest
+            return wrong_backup("found more than " + std::to_string(limits.max_files) + " files");
+        }
+        const std::string line = sum_line((*file)->name, (*file)->bytes);
+        if (!sums.starts_with(line)) {
+            return wrong_backup("is damaged: the checksum of " + printable((*file)->name) +
+                                " is not the one in SHA256SUMS");
+        }
+        sums.remove_prefix(line.size());
+    }
+    return sums.empty() ? Configured<void>{}
+                        : wrong_backup("found checksums of files that are not there");
 }
 
-std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at)
+Configured<Bytes> take_named(TarReader& files, std::string_view name)
+{
+    const auto file = files.next();
+    if (!file) {
+        return Unexpected{file.error()};
+    }
+    if (!*file || (*file)->name != name) {
+        return wrong_backup("found " + (*file ? printable((*file)->name) : "no more files") +
+                            ", expected " + printable(name));
+    }
+    return (*file)->bytes;
+}
+
+Configured<SavedMemory> read_tar(Bytes tar, const MemoryLimits& limits)
+{
+    TarReader files{tar};
+    const auto sums = take_named(files, sums_name);
+    if (!sums) {
+        return Unexpected{sums.error()};
+    }
+    if (auto checked = check_sums(files, as_text(*sums), limits); !checked) {
+        return Unexpected{std::move(checked.error())};
+    }
+    const auto manifest = take_named(files, manifest_name);
+    if (!manifest) {
+        return Unexpected{manifest.error()};
+    }
+    const auto take = [&](const std::string& name, std::size_t size) -> Configured<Bytes> {
+        auto bytes = take_named(files, place_of(name));
+        if (bytes && bytes->size() != size) {
+            return wrong_backup("found " + std::to_string(bytes->size()) + " bytes of " +
+                                printable(name) + ", expected " + std::to_string(size));
+        }
+        return bytes;
+    };
+    auto memory = read_manifest(*manifest, ManifestForm::WithVersion, limits, take);
+    if (!memory) {
+        return memory;
+    }
+    const auto more = files.next();
+    if (more && *more) {
+        return wrong_backup("found " + printable((*more)->name) +
+                            ", which the manifest does not name");
+    }
+    return more ? std::move(memory) : Unexpected{more.error()};
+}
+
+// The earlier format: magic, version and size of the manifest, the manifest, the bytes of all files
+// and the CRC-32 of everything before it.
+
+constexpr std::string_view earlier_magic = "BUSBARBK";
+constexpr std::uint32_t earlier_version = 1;
+constexpr std::size_t number_size = sizeof(std::uint32_t);
+constexpr std::size_t earlier_header_size = earlier_magic.size() + 2 * number_size;
+
+std::uint32_t number_at(Bytes bytes, std::size_t at)
 {
     std::uint32_t number = 0;
-    for (unsigned i = 0; i < 4; ++i) {
+    for (unsigned i = 0; i < number_size; ++i) {
         number |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
     }
     return number;
 }
 
-const std::string* text_in(const Json& json, std::string_view name)
+Configured<SavedMemory> read_earlier(Bytes file, const MemoryLimits& limits)
 {
-    const Json* const found = json.find(name);
-    return found != nullptr && found->kind == Json::Kind::String ? &found->text : nullptr;
-}
-
-const Json* list_in(const Json& json, std::string_view name)
-{
-    const Json* const found = json.find(name);
-    return found != nullptr && found->kind == Json::Kind::List ? found : nullptr;
-}
-
-std::optional<std::size_t> size_in(const Json& json)
-{
-    const Json* const found = json.find("size");
-    if (found == nullptr || found->kind != Json::Kind::Number) {
-        return std::nullopt;
+    if (file.size() < earlier_header_size + number_size) {
+        return wrong_backup("is cut");
     }
-    const char* const end = found->text.data() + found->text.size();
-    std::size_t size = 0;
-    const auto read = std::from_chars(found->text.data(), end, size);
-    return read.ec == std::errc{} && read.ptr == end ? std::optional{size} : std::nullopt;
-}
-
-/// Takes the manifest's files from the bytes behind it.
-class BackupReader {
-public:
-    BackupReader(std::span<const std::byte> content, const MemoryLimits& limits)
-        : content_{content}, limits_{limits}
-    {
+    const auto content = file.first(file.size() - number_size);
+    if (checksum(content) != number_at(file, content.size())) {
+        return wrong_backup("is cut or damaged: the checksum is another one");
     }
-
-    [[nodiscard]] Configured<SavedMemory> read(const Json& manifest);
-
-private:
-    [[nodiscard]] Configured<void> read_item(const Json& json, SavedMemory& memory);
-    [[nodiscard]] Configured<void> read_file(const Json& json, SavedItem& item);
-
-    std::span<const std::byte> content_;
-    const MemoryLimits& limits_;
-    std::unordered_set<std::string> item_names_;
-    std::unordered_set<std::string> file_names_;
-    std::size_t names_size_{0};
-};
-
-Configured<SavedMemory> BackupReader::read(const Json& manifest)
-{
-    const std::string* const controller = text_in(manifest, "controller");
-    const Json* const opc_ua = manifest.find("opc_ua");
-    const Json* const items = list_in(manifest, "items");
-    if (controller == nullptr || opc_ua == nullptr || items == nullptr ||
-        (opc_ua->kind != Json::Kind::True && opc_ua->kind != Json::Kind::False)) {
-        return no_backup("found a manifest without controller, opc_ua or items");
+    if (const auto version = number_at(file, earlier_magic.size()); version != earlier_version) {
+        return wrong_backup("found version " + std::to_string(version) + ", expected " +
+                            std::to_string(earlier_version));
     }
-    SavedMemory memory;
-    memory.label.controller = *controller;
-    memory.has_opc_ua = opc_ua->kind == Json::Kind::True;
-    if (!memory.has_opc_ua && !items->items.empty()) {
-        return no_backup("found data of an OPC UA server in the backup of a controller without");
+    const std::size_t size = number_at(file, earlier_magic.size() + number_size);
+    if (size > max_manifest_size || size > content.size() - earlier_header_size) {
+        return wrong_backup("found a manifest larger than the file or the limits");
     }
-    for (const Json& item : items->items) {
-        if (auto read = read_item(item, memory); !read) {
-            return Unexpected{std::move(read.error())};
+    Bytes rest = content.subspan(earlier_header_size + size);
+    const auto take = [&](const std::string& name, std::size_t wanted) -> Configured<Bytes> {
+        if (wanted > rest.size()) {
+            return wrong_backup("found its end within " + printable(name));
         }
-    }
-    if (!content_.empty()) {
-        return no_backup("found " + std::to_string(content_.size()) +
-                         " bytes more than the manifest names");
+        const auto bytes = rest.first(wanted);
+        rest = rest.subspan(wanted);
+        return bytes;
+    };
+    auto memory = read_manifest(content.subspan(earlier_header_size, size), ManifestForm::Earlier,
+                                limits, take);
+    if (memory && !rest.empty()) {
+        return wrong_backup("found " + std::to_string(rest.size()) +
+                            " bytes more than the manifest names");
     }
     return memory;
 }
 
-Configured<void> BackupReader::read_item(const Json& json, SavedMemory& memory)
-{
-    const std::string* const name = text_in(json, "name");
-    const std::string* const group = text_in(json, "group");
-    const Json* const files = list_in(json, "files");
-    if (name == nullptr || group == nullptr || files == nullptr) {
-        return no_backup("found an item without name, group or files");
-    }
-    const auto* const known =
-        std::find_if(group_names.begin(), group_names.end(),
-                     [&](const GroupName& each) { return each.name == *group; });
-    if (known == group_names.end() || !item_names_.insert(*name).second) {
-        return no_backup("found " + printable(*name) + " of group " + printable(*group) +
-                         ", expected each item once, of group settings, security or events");
-    }
-    SavedItem item{*name, known->group, {}};
-    for (const Json& file : files->items) {
-        if (auto read = read_file(file, item); !read) {
-            return read;
-        }
-    }
-    memory.items.push_back(std::move(item));
-    return {};
-}
-
-Configured<void> BackupReader::read_file(const Json& json, SavedItem& item)
-{
-    const std::string* const name = text_in(json, "name");
-    const auto size = size_in(json);
-    if (name == nullptr || !size || !is_storage_name(*name) || !is_saved_name(*name) ||
-        !file_names_.insert(*name).second) {
-        return no_backup("found a file without size or with a name that is none or is there "
-                         "twice, in " +
-                         printable(item.name));
-    }
-    names_size_ += name->size();
-    if (*size > content_.size() || *size > limits_.max_file_size ||
-        file_names_.size() > limits_.max_files || names_size_ > limits_.max_names_size) {
-        return no_backup("found more files or bytes than the backup has or the limits allow, at " +
-                         printable(*name));
-    }
-    const auto bytes = content_.first(*size);
-    item.files.push_back({*name, {bytes.begin(), bytes.end()}});
-    content_ = content_.subspan(*size);
-    return {};
-}
-
 } // namespace
-
-bool is_saved_name(const std::string& name)
-{
-    JsonWriter json;
-    json.string(name);
-    const auto read = busbar::detail::parse_json(json.document(), {.allows_nul = false});
-    return read && read->text == name;
-}
 
 std::vector<std::byte> write_backup(const SavedMemory& memory)
 {
     const std::string manifest = manifest_of(memory);
-    std::vector<std::byte> file;
-    append_text(file, backup_magic);
-    append_number(file, backup_version);
-    append_number(file, static_cast<std::uint32_t>(manifest.size()));
-    append_text(file, manifest);
-    for (const SavedItem& item : memory.items) {
-        for (const SavedFile& each : item.files) {
-            file.insert(file.end(), each.bytes.begin(), each.bytes.end());
-        }
-    }
-    append_number(file, checksum(file));
-    return file;
+    std::string sums = sum_line(manifest_name, as_data(manifest));
+    std::size_t size = TarWriter::size_of(manifest_name, manifest.size()) + TarWriter::end_size;
+    for_each_file(memory, [&](const std::string& name, Bytes bytes) {
+        sums += sum_line(name, bytes);
+        size += TarWriter::size_of(name, bytes.size());
+    });
+    TarWriter tar{memory.label.time.unix_seconds()};
+    tar.reserve(size + TarWriter::size_of(sums_name, sums.size()));
+    tar.add(sums_name, as_data(sums));
+    tar.add(manifest_name, as_data(manifest));
+    for_each_file(memory, [&](const std::string& name, Bytes bytes) { tar.add(name, bytes); });
+    return tar.take();
 }
 
 Configured<SavedMemory> read_backup(std::span<const std::byte> file, const MemoryLimits& limits)
 {
-    constexpr std::size_t sum_size = sizeof(std::uint32_t);
-    const auto magic = std::as_bytes(std::span{backup_magic});
-    if (file.size() > limits.max_backup_size || file.size() < header_size + sum_size ||
-        !std::equal(magic.begin(), magic.end(), file.begin())) {
-        return no_backup("is no backup file or too large");
+    if (file.size() > limits.max_backup_size) {
+        return wrong_backup("found " + std::to_string(file.size()) + " bytes, expected at most " +
+                            std::to_string(limits.max_backup_size));
     }
-    const auto content = file.first(file.size() - sum_size);
-    if (checksum(content) != number_at(file, content.size())) {
-        return no_backup("is cut or damaged: the checksum is another one");
+    if (as_text(file).starts_with(earlier_magic)) {
+        return read_earlier(file, limits);
     }
-    if (const std::uint32_t version = number_at(file, magic.size()); version != backup_version) {
-        return no_backup("found version " + std::to_string(version) + ", expected " +
-                         std::to_string(backup_version));
-    }
-    const std::size_t size = number_at(file, magic.size() + sum_size);
-    if (size > max_manifest_size || size > content.size() - header_size) {
-        return no_backup("found a manifest larger than the file or the limits");
-    }
-    const auto manifest = content.subspan(header_size, size);
-    const auto json = busbar::detail::parse_json(
-        {reinterpret_cast<const char*>(manifest.data()), manifest.size()},
-        {.max_size = max_manifest_size, .max_depth = 8, .max_values = 65'536, .allows_nul = false});
-    if (!json) {
-        return no_backup("the manifest: " + printable(json.error()));
-    }
-    return BackupReader{content.subspan(header_size + size), limits}.read(*json);
+    return TarReader::is_tar(file)
+               ? read_tar(file, limits)
+               : wrong_backup("is cut or not a backup file: expected a tar (ustar or "
+                              "pax)");
 }
 
 } // namespace busbar::controller::detail
