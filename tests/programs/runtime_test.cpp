@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/machine_event_log.hpp>
@@ -169,9 +170,7 @@ public:
     void write(LogLevel, std::string_view source, std::string_view message) override
     {
         std::unique_lock lock{mutex_};
-        if (message.starts_with("downloaded: ")) {
-            ++downloads_;
-        }
+        messages_.emplace_back(message);
         if (source == "model") {
             ++loads_;
             changed_.notify_all();
@@ -190,10 +189,13 @@ public:
         may_load_ = number;
         changed_.notify_all();
     }
-    void wait_for_download()
+    void wait_for_message(std::string_view start)
     {
         std::unique_lock lock{mutex_};
-        changed_.wait(lock, [&] { return downloads_ > 0; });
+        changed_.wait(lock, [&] {
+            return std::ranges::any_of(messages_,
+                                       [&](const auto& one) { return one.starts_with(start); });
+        });
     }
 
 private:
@@ -201,7 +203,7 @@ private:
     std::condition_variable changed_;
     int loads_{0};
     int may_load_{1};
-    int downloads_{0};
+    std::vector<std::string> messages_;
 };
 
 constexpr const char* empty_model =
@@ -243,7 +245,7 @@ TEST_CASE("while a program is made ready the other one is served, and what is ch
     log.wait_for_load(3);
     CHECK(std::ranges::count(runtime.story.all(), "loaded Level") == 1);
     log.let_load(3);
-    log.wait_for_download();
+    log.wait_for_message("downloaded: ");
     (*controller)->stop();
     serving.join();
     const auto all = runtime.story.all();
@@ -351,6 +353,29 @@ TEST_CASE("a runtime that is no simulation takes no simulated programs and no pr
     REQUIRE(with_labels);
     (*with_labels)->stop();
     CHECK((*with_labels)->run());
+}
+
+TEST_CASE("a controller without a machine ignores events of the hardware")
+{
+    Place place;
+    HeldLog log;
+    place.options.log = &log;
+    ToldRuntime runtime;
+    auto controller = Controller::create(
+        place.file("c.toml", "[[plc.variable]]\nname = \"Level\"\ntype = \"Double\"\n"), runtime,
+        place.options);
+    REQUIRE(controller);
+    std::thread serving{[&] { CHECK((*controller)->run()); }};
+    runtime.story.wait_for("scanned");
+    runtime.host_->happen(HardwareEvent::MajorFault);
+    runtime.host_->happen(HardwareEvent::MediumOut);
+    runtime.host_->power_going();
+    runtime.host_->switch_mode(controller::MachineMode::Program);
+    CHECK_FALSE(runtime.host_->plc_error());
+    runtime.host_->reload();
+    log.wait_for_message("read again: "); // it comes to this after the others
+    (*controller)->stop();
+    serving.join();
 }
 
 TEST_CASE("a program that was received counts although the file is damaged before it ran")

@@ -88,7 +88,7 @@ public:
     RuntimeHost(const RuntimeHost&) = delete;
     RuntimeHost& operator=(const RuntimeHost&) = delete;
 
-    /// Reports an event; the server reacts soon.
+    /// Reports an event; the server reacts soon, if [machine] gives it a life cycle.
     virtual void happen(HardwareEvent event) = 0;
     /// Power is failing: save what can be saved soon.
     virtual void power_going() = 0;

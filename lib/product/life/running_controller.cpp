@@ -311,7 +311,10 @@ void RunningController::changed(Machine::Change change)
 /// Clients may see why, and an administrator may have it start again.
 void RunningController::follow(HardwareEvent event)
 {
-    if (machine_ && machine_->happen(event)) {
+    if (!machine_) {
+        return; // model mode has no life cycle that an event of the hardware could change
+    }
+    if (machine_->happen(event)) {
         log_.write(LogLevel::Error, "controller",
                    "the hardware has the OPC UA server halt, until a restart");
         halt("the hardware has the OPC UA server halt");
