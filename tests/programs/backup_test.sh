@@ -4,8 +4,8 @@
 # usage: backup_test.sh CONTROLLER BUSBAR PROGRAM
 set -u
 controller=$1 busbar=$2 program=$3
-. "$(dirname "$0")/functions.sh"
-
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/functions.sh"
 
 # as USER CODE ARGUMENTS...: all have one password.
 as() {
@@ -79,6 +79,22 @@ as chief 0 admin verify "$url" press.backup
 says '^Users *none'
 says_not 'settings.json'
 
+# Any tool opens it, checks it and puts it together again.
+tar tf press.backup > names || fail "tar does not list the backup"
+[ "$(head -n 2 names | tr '\n' ' ')" = "SHA256SUMS manifest.json " ] || fail "it begins otherwise"
+grep -q '^files/settings.json$' names || fail "the backup has no settings"
+mkdir opened
+tar xf press.backup -C opened || fail "tar does not unpack the backup"
+(cd opened && sha256sum --quiet -c SHA256SUMS) || fail "sha256sum finds it damaged"
+[ "$(stat -c %a opened/files/settings.json)" = 600 ] || fail "others may read what was unpacked"
+tar --format=ustar -cf again.backup -C opened -T names
+as chief 0 admin verify "$url" again.backup
+ln -sf /etc/passwd opened/files/settings.json
+tar --format=ustar -cf again.backup -C opened -T names
+as chief 1 admin restore "$url" again.backup --yes
+says 'nothing was changed'
+says 'found a link'
+
 # What was changed since; users change in PROGRAM only.
 as chief 0 admin setting set "$url" limits.sessions 20
 add_pat
@@ -139,6 +155,16 @@ says 'limits.sessions *30 '
 says 'users.passwords.needs_letters_and_digit *true '
 as chief 0 admin user list "$url"
 says 'pat'
+
+# So is one that an earlier release made.
+as chief 0 admin setting set "$url" limits.sessions 20
+as chief 1 admin verify "$url" "$here/earlier.backup" --without-security-profile
+says '^Server settings *settings.json'
+as chief 0 admin restore "$url" "$here/earlier.backup" --without-security-profile --yes
+restart
+as chief 0 admin verify "$url" "$here/earlier.backup" --without-security-profile
+as chief 0 admin setting list "$url" --changed
+says 'limits.sessions *30 '
 
 # A backup for others has no security profile, which stays when it is restored.
 as chief 0 admin backup "$url" given.backup --without-security-profile
