@@ -130,8 +130,8 @@ struct VerifiedItem {
 /// fails. Records SecurityCleared where 9-2-2 has 95D40000.
 ///
 /// A backup file is a tar: "SHA256SUMS", which `sha256sum -c` takes, "manifest.json" and the files
-/// below "files/". lib/controller/backup/FORMAT.md describes it. Files of version 1, which were no
-/// tars, are read as well.
+/// below "files/". lib/controller/backup/FORMAT.md describes it. Files of version 1, which
+/// have another form, are read as well.
 ///
 /// Compatibility (W588, 8-2-3): a file with another version of the format, or
 /// with items unknown to this controller, is refused. Known items that the file does not have are
