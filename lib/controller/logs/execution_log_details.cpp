@@ -235,10 +235,11 @@ Items log_expiring(const Record& record, DateTime now)
 
 Items log_expired(const Record& record, DateTime)
 {
-    // There is no code for one of a list (W588, 5-1-1).
-    return text_field(record, "ListName").empty()
-               ? Items{{"Expired_Server", certificate_columns(record)}}
-               : Items{};
+    if (text_field(record, "ListName").empty()) {
+        return {{"Expired_Server", certificate_columns(record)}};
+    }
+    return {{"Expired_Client",
+             tabbed({certificate_columns(record), "CLIENT", store_text(record, "ListName")})}};
 }
 
 Items log_mismatch(const Record& record, DateTime)

@@ -10,7 +10,8 @@ namespace busbar::controller {
 
 namespace {
 
-/// W588, 7-1-6, without the hyphens of its line breaks. Discard is 0103: 9-3 errs.
+/// W588, 7-1-6, without the hyphens of its line breaks. Discard is 0103: 9-3 errs. Expired_Client
+/// is our own: by 5-1-1 this log tells of it, and 7-1-6 has no code for it.
 constexpr std::array log_codes{
     ExecutionLogCode{"SERVER", 1, "Start", "OPC UA Server started"},
     ExecutionLogCode{"SERVER", 4, "Prepare", "Preparing of OPC UA Server started"},
@@ -33,6 +34,7 @@ constexpr std::array log_codes{
     ExecutionLogCode{"CERT", 101, "Delete", "Certificate deleted"},
     ExecutionLogCode{"CERT", 102, "Move", "Certificate moved"},
     ExecutionLogCode{"CERT", 103, "Discard", "Certificate discarded"},
+    ExecutionLogCode{"CERT", 104, "Expired_Client", "Client certificate expired"},
     ExecutionLogCode{"CERT", 200, "Add_Crl", "Certificate Revocation List added"},
     ExecutionLogCode{"CERT", 201, "Delete_Crl", "Certificate Revocation List deleted"},
 };

@@ -233,7 +233,8 @@ TEST_CASE("What stands for certificates and revocation lists (7-1-6)")
           Items{"CERT 100 Add" + facts + "|CLIENT|ISSUER"});
     CHECK(listed(RecordKind::CertificateRemoved, "rejected") ==
           Items{"CERT 101 Delete" + facts + "|CLIENT|REJECTED"});
-    CHECK(listed(RecordKind::CertificateExpired, "trusted") == Items{});
+    CHECK(listed(RecordKind::CertificateExpired, "trusted") ==
+          Items{"CERT 104 Expired_Client" + facts + "|CLIENT|TRUSTED"});
 
     const auto list = [](RecordKind kind) {
         return items_of(

@@ -200,8 +200,7 @@ openssl x509 -req -in request -out short.pem -days -1 -extfile extensions -signk
 cp short.pem pki/trusted/certs/short.pem
 power_cycle
 await logged 'event log: .*xpire'
-lacks variables 5-1-1: expired client -- \
-    the event log tells of it, and the manual has no code of the execution log for it
+await has_records 'CERT 0104 Expired_Client short 20[0-9T:.-]*Z CLIENT TRUSTED$' 1
 shut_down
 
 # The server's own certificate, a day before and after: a notice once each, in both logs.
