@@ -1,6 +1,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <busbar/types/data_types.hpp>
@@ -182,11 +183,28 @@ Exit enable(Context& context, Connection& connection, const AdminArguments& argu
     return report(context, "enabled " + safe(arguments.words.front()));
 }
 
+/// One's own password, which every user may change who gives the one of before (Part 18, 5.2.8).
+void change_own(Context& context, Connection& connection, const crypto::Secret& password)
+{
+    const auto identity = user_of(context);
+    const auto* const known = std::get_if<client::NamedUser>(&identity);
+    by_rules(connection, [&] {
+        call(connection, standard(id::UserManagement), standard(id::UserManagement_ChangePassword),
+             {Variant{String{known != nullptr ? known->password : std::string{}}},
+              Variant{String{password.text()}}},
+             "changing your own password");
+    });
+}
+
 Exit set_password(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const std::string& name = arguments.words.front();
     const crypto::Secret password = new_password(context, name, arguments.new_password_file);
-    change_user(connection, name, &password, std::nullopt);
+    if (name == context.options.user && context.options.user_certificate.empty()) {
+        change_own(context, connection, password);
+    } else {
+        change_user(connection, name, &password, std::nullopt);
+    }
     return report(context, "changed the password of " + safe(name));
 }
 
@@ -212,8 +230,8 @@ void add_users(CLI::App& admin, Run& run)
     added->add_option("--description", arguments.description, "what the user is for");
     added->add_flag("--must-change", arguments.must_change,
                     "the password has to be changed at the first login");
-    auto* changed =
-        group.add("password", "Gives a user another password.", 1, "NAME", set_password);
+    auto* changed = group.add("password", "Gives a user, or yourself, another password.", 1, "NAME",
+                              set_password);
     for (auto* command : {added, changed}) {
         command->add_option("--new-password-file", arguments.new_password_file,
                             "its first line is the password; asked for on a terminal otherwise");
