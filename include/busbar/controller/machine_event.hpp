@@ -50,10 +50,10 @@ struct MachineEventType {
     std::string_view correction;
 };
 
-/// Returns the 16 events of the server, the three of its instructions, and five of our own, for
+/// Returns the 16 events of the server, the three of its instructions, and six of our own, for
 /// which the server's manuals have no code: 0 is a client certificate that has expired (manual of
 /// variables mode, 5-1-1), 1 to 3 are faults of the controller (9-1-2), 4 is an unusable
-/// configuration.
+/// configuration, 5 is a worn storage medium (7-4-5).
 [[nodiscard]] BUSBAR_API std::span<const MachineEventType> machine_event_types();
 /// Returns null for an unknown code.
 [[nodiscard]] BUSBAR_API const MachineEventType* machine_event_type(std::uint32_t code);

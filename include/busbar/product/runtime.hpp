@@ -38,6 +38,7 @@ enum class HardwareEvent : std::uint8_t {
     Watchdog,
     MediumOut, // it is going to be removed: its power switch was pressed
     MediumIn,
+    MediumWorn, // it is close to the end of its life (7-4-5)
 };
 
 /// The storage medium of a runtime, on which the execution log is written (W588, 7-4): a memory

@@ -24,6 +24,7 @@ using AllTold = std::vector<Told>;
 constexpr std::uint32_t configuration_refused = 4;
 constexpr std::uint32_t log_save_failed = 0x15000000;
 constexpr std::uint32_t setting_error = 0x35D00000;
+constexpr std::uint32_t medium_worn = 5;
 constexpr std::uint32_t certificate_expired = 0x35D10000;
 constexpr std::uint32_t expiration_notice = 0x35D20000;
 constexpr std::uint32_t unsupported_type = 0x35D40000;
@@ -175,6 +176,7 @@ AllTold told_fault(const Record& record, DateTime)
     const std::string_view level = text_field(record, "Level");
     const std::uint32_t code = level == name(EventLevel::MajorFault)     ? 1
                                : level == name(EventLevel::PartialFault) ? 2
+                               : level == name(EventLevel::Observation)  ? medium_worn
                                                                          : 3;
     return {{code, {attached_text(text_field(record, "Where"))}}};
 }

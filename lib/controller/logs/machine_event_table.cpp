@@ -209,6 +209,14 @@ constexpr std::array event_types{
         "A configuration cannot be used, and the one before it stays in force.",
         "A file is damaged, wrong or missing, or asks for what the controller cannot do.",
         "See the status for the reason, and transfer the configuration again."},
+    MachineEventType{0x00000005,
+                     "Storage Medium Life Exceeded",
+                     observation,
+                     {},
+                     EventEnd::Never,
+                     "The storage medium of the execution log is close to the end of its life.",
+                     "It was written as often as it is made for.",
+                     "Replace the medium: records wait while it is away."},
 };
 
 } // namespace

@@ -121,6 +121,8 @@ struct MachineConfig {
     std::string state_folder{"busbar-machine"};
     /// The memory card: where the execution log is.
     std::string medium_folder{"busbar-medium"};
+    /// Whether a start makes that folder; otherwise it is away until it is there (W588, 7-4-1).
+    bool makes_medium{true};
     controller::ExecutionLogSettings execution_log;
     /// Of events that have another one than the system's (W588, 9-2-1).
     std::vector<controller::EventLevelChoice> event_levels;

@@ -89,7 +89,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
                  "execution_log_files", "execution_log_records", "retained_ms", "types",
-                 "simulated_hardware", "event_levels"});
+                 "simulated_hardware", "event_levels", "make_medium"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -98,6 +98,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     }
     machine.state_folder = table.text("state", machine.state_folder);
     machine.medium_folder = table.text("medium", machine.medium_folder);
+    machine.makes_medium = table.flag("make_medium", true);
     const std::string mode = table.text("mode", "RUN");
     if (mode != "RUN" && mode != "PROGRAM") {
         table.fail("mode", "\"RUN\" or \"PROGRAM\"");

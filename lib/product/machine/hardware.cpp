@@ -26,6 +26,7 @@ constexpr std::array event_names{
     EventName{HardwareEvent::Watchdog, "watchdog"},
     EventName{HardwareEvent::MediumOut, "medium out"},
     EventName{HardwareEvent::MediumIn, "medium in"},
+    EventName{HardwareEvent::MediumWorn, "medium worn"},
 };
 
 /// What becomes of the medium, before the server is told of what happened, if it is.

@@ -56,7 +56,7 @@ Machine::Machine(const ControllerConfig& config, const StorageMedium* card, cons
                                                                           std::move(medium_found)}
 {
     make_root(state_);
-    if (medium_.is_configured()) {
+    if (medium_.is_configured() && config_.makes_medium) {
         make_root(medium_);
     }
     busbar::detail::remove_unfinished_below(state_, "");
@@ -104,6 +104,7 @@ void Machine::look_for_medium()
 {
     const auto space = medium_.free_space();
     const bool is_there = space || space.error() != StorageError::Away;
+    was_medium_there_ = was_medium_there_ || is_there;
     if (is_there != is_medium_there_) {
         is_medium_there_ = is_there;
         medium_found_(is_there);
@@ -113,6 +114,9 @@ void Machine::look_for_medium()
 /// What waits for a medium is no error; it is not tried before the life knows that it is there.
 bool Machine::save_records()
 {
+    if (!was_medium_there_) { // since the start: that is an event (W588, 7-4-1)
+        return execution_log_->write_pending().has_value();
+    }
     const bool is_in = is_medium_in_;
     if (is_in != is_medium_used_) {
         is_medium_used_ = is_in;
@@ -383,8 +387,26 @@ bool Machine::happen(HardwareEvent event)
     case HardwareEvent::MediumIn:
         life_->medium_changed(event == HardwareEvent::MediumIn);
         break;
+    case HardwareEvent::MediumWorn:
+        tell_medium_worn();
+        break;
     }
     return has_left_running(before);
+}
+
+void Machine::tell_medium_worn()
+{
+    constexpr auto level = controller::EventLevel::Observation;
+    const std::array fields{RecordField{"Level", Variant{String{std::string{name(level)}}}},
+                            RecordField{"Where", Variant{String{"storage medium"}}}};
+    Record record;
+    record.kind = RecordKind::MachineFault;
+    record.level = LogLevel::Warning;
+    record.source = "medium";
+    record.text =
+        "the medium is close to the end of its life, and should be replaced (W588, 7-4-5)";
+    record.fields = fields;
+    tell(log(), record);
 }
 
 void Machine::prepare(std::uint32_t number, const controller::ServerSettings&)

@@ -170,6 +170,7 @@ private:
     [[nodiscard]] bool has_left_running(controller::OperatingStatus before) const;
     void look_for_medium();
     void tell_log_of_medium(bool is_in);
+    void tell_medium_worn();
     /// The saver's thread: to the medium, if there is one.
     [[nodiscard]] bool save_records();
 
@@ -188,6 +189,7 @@ private:
     MediumFound medium_found_;
     // Of the saver's thread.
     std::vector<std::string> log_files_;
+    bool was_medium_there_{false}; // since the start
     bool is_medium_there_{true};
     bool is_medium_used_{true};
     /// What the machine's life says; at the start a medium counts as in.

@@ -126,6 +126,8 @@ constexpr std::array file_keys{
                 }
                 return list_names(levels);
             }},
+    FileKey{"machine.make_medium",
+            [](const ControllerConfig& c) { return flag_text(c.machine.makes_medium); }},
     FileKey{"machine.medium",
             [](const ControllerConfig& c) { return in_quotes(c.machine.medium_folder); }},
     FileKey{"machine.program",

@@ -112,7 +112,9 @@ chief 0 admin log "$url"
 says_not ' Run$'
 step_ends
 lacks variables 7-2: columns, fetch, clear, card -- \
-    files are fetched encrypted over OPC UA, not by FTP
+    "not by FTP (7-2-4), which sends passwords and records in the clear: 'busbar admin log" \
+    "--save' fetches the same files encrypted and with the rights of 8-1, and any file server" \
+    "of the machine can serve the medium"
 shut_down
 
 entry variables 7-1-3: settings
@@ -150,14 +152,43 @@ chief 0 read "$url" i=2259
 mv pulled medium
 await logged 'the medium is in again, and records are saved'
 await has_more_than "$before" 'AUTH 0002 User'
+number=$(last_number)
 mv medium pulled
 chief 0 read "$url" i=2259
 kill "$pid"
 await ended
 grep -q 15000000 state/events/events.log || fail "lost records are no event"
+# A start without it (7-4-1): it is told, and recording begins when it is put in.
+sed -i 's/^medium = .*/&\nmake_medium = false\nsimulated_hardware = true/' controller.toml
+serve --config controller.toml
+await logged 'event log: 15000000 Execution Log Save Failed: 0001'
+[ ! -e medium ] || fail "a start without the medium makes it"
 mv pulled medium
-lacks variables 7-4: card -- a medium has no switch, its wear is not measured, and a start makes \
-    its folder if there is none, so that a card that is missing then is not told
+await logged 'the medium is in again, and records are saved'
+begun_again() {
+    awk -v last="$number" '$1 > last && $6 == "0005" { is = 1 } END { exit !is }' \
+        "$logs"/ExecutionLog/*.log
+}
+await begun_again
+# Its power switch (7-4-3): what waits is saved first, and nothing more until it is in again.
+simulate() { chief 0 call "$url" "$(node Machine/Hardware)" Simulate "$1"; }
+one_step
+simulate 'medium out'
+await logged 'the medium is away'
+written=$(wc -l < "$log")
+chief 0 read "$url" i=2259
+[ "$(wc -l < "$log")" -eq "$written" ] || fail "records are written to a medium that is going"
+simulate 'medium in'
+await logged 'the medium is in again'
+more_written() { [ "$(wc -l < "$log")" -gt "$written" ]; }
+await more_written
+# The end of its life (7-4-5), which a medium's own firmware knows.
+simulate 'medium worn'
+await logged 'event log: 00000005 Storage Medium Life Exceeded'
+chief 0 admin events "$url" --code 00000005
+says 'Storage Medium Life Exceeded'
+step_ends
+shut_down
 
 entry variables 7-3: shutdown
 serve --config controller.toml
