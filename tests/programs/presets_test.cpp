@@ -105,6 +105,16 @@ anonymous = "read"
     const auto nj501 = parse_config("[limits]\npreset = \"nj501\"\n", "test.toml");
     CHECK(nj501.certificates.limits.max_certificates == 32);
     CHECK(nj501.users.password_rules.max_users == 20);
+    // 1-2-2 has the PLCopen model, 6-2-2 plain DataTypes.
+    const auto machine = [](const std::string& lines) {
+        return parse_config("[limits]\npreset = \"nj501\"\n[machine]\n" + lines, "test.toml")
+            .machine;
+    };
+    CHECK(machine("").has_plcopen);
+    CHECK(machine("").types.elementary == controller::ElementaryTypes::BuiltIn);
+    CHECK_FALSE(machine("plcopen_model = false\n").has_plcopen);
+    CHECK(machine("").makes_medium);
+    CHECK_FALSE(machine("make_medium = false\n").makes_medium);
     CHECK_THROWS_WITH(
         parse_config("[limits]\nmemory = \"64 MB\"\npreset = \"nj501\"\n", "test.toml"),
         Catch::Contains("test.toml:2: memory: found with the preset \"nj501\""));

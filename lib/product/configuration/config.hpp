@@ -133,6 +133,8 @@ struct MachineConfig {
     // As the preset has them; the types also as the configuration says.
     controller::PublishingLimits publishing;
     controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
+    /// The PLCopen model whatever `types` are.
+    bool has_plcopen{false};
 };
 
 /// The PLC whose variables are labels, for a server of model mode (SH-082679, 8.3).

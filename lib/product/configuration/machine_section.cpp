@@ -17,8 +17,9 @@ namespace busbar::product {
 namespace {
 
 /// Which DataTypes variables have, if not those of the preset.
-void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
+void read_types(const TomlTable& table, MachineConfig& machine)
 {
+    controller::MachineTypeOptions& types = machine.types;
 #ifdef BUSBAR_HAS_PLCOPEN
     constexpr const char* expected = "\"plcopen\" or \"built-in\"";
 #else
@@ -34,6 +35,17 @@ void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
     } else if (!name.empty()) {
         table.fail("types", expected);
     }
+    const bool has_types = types.elementary == controller::ElementaryTypes::Plcopen;
+    machine.has_plcopen = table.flag("plcopen_model", has_types || machine.has_plcopen);
+    if (has_types && !machine.has_plcopen) {
+        table.refuse("plcopen_model", "found false where types are \"plcopen\", expected true");
+    }
+#ifndef BUSBAR_HAS_PLCOPEN
+    if (machine.has_plcopen && table.has("plcopen_model")) {
+        table.refuse("plcopen_model", "found true, expected false, as PLCopen is no part of this "
+                                      "build");
+    }
+#endif
 }
 
 /// "15000000 observation": the code as the event log has it, and the level.
@@ -89,7 +101,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
                  "execution_log_files", "execution_log_records", "retained_ms", "types",
-                 "simulated_hardware", "event_levels", "make_medium"});
+                 "simulated_hardware", "event_levels", "make_medium", "plcopen_model"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -108,7 +120,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     machine.execution_log.is_recorded = table.flag("execution_log", false);
     machine.event_levels = read_event_levels(table);
     read_numbers(table, "machine", config);
-    read_types(table, machine.types);
+    read_types(table, machine);
     // As the rest, it means nothing without a program.
     machine.is_used = table.flag("use", true) || machine.program_file.empty();
     if (machine.program_file.empty()) {

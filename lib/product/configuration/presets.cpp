@@ -30,7 +30,8 @@ void take_nj501(ControllerConfig& config)
     config.users.password_rules = server::nj501_password_rules();
     config.machine.publishing = controller::nj501_publishing();
     config.machine.types = controller::nj501_types();
-    config.least_port = 1'025; // W588, 3-2-2
+    config.machine.has_plcopen = true; // W588, 1-2-2
+    config.least_port = 1'025;         // W588, 3-2-2
 }
 
 void take_nx102(ControllerConfig& config)
@@ -48,6 +49,7 @@ void take_rd81opc96(ControllerConfig& config)
     config.certificates.limits = crypto::rd81opc96_store_limits();
     config.users.password_rules = server::rd81opc96_password_rules();
     config.machine.types = {.elementary = controller::ElementaryTypes::BuiltIn};
+    config.machine.has_plcopen = false;
 }
 
 constexpr Departure nj501_departures[] = {

@@ -42,7 +42,7 @@ MachineProgram::MachineProgram(const ControllerConfig& config)
 std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server,
                                                           MemoryOf memory_of)
 {
-    if (config_.machine.types.elementary == controller::ElementaryTypes::Plcopen) {
+    if (config_.machine.has_plcopen) {
         add_plcopen(server.address_space());
     }
     const std::uint16_t index =

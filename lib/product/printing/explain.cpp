@@ -130,6 +130,8 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) { return flag_text(c.machine.makes_medium); }},
     FileKey{"machine.medium",
             [](const ControllerConfig& c) { return in_quotes(c.machine.medium_folder); }},
+    FileKey{"machine.plcopen_model",
+            [](const ControllerConfig& c) { return flag_text(c.machine.has_plcopen); }},
     FileKey{"machine.program",
             [](const ControllerConfig& c) { return in_quotes(c.machine.program_file); }},
     FileKey{"machine.simulated_hardware",

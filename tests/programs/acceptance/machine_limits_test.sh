@@ -69,11 +69,16 @@ entry variables 1-2-2: UA TCP binary and its URL
 [ "$url" = "opc.tcp://127.0.0.1:$port" ] || fail "the URL is $url"
 chief 0 read "$url/" i=2259
 entry variables 1-2-2: PLCopen model
+# Beside the controller's folder (6-2-1), with the same variables, of plain DataTypes (6-2-2).
 chief 0 browse "$url" "$(node Controller/)" --depth 3
 says 'GlobalVars'
-lacks variables 1-2-2: PLCopen model -- \
-    with the limits of the product there is its controller folder as in 6-2-1, and the types of \
-    PLCopen without them
+chief 0 browse "$url" "$(node PLCopen/Configuration)" --depth 3
+for part in Resources CPU Tasks Programs GlobalVars; do
+    says ":$part  "
+done
+says ' Variable  *ns=[0-9]*;s=Deep3$'
+chief 0 read "$url" "$(node PLCopen/Configuration)" --attribute BrowseName
+says 'Controller'
 entry variables 1-2-2: profile
 "$controller" --print-conformance controller.toml > out 2>&1
 last="--print-conformance"
@@ -84,8 +89,30 @@ run 0 endpoints "$url"
 says '^SignAndEncrypt  *Basic256Sha256'
 says '^Sign  *Basic256Sha256'
 says '^None  *None'
-lacks variables 1-2-2: seven security settings -- \
-    Basic256 and Basic128Rsa15 are deprecated and need a build with BUSBAR_LEGACY_POLICIES
+seven="\"{ mode = 'None', policy = 'None' }\""
+for policy in Basic256Sha256 Basic256 Basic128Rsa15; do
+    for mode in Sign SignAndEncrypt; do
+        seven="$seven, \"{ mode = '$mode', policy = '$policy' }\""
+    done
+done
+one_step
+if reaches admin setting set "$url" endpoint "[$seven]"; then
+    for policy in Basic256Sha256 Basic256 Basic128Rsa15; do
+        run 0 endpoints "$url"
+        says "^Sign  *$policy "
+        says "^SignAndEncrypt  *$policy "
+        chief 0 --policy $policy read "$url" i=2259
+        chief 0 --policy $policy --mode Sign read "$url" i=2259
+    done
+    chief 0 admin setting reset "$url" endpoint
+else
+    lacks variables 1-2-2: seven security settings -- \
+        "Basic256 and Basic128Rsa15 need SHA-1 and are deprecated (Part 7): only a build with" \
+        "BUSBAR_LEGACY_POLICIES has them, for plants whose clients know no other ones"
+    lacks variables 5-2: signature and encryption -- \
+        "not with Basic256 and Basic128Rsa15, which this build does not have"
+fi
+step_ends
 entry variables 1-2-2: user name and anonymous
 chief 1 admin setting set "$url" users.anonymous maybe
 chief 0 admin setting set "$url" users.anonymous read
