@@ -200,6 +200,7 @@ void Graft::add_others()
 void Graft::forget_created(NodeIndex node)
 {
     ReferenceList& list = tables_.make_list(node);
+    list.index.reset();
     for (Entry& entry : list.entries) {
         if (!entry.is_hole() && position(entry.target) != none) {
             entry = {};

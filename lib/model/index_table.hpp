@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -53,6 +54,12 @@ public:
         make_room(hash_of);
         ++size_;
         place(hash, record);
+    }
+    /// Removes everything. To insert as much again needs no memory.
+    void clear()
+    {
+        std::fill(slots_.begin(), slots_.end(), 0U);
+        size_ = 0;
     }
     /// Makes sure that the next insert() needs no memory.
     template <typename HashOf>

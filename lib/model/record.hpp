@@ -8,6 +8,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/model/node.hpp>
 
+#include "index_table.hpp"
 #include "type_class.hpp"
 
 namespace busbar::model::detail {
@@ -42,6 +43,8 @@ struct ReferenceList {
     std::uint32_t holes{0};
     /// Number of references that are not to children whose parent is this node.
     std::uint32_t others{0};
+    /// Finds the others in a long list; may be null.
+    std::unique_ptr<IndexTable> index{};
 };
 
 /// The properties of a kept value in addition to the value itself.

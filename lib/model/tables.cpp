@@ -15,6 +15,22 @@ constexpr auto reference_added =
 constexpr auto reference_deleted =
     static_cast<unsigned>(ModelChangeStructureVerbMask::ReferenceDeleted);
 
+/// Shorter lists are searched as fast without an index.
+constexpr std::size_t min_indexed = 64;
+
+std::uint64_t entry_hash(const Entry& entry)
+{
+    // The multiplier of MurmurHash3's finalizer.
+    const std::uint64_t bits =
+        ((std::uint64_t{number(entry.target)} << 32U) | entry.type_bits) * 0xFF51AFD7ED558CCDU;
+    return bits ^ (bits >> 32U);
+}
+
+auto entry_hasher(const ReferenceList& references)
+{
+    return [&](std::uint32_t slot) { return entry_hash(references.entries[slot]); };
+}
+
 } // namespace
 
 Tables::Tables(const StaticNodes& nodes)
@@ -260,13 +276,74 @@ void Tables::compact(NodeIndex node, ReferenceList& references)
     }
     references.entries.resize(kept);
     references.holes = 0;
+    if (references.index != nullptr) {
+        references.index->clear();
+        fill_index(node, references);
+    }
     watches.tell(node, NodeAspect::ReferencePositions);
 }
 
 void Tables::add_entry(NodeIndex node, const Entry& entry)
 {
-    static_cast<void>(push(node, entry));
-    ++make_list(node).others;
+    ReferenceList& references = make_list(node);
+    prepare_index(node, references);
+    const std::uint32_t slot = push(node, entry);
+    ++references.others;
+    if (references.index != nullptr) {
+        references.index->insert(entry_hash(entry), slot, entry_hasher(references));
+    }
+}
+
+bool Tables::is_to_child(NodeIndex node, const ReferenceList& references, std::uint32_t slot) const
+{
+    const Entry& entry = references.entries[slot];
+    return !is_constant(entry.target) && entry.is_forward() && links(entry.target).parent == node &&
+           links(entry.target).parent_slot == slot;
+}
+
+void Tables::prepare_index(NodeIndex node, ReferenceList& references) const
+{
+    const std::size_t size = references.entries.size();
+    if (size < min_indexed || size >= IndexTable::max_records) {
+        references.index.reset();
+    } else if (references.index != nullptr) {
+        references.index->make_room(entry_hasher(references));
+    } else {
+        auto index = std::make_unique<IndexTable>();
+        index->reserve(std::size_t{references.others} + 1, entry_hasher(references));
+        references.index = std::move(index);
+        fill_index(node, references);
+    }
+}
+
+/// Needs no memory if the index has room.
+void Tables::fill_index(NodeIndex node, ReferenceList& references) const
+{
+    for (std::uint32_t slot = 0; slot < references.entries.size(); ++slot) {
+        const Entry& entry = references.entries[slot];
+        if (!entry.is_hole() && !is_to_child(node, references, slot)) {
+            references.index->insert(entry_hash(entry), slot, entry_hasher(references));
+        }
+    }
+}
+
+std::uint32_t Tables::find_entry(NodeIndex node, const ReferenceList& references,
+                                 const Entry& entry) const
+{
+    const auto end = static_cast<std::uint32_t>(references.entries.size());
+    if (references.index != nullptr) {
+        const std::uint32_t slot =
+            references.index->find(entry_hash(entry), [&](std::uint32_t candidate) {
+                return references.entries[candidate] == entry;
+            });
+        return slot != IndexTable::none ? slot : end;
+    }
+    std::uint32_t slot = 0;
+    while (slot < end &&
+           !(references.entries[slot] == entry && !is_to_child(node, references, slot))) {
+        ++slot;
+    }
+    return slot;
 }
 
 bool Tables::remove_entry(NodeIndex node, const Entry& entry)
@@ -275,24 +352,19 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
         return false;
     }
     ReferenceList& references = make_list(node);
-    for (std::uint32_t i = 0; i < references.entries.size(); ++i) {
-        if (!(references.entries[i] == entry)) {
-            continue;
-        }
-        const bool is_child = !is_constant(entry.target) && entry.is_forward() &&
-                              links(entry.target).parent == node &&
-                              links(entry.target).parent_slot == i;
-        if (is_child) {
-            continue;
-        }
-        references.entries[i] = {};
-        ++references.holes;
-        --references.others;
-        watches.tell(node, NodeAspect::References);
-        note(node, reference_deleted);
-        return true;
+    const std::uint32_t slot = find_entry(node, references, entry);
+    if (slot == references.entries.size()) {
+        return false;
     }
-    return false;
+    if (references.index != nullptr) {
+        references.index->erase(entry_hash(entry), slot, entry_hasher(references));
+    }
+    references.entries[slot] = {};
+    ++references.holes;
+    --references.others;
+    watches.tell(node, NodeAspect::References);
+    note(node, reference_deleted);
+    return true;
 }
 
 NodeId Tables::free_id(std::uint16_t namespace_index)

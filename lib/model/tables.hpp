@@ -202,6 +202,15 @@ private:
     void share_access(const StaticNodes& nodes);
     [[nodiscard]] bool is_node_version(NodeIndex child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);
+    /// Makes sure that a long list has an index with room for one more.
+    void prepare_index(NodeIndex node, ReferenceList& list) const;
+    void fill_index(NodeIndex node, ReferenceList& list) const;
+    /// Returns the slot of an entry that add_entry() added; the size of the list if there is none.
+    [[nodiscard]] std::uint32_t find_entry(NodeIndex node, const ReferenceList& list,
+                                           const Entry& entry) const;
+    /// Returns whether the entry in this slot leads to a child whose parent is `node`.
+    [[nodiscard]] bool is_to_child(NodeIndex node, const ReferenceList& list,
+                                   std::uint32_t slot) const;
     void compact(NodeIndex node, ReferenceList& list);
 };
 

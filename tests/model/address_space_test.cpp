@@ -210,6 +210,37 @@ TEST_CASE_METHOD(ModelFixture, "A node takes very many references, and none of t
     }
 }
 
+// With a search of the whole list for each of them this takes minutes.
+TEST_CASE_METHOD(ModelFixture, "Very many references are removed in any order")
+{
+    constexpr std::size_t count = 60'000;
+    const NodeIndex folder = add_folder("folder", objects);
+    const NodeIndex hub = add_folder("hub", objects);
+    const NodeId organizes{0, id::Organizes};
+    std::vector<NodeIndex> nodes;
+    for (std::size_t i = 0; i < count; ++i) {
+        nodes.push_back(add_folder(std::to_string(i), folder));
+        REQUIRE(space.add_reference(hub, organizes, nodes.back()));
+    }
+    std::vector<NodeIndex> kept;
+    // From the end, from the middle, and with additions in between, which close holes.
+    for (std::size_t i = 0; i < count; ++i) {
+        const NodeIndex node = nodes[i % 2 == 0 ? count - 1 - i / 2 : i / 2];
+        REQUIRE(space.remove_reference(hub, organizes, node));
+        if (i % 1'000 == 0) {
+            kept.push_back(node);
+            REQUIRE(space.add_reference(hub, organizes, node));
+        }
+    }
+    CHECK(children(hub).size() == kept.size());
+    CHECK(children(folder).size() == count);
+    for (const NodeIndex node : kept) {
+        REQUIRE(space.remove_reference(hub, organizes, node));
+        CHECK(status_of(space.remove_reference(hub, organizes, node)) == status::Bad_NotFound);
+    }
+    CHECK(children(hub).empty());
+}
+
 TEST_CASE_METHOD(ModelFixture, "A removed node takes its children and references along")
 {
     const NodeIndex folder = add_folder("folder", objects);
