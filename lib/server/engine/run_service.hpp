@@ -9,6 +9,7 @@
 #include <busbar/binary/codec.hpp>
 
 #include "core.hpp"
+#include "known_requests.hpp"
 #include "peer_link.hpp"
 #include "service_table.hpp"
 
@@ -67,6 +68,7 @@ template <typename Request, typename Response, auto Needs,
           ServiceFunction<Request, Response, NeedsOf<Needs>>* Function>
 constexpr Service function(Need need, Lasts lasts = Lasts::WhileRunning)
 {
+    static_assert(KnownRequests::contains<Request>, "add the request to known_requests.hpp");
     return {Request::binary_encoding_id, need, lasts,
             run_function<Request, Response, Needs, Function>};
 }
@@ -74,6 +76,7 @@ constexpr Service function(Need need, Lasts lasts = Lasts::WhileRunning)
 template <typename Request, auto Make, auto Needs>
 constexpr Service operation(Need need, Lasts lasts = Lasts::WhileRunning)
 {
+    static_assert(KnownRequests::contains<Request>, "add the request to known_requests.hpp");
     return {Request::binary_encoding_id, need, lasts,
             [](Core& core, ServiceContext& context, Incoming& incoming) {
                 run_operation(core, context, incoming, Request::binary_encoding_id,

@@ -14,45 +14,35 @@
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
+#include "known_requests.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
 
 template <typename... T>
-constexpr auto sorted_ids()
+constexpr auto sorted_ids(TypeList<T...> /*types*/)
 {
     std::array ids{T::binary_encoding_id...};
     std::sort(ids.begin(), ids.end());
     return ids;
 }
 
-constexpr auto requests =
-    sorted_ids<FindServersRequest, GetEndpointsRequest, RegisterServerRequest,
-               RegisterServer2Request, FindServersOnNetworkRequest, CreateSessionRequest,
-               ActivateSessionRequest, CloseSessionRequest, CancelRequest, AddNodesRequest,
-               AddReferencesRequest, DeleteNodesRequest, DeleteReferencesRequest, BrowseRequest,
-               BrowseNextRequest, TranslateBrowsePathsToNodeIdsRequest, RegisterNodesRequest,
-               UnregisterNodesRequest, QueryFirstRequest, QueryNextRequest, ReadRequest,
-               WriteRequest, HistoryReadRequest, HistoryUpdateRequest, CallRequest,
-               CreateMonitoredItemsRequest, ModifyMonitoredItemsRequest, SetMonitoringModeRequest,
-               SetTriggeringRequest, DeleteMonitoredItemsRequest, CreateSubscriptionRequest,
-               ModifySubscriptionRequest, SetPublishingModeRequest, PublishRequest,
-               RepublishRequest, TransferSubscriptionsRequest, DeleteSubscriptionsRequest>();
+constexpr auto requests = sorted_ids(KnownRequests{});
 
-constexpr auto responses =
-    sorted_ids<ServiceFault, OpenSecureChannelResponse, CloseSecureChannelResponse,
-               FindServersResponse, GetEndpointsResponse, RegisterServerResponse,
-               RegisterServer2Response, FindServersOnNetworkResponse, CreateSessionResponse,
-               ActivateSessionResponse, CloseSessionResponse, CancelResponse, AddNodesResponse,
-               AddReferencesResponse, DeleteNodesResponse, DeleteReferencesResponse, BrowseResponse,
-               BrowseNextResponse, TranslateBrowsePathsToNodeIdsResponse, RegisterNodesResponse,
-               UnregisterNodesResponse, QueryFirstResponse, QueryNextResponse, ReadResponse,
-               WriteResponse, HistoryReadResponse, HistoryUpdateResponse, CallResponse,
-               CreateMonitoredItemsResponse, ModifyMonitoredItemsResponse,
-               SetMonitoringModeResponse, SetTriggeringResponse, DeleteMonitoredItemsResponse,
-               CreateSubscriptionResponse, ModifySubscriptionResponse, SetPublishingModeResponse,
-               PublishResponse, RepublishResponse, TransferSubscriptionsResponse,
-               DeleteSubscriptionsResponse>();
+constexpr auto responses = sorted_ids(
+    TypeList<ServiceFault, OpenSecureChannelResponse, CloseSecureChannelResponse,
+             FindServersResponse, GetEndpointsResponse, RegisterServerResponse,
+             RegisterServer2Response, FindServersOnNetworkResponse, CreateSessionResponse,
+             ActivateSessionResponse, CloseSessionResponse, CancelResponse, AddNodesResponse,
+             AddReferencesResponse, DeleteNodesResponse, DeleteReferencesResponse, BrowseResponse,
+             BrowseNextResponse, TranslateBrowsePathsToNodeIdsResponse, RegisterNodesResponse,
+             UnregisterNodesResponse, QueryFirstResponse, QueryNextResponse, ReadResponse,
+             WriteResponse, HistoryReadResponse, HistoryUpdateResponse, CallResponse,
+             CreateMonitoredItemsResponse, ModifyMonitoredItemsResponse, SetMonitoringModeResponse,
+             SetTriggeringResponse, DeleteMonitoredItemsResponse, CreateSubscriptionResponse,
+             ModifySubscriptionResponse, SetPublishingModeResponse, PublishResponse,
+             RepublishResponse, TransferSubscriptionsResponse, DeleteSubscriptionsResponse>{});
 
 /// Returns the place of the service, or the place where it must be inserted.
 template <typename Services>
