@@ -29,13 +29,16 @@ bool ReadOperation::plan(ServiceContext& context)
                            needs_.wall_clock.now(),
                            context.session->locale_ids,
                            context.session->registered.get()};
-    if (!job_->is_outdated(needs_.space)) {
-        return job_->plan(what, context.peer.turn());
+    if (job_->is_outdated(needs_.space)) {
+        // A source must not be asked for a removed variable, nor for one of another source.
+        job_.emplace(needs_.sources, request(), response_limit());
+        ++restarts_;
     }
-    // Start again, without a pause: a source must not be asked for a removed variable.
-    job_.emplace(needs_.sources, request(), response_limit());
-    Turn endless;
-    return job_->plan(what, endless);
+    Turn& turn = context.peer.turn();
+    Turn longer = turn.prolonged(restarts_);
+    const bool is_planned = job_->plan(what, longer);
+    turn.spend_as(longer, restarts_);
+    return is_planned;
 }
 
 void ReadOperation::take_turn(ServiceContext& context)

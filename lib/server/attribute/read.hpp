@@ -32,6 +32,7 @@ private:
     const AttributeNeeds& needs_;
     std::optional<ReadJob> job_;
     bool is_planning_{true};
+    unsigned restarts_{0};
     std::size_t paid_{0};
 };
 

@@ -36,13 +36,16 @@ bool WriteOperation::plan(ServiceContext& context)
                             needs_.wall_clock.now(),
                             needs_.locale_ids,
                             context.session->registered.get()};
-    if (!job_->is_outdated(needs_.space)) {
-        return job_->plan(what, context.peer.turn());
+    if (job_->is_outdated(needs_.space)) {
+        // A source must not get the values of another one.
+        job_->plan_again();
+        ++restarts_;
     }
-    // Start again, without a pause: a source must not get the values of another one.
-    job_.emplace(needs_.sources, request());
-    Turn endless;
-    return job_->plan(what, endless);
+    Turn& turn = context.peer.turn();
+    Turn longer = turn.prolonged(restarts_);
+    const bool is_planned = job_->plan(what, longer);
+    turn.spend_as(longer, restarts_);
+    return is_planned;
 }
 
 void WriteOperation::take_turn(ServiceContext& context)

@@ -36,6 +36,7 @@ private:
     std::optional<WriteJob> job_;
     RequestMark mark_;
     bool is_planning_{true};
+    unsigned restarts_{0};
 };
 
 } // namespace busbar::server::detail

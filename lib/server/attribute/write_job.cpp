@@ -149,10 +149,9 @@ StatusCode check_write(const WriteRequest& request, std::size_t max_nodes)
 }
 
 WriteJob::WriteJob(DataSources& sources, const WriteRequest& request)
-    : request_{request}, call_{sources, request.nodes_to_write.size()},
-      memory_{std::make_shared<Memory>()}
+    : request_{request}, nodes_(request.nodes_to_write.size()),
+      call_{sources, request.nodes_to_write.size()}, memory_{std::make_shared<Memory>()}
 {
-    nodes_.reserve(call_.size());
 }
 
 bool WriteJob::plan(const WriteContext& context, Turn& turn)
@@ -161,17 +160,29 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
     const auto values = request_.nodes_to_write.span();
     NodesAhead nodes{context.space, context.registered};
     do {
-        const model::NodeIndex node =
-            nodes.find(values, planned_,
-                       [](const WriteValue& value) -> const NodeId& { return value.node_id; });
-        nodes_.push_back(node != model::no_node ? context.space.handle(node) : model::NodeHandle{});
-        if (const auto answer = plan_one(context, planned_, node)) {
-            call_.answer(planned_) = *answer;
+        if (!call_.is_answered(planned_)) {
+            const model::NodeIndex node =
+                nodes.find(values, planned_,
+                           [](const WriteValue& value) -> const NodeId& { return value.node_id; });
+            nodes_[planned_] =
+                node != model::no_node ? context.space.handle(node) : model::NodeHandle{};
+            if (const auto answer = plan_one(context, planned_, node)) {
+                call_.answer(planned_) = *answer;
+            }
         }
         turn.spend(Turn::units_of_value + std::exchange(copied_, 0));
         ++planned_;
     } while (planned_ < values.size() && !turn.is_over());
     return planned_ == values.size();
+}
+
+void WriteJob::plan_again()
+{
+    planned_ = 0;
+    call_.take_back();
+    // Values that ranges and conversions were kept for are in the address space or planned again.
+    memory_->ranges.clear();
+    memory_->converted.clear();
 }
 
 /// Returns nothing if a source will answer.

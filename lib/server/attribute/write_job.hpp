@@ -56,6 +56,9 @@ public:
     {
         return planned_ != 0 && rebindings_ != space.journal().rebindings();
     }
+    /// Plans again which sources get which values, since what was looked up is outdated. Values in
+    /// the address space were replaced and stay as they are.
+    void plan_again();
     /// Returns true if the results are complete, else `owner` is notified.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     /// See SourceCall::service_result.
@@ -71,7 +74,7 @@ public:
         const WritePart* const part = call_.part_of(index);
         return part != nullptr ? std::string_view{part->reason} : std::string_view{};
     }
-    /// The nodes of the items so far, no_node if there was none.
+    /// The nodes of the items, no_node if there was none; once everything is planned.
     [[nodiscard]] std::span<const model::NodeHandle> nodes() const { return nodes_; }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.
     void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {}) const;

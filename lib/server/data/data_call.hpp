@@ -111,6 +111,23 @@ public:
         place_[index] = static_cast<std::uint32_t>(place);
         return block_->answers[place];
     }
+    /// Takes back every ask(), before start(). Answers stay, as does what sources were refused.
+    void take_back()
+    {
+        for (std::uint32_t& place : place_) {
+            place = place < block_->items.size() ? 0 : place;
+        }
+        block_->items.clear();
+        source_of_.clear();
+        for (Group& group : groups_) {
+            group.size = 0;
+        }
+    }
+    /// Returns whether operation `index` has an answer of the server itself, before start().
+    [[nodiscard]] bool is_answered(std::size_t index) const
+    {
+        return place_[index] >= size() - answered_;
+    }
     /// Drops the present and future operations of `source`, which answer `status`.
     void refuse(std::uint32_t source, StatusCode status) { group_of(source).refusal = status; }
 

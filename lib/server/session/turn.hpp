@@ -29,6 +29,15 @@ public:
     constexpr void spend(std::size_t count) { left_ -= std::min(count, left_); }
     [[nodiscard]] constexpr std::size_t left() const { return left_; }
     [[nodiscard]] constexpr bool is_over() const { return left_ == 0; }
+    /// Returns the turn of work that had to be done again `times` times: it doubles each time, so
+    /// that the work ends whatever happens between its turns.
+    [[nodiscard]] constexpr Turn prolonged(unsigned times) const
+    {
+        const bool is_endless = left_ > (std::numeric_limits<std::size_t>::max() >> times);
+        return is_endless ? Turn{} : Turn{left_ << times};
+    }
+    /// Spends what was spent of `longer`, the result of prolonged().
+    constexpr void spend_as(const Turn& longer, unsigned times) { left_ = longer.left_ >> times; }
 
 private:
     std::size_t left_{std::numeric_limits<std::size_t>::max()};
