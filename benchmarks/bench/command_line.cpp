@@ -36,6 +36,9 @@ void add_loads(CLI::App& app, Options& options)
     const CLI::Range positive{1, 10'000'000};
     app.add_option("--node", options.node, "NodeId of the variables, {} stands for their number")
         ->capture_default_str();
+    app.add_option("--variables", options.variables,
+                   "how many of them the server has; the requests of a load name others in turn; "
+                   "without, as many as the largest request, and 25000 of a server of one's own");
     app.add_option("--read", options.read_counts, "values per Read")
         ->delimiter(',')
         ->check(positive);

@@ -41,7 +41,7 @@ std::vector<std::size_t> order_of(const Options& options)
 std::size_t most_values(const Options& options)
 {
     return std::max({most(options.read_counts), most(options.write_counts),
-                     most(options.browse_counts), std::size_t{1}});
+                     most(options.browse_counts), options.variables, std::size_t{1}});
 }
 
 binary::DecodeLimits generous_limits()

@@ -26,6 +26,9 @@ struct Options {
     std::optional<channel::ApplicationIdentity> identity;
     /// A NodeId with "{}" where the number goes.
     std::string node{"ns=2;s=Bulk{}"};
+    /// Variables that the server has, or 0 for as many as the largest request names: each request
+    /// of a load names others of them.
+    std::size_t variables{0};
     std::vector<std::size_t> read_counts{1, 100, 1'000, 10'000, 25'000};
     std::vector<std::size_t> write_counts{1, 100, 3'000};
     /// Nodes per Browse: the same Variables, all of their references.
@@ -48,7 +51,8 @@ struct Options {
 
 inline constexpr std::array load_names{"connects", "reads", "writes", "browses", "in-flight"};
 
-/// The nodes of the largest Read, Write or Browse.
+/// Returns the number of variables that are used: Options::variables, or those of the largest Read,
+/// Write or Browse if these are more.
 [[nodiscard]] std::size_t most_values(const Options& options);
 
 /// One line of the table; times in microseconds.
@@ -108,10 +112,15 @@ private:
     /// Runs a load of requests of `count` values each.
     template <typename Once>
     [[nodiscard]] Result<Row> measure(const std::string& load, std::size_t count, Once once);
-    /// Sends the request again and again; `check` has what is wrong with as many results.
+    /// Requests of `count` nodes each, as many as there are other nodes for: caches have seen
+    /// little of what is asked for. `add` adds the node at a place.
+    template <typename Request, typename Add>
+    [[nodiscard]] std::vector<Request> requests_of(std::size_t count, Add add) const;
+    /// Sends the requests in turn, again and again; `check` returns what is wrong with the results.
     template <typename Response, typename Request, typename Check>
     [[nodiscard]] Result<Row> exchange_load(const std::string& load, std::size_t count,
-                                            net::ClientLoop& loop, Request& request, Check check);
+                                            net::ClientLoop& loop, std::vector<Request> requests,
+                                            Check check);
     [[nodiscard]] bool wants(const char* load) const;
     [[nodiscard]] NodeId node(std::size_t number) const;
     [[nodiscard]] channel::ChannelEnvironment environment();

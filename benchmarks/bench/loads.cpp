@@ -1,6 +1,7 @@
 #include "load.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::size_t fewest_runs = 5;
 constexpr std::size_t most_runs = 5'000;
+/// The requests that a load sends in turn.
+constexpr std::size_t most_requests = 16;
 /// What a chunk adds to a body, roughly; it hardly counts.
 constexpr std::size_t frame_size = 80;
 
@@ -142,13 +145,29 @@ Result<Row> Load::measure(const std::string& load, std::size_t count, Once once)
     return row;
 }
 
+template <typename Request, typename Add>
+std::vector<Request> Load::requests_of(std::size_t count, Add add) const
+{
+    const std::size_t other =
+        std::max<std::size_t>(numbers_.size() / std::max<std::size_t>(count, 1), 1);
+    std::vector<Request> requests(std::min(other, most_requests));
+    std::size_t place = 0;
+    for (Request& request : requests) {
+        for (std::size_t i = 0; i < count; ++i) {
+            add(request, place++);
+        }
+    }
+    return requests;
+}
+
 template <typename Response, typename Request, typename Check>
 Result<Row> Load::exchange_load(const std::string& load, std::size_t count, net::ClientLoop& loop,
-                                Request& request, Check check)
+                                std::vector<Request> requests, Check check)
 {
     std::size_t response_size = 0;
+    std::size_t run = 0;
     auto row = measure(load, count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
+        const auto event = loop.call(requests[run++ % requests.size()]);
         const auto response =
             event ? event->template response<Response>(generous_limits()) : fail(event.error());
         if (!response) {
@@ -160,66 +179,64 @@ Result<Row> Load::exchange_load(const std::string& load, std::size_t count, net:
         return bad.is_good() ? Result<void>{} : fail(bad);
     });
     if (row) {
-        row->floor = exchange_floor(wire_size(request), response_size, security_);
+        row->floor = exchange_floor(wire_size(requests.front()), response_size, security_);
     }
     return row;
 }
 
 Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
 {
-    ReadRequest request;
-    request.timestamps_to_return = TimestampsToReturn::Neither;
-    request.nodes_to_read.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
+    auto requests = requests_of<ReadRequest>(count, [&](ReadRequest& request, std::size_t place) {
+        request.timestamps_to_return = TimestampsToReturn::Neither;
         ReadValueId& item = request.nodes_to_read.emplace_back();
-        item.node_id = node(i);
+        item.node_id = node(place);
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    }
-    return exchange_load<ReadResponse>("read", count, loop, request, [](const auto& results) {
+    });
+    const auto check = [](const auto& results) {
         const auto bad = std::find_if(results.begin(), results.end(), [](const DataValue& value) {
             return !value.status.is_good();
         });
         return bad == results.end() ? StatusCode{} : bad->status;
-    });
+    };
+    return exchange_load<ReadResponse>("read", count, loop, std::move(requests), check);
 }
 
 Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
 {
-    WriteRequest request;
-    request.nodes_to_write.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
+    auto requests = requests_of<WriteRequest>(count, [&](WriteRequest& request, std::size_t place) {
         WriteValue& item = request.nodes_to_write.emplace_back();
-        item.node_id = node(i);
+        item.node_id = node(place);
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-        item.value = DataValue{Variant{static_cast<std::int16_t>(i)}};
-    }
-    return exchange_load<WriteResponse>("write", count, loop, request, [](const auto& results) {
+        item.value = DataValue{Variant{static_cast<std::int16_t>(place)}};
+    });
+    const auto check = [](const auto& results) {
         const auto bad = std::find_if(results.begin(), results.end(),
                                       [](StatusCode code) { return code.is_bad(); });
         return bad == results.end() ? StatusCode{} : *bad;
-    });
+    };
+    return exchange_load<WriteResponse>("write", count, loop, std::move(requests), check);
 }
 
 Result<Row> Load::browse_load(net::ClientLoop& loop, std::size_t count)
 {
-    BrowseRequest request;
-    request.nodes_to_browse.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        BrowseDescription& item = request.nodes_to_browse.emplace_back();
-        item.node_id = node(i);
-        item.browse_direction = BrowseDirection::Both;
-        item.reference_type_id = NodeId{0, id::References};
-        item.include_subtypes = true;
-        item.result_mask = static_cast<std::uint32_t>(BrowseResultMask::All);
-    }
-    return exchange_load<BrowseResponse>("browse", count, loop, request, [](const auto& results) {
+    auto requests =
+        requests_of<BrowseRequest>(count, [&](BrowseRequest& request, std::size_t place) {
+            BrowseDescription& item = request.nodes_to_browse.emplace_back();
+            item.node_id = node(place);
+            item.browse_direction = BrowseDirection::Both;
+            item.reference_type_id = NodeId{0, id::References};
+            item.include_subtypes = true;
+            item.result_mask = static_cast<std::uint32_t>(BrowseResultMask::All);
+        });
+    const auto check = [](const auto& results) {
         const auto empty =
             std::find_if(results.begin(), results.end(),
                          [](const BrowseResult& result) { return result.references.empty(); });
         return empty == results.end()        ? StatusCode{}
                : empty->status_code.is_bad() ? empty->status_code
                                              : StatusCode{status::Bad_NoData};
-    });
+    };
+    return exchange_load<BrowseResponse>("browse", count, loop, std::move(requests), check);
 }
 
 Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)

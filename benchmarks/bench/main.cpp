@@ -3,8 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include <malloc.h>
-
 #include "churn.hpp"
 #include "command_line.hpp"
 #include "compare.hpp"
@@ -44,6 +42,8 @@ int run_loads(bench::Options options, bool has_url)
         return 1;
     }
     if (!has_url) {
+        constexpr std::size_t usual_variables = 25'000;
+        options.variables = options.variables != 0 ? options.variables : usual_variables;
         auto started = bench::OwnServer::start({.is_secure = options.policy != "None",
                                                 .is_unrationed = true,
                                                 .variables = bench::most_values(options)});
@@ -245,11 +245,6 @@ int run_appendix7(const bench::SevenOptions& seven, bool json)
 int run(const bench::CommandLine& line)
 {
     const bool json = line.loads.json;
-    if (line.command != bench::Command::Memory) { // whose question is what malloc gives back
-        // Messages of some 100 kB come and go all the time: keep their pages.
-        ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
-        ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
-    }
     switch (line.command) {
     case bench::Command::Compare:
         return run_compare(line.compared);
