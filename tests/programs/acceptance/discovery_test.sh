@@ -64,7 +64,7 @@ await is_lost
 {
     server "$port" machine-pki
     machine
-    printf '[discovery]\nurl = "opc.tcp://localhost:%s"\n' "$lds"
+    printf '[discovery]\nurl = "opc.tcp://%s:%s"\n' "$(uname -n)" "$lds"
 } > machine.toml
 press 0 > press.st
 begin machine-pki --config machine.toml
