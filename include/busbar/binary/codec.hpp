@@ -44,6 +44,7 @@ constexpr std::size_t min_wire_size()
 
 } // namespace detail
 
+/// Writes a value of a built-in type (Part 6, 5.2.2).
 template <detail::WireNumber T>
 void encode(binary::Writer& writer, T value)
 {
@@ -56,6 +57,7 @@ inline void encode(binary::Writer& writer, bool value)
 /// Any NaN is encoded as the one quiet NaN of Part 6, 5.2.2.3.
 BUSBAR_API void encode(binary::Writer& writer, float value);
 BUSBAR_API void encode(binary::Writer& writer, double value);
+/// Writes a value of a built-in type (Part 6, 5.2.2).
 BUSBAR_API void encode(binary::Writer& writer, const String& value);
 BUSBAR_API void encode(binary::Writer& writer, const XmlElement& value);
 BUSBAR_API void encode(binary::Writer& writer, const ByteString& value);
@@ -71,6 +73,7 @@ BUSBAR_API void encode(binary::Writer& writer, const DataValue& value);
 BUSBAR_API void encode(binary::Writer& writer, const Variant& value);
 BUSBAR_API void encode(binary::Writer& writer, const DiagnosticInfo& value);
 
+/// Reads a value of a built-in type (Part 6, 5.2.2); after the end the reader fails, see Reader.
 template <detail::WireNumber T>
 void decode(binary::Reader& reader, T& value)
 {

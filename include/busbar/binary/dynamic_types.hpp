@@ -104,6 +104,7 @@ struct DynamicField {
 
 /// A compiled DataType. Created by DynamicTypes only and never changed.
 struct BUSBAR_API DynamicType {
+    /// Simple stands for a built-in type or a type derived from one.
     enum class Kind : std::uint8_t { Simple, Enumeration, OptionSet, Structure, Union };
     /// A value of an enumeration, or the number of an option set's bit.
     struct Value {

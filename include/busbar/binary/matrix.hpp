@@ -50,6 +50,7 @@ void encode(binary::Writer& writer, const Matrix<T>& matrix)
     }
 }
 
+/// Reads a matrix; the reader fails if it is larger than its limits or the message.
 template <typename T>
 void decode(binary::Reader& reader, Matrix<T>& matrix)
 {

@@ -12,6 +12,7 @@ inline constexpr bool is_option_set = false;
 template <typename E>
 concept OptionSetEnum = std::is_enum_v<E> && is_option_set<E>;
 
+/// The usual operators of sets of bits.
 template <OptionSetEnum E>
 [[nodiscard]] constexpr E operator|(E a, E b)
 {

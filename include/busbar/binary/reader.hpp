@@ -48,6 +48,7 @@ public:
     [[nodiscard]] StatusCode status() const { return status_; }
     /// Good, or the status as an error.
     [[nodiscard]] Result<void> result() const;
+    /// Ends the reading with this status, unless it has failed before.
     void fail(StatusCode status)
     {
         if (ok()) {
@@ -99,6 +100,7 @@ public:
         const auto from = bytes(values.size_bytes());
         detail::copy_numbers<sizeof(T)>(values.data(), from.data(), from.size() / sizeof(T));
     }
+    /// Passes over `size` bytes.
     void skip(std::size_t size) { static_cast<void>(bytes(size)); }
 
     /// Reads the count of an array whose elements take at least `min_element_size` bytes on the

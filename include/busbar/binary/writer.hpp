@@ -82,6 +82,7 @@ public:
             slow(on_wire);
         }
     }
+    /// Writes the bytes as they are.
     void bytes(std::span<const std::byte> data)
     {
         if (static_cast<std::size_t>(end_ - position_) >= data.size()) {

@@ -45,6 +45,7 @@ enum class BuiltInType : std::uint8_t {
     DiagnosticInfo = 25,
 };
 
+/// The largest number of a BuiltInType; larger ones are reserved (Part 6, 5.1.2).
 inline constexpr std::uint8_t last_built_in_type = 25;
 
 /// "Int32"; "Null" for BuiltInType::Null. The view is of constant data.

@@ -10,6 +10,7 @@ namespace busbar {
 
 /// Monotonic time, which the program that drives an engine passes to it; engines never ask a clock.
 using Duration = std::chrono::nanoseconds;
+/// A moment of the monotonic clock that engines are given; wall clock times are DateTime.
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
 /// A Duration in milliseconds, the unit of a Duration in services (Part 3, 8.13).

@@ -18,6 +18,7 @@ struct DateTime {
     /// 9999-12-31T23:59:59Z; this and anything later is encoded as the largest Int64.
     static constexpr std::int64_t latest = 2'650'467'743'990'000'000;
 
+    /// Seconds since 1970-01-01T00:00:00Z; a fraction is lost.
     [[nodiscard]] static constexpr DateTime from_unix_seconds(std::int64_t seconds)
     {
         return {unix_epoch + seconds * ticks_per_second};
@@ -27,6 +28,7 @@ struct DateTime {
     {
         return {unix_epoch + ticks};
     }
+    /// Seconds since 1970-01-01T00:00:00Z; a fraction is lost.
     [[nodiscard]] constexpr std::int64_t unix_seconds() const
     {
         return (ticks - unix_epoch) / ticks_per_second;

@@ -212,6 +212,7 @@ public:
     [[nodiscard]] constexpr bool has_value() const noexcept { return this->has_value_; }
     constexpr explicit operator bool() const noexcept { return this->has_value_; }
 
+    /// The value, which must exist.
     [[nodiscard]] constexpr Value& operator*() & noexcept requires(!std::is_void_v<T>)
     {
         return this->value_;
@@ -253,6 +254,7 @@ public:
     }
 #endif
 
+    /// The error; there must not be a value.
     [[nodiscard]] constexpr E& error() & noexcept
     {
         return this->error_;
@@ -266,6 +268,7 @@ public:
         return std::move(this->error_);
     }
 
+    /// The value, or `other` if there is none.
     template <typename U>
     [[nodiscard]] constexpr Value value_or(U&& other) const&
     {

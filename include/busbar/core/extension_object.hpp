@@ -22,6 +22,7 @@ struct StaticId {
     /// If not empty, the id is this string and not a number.
     std::string_view string;
 
+    /// Returns the id in this namespace.
     [[nodiscard]] NodeId in(std::uint16_t namespace_index) const
     {
         return string.empty() ? NodeId{namespace_index, numeric}
@@ -51,6 +52,7 @@ struct StructureType {
 /// and is encoded again byte for byte. Thread-compatible.
 class BUSBAR_API ExtensionObject {
 public:
+    /// The form of the body; Object stands for a decoded structure.
     enum class Body : std::uint8_t { None, Binary, Xml, Object };
 
     ExtensionObject() = default;
@@ -71,6 +73,7 @@ public:
     /// Takes ownership of `object`, which `type.create` or `type.copy` made.
     [[nodiscard]] static ExtensionObject adopt(const StructureType& type, void* object,
                                                NodeId encoding_id);
+    /// Holds a body that is not decoded, or none.
     [[nodiscard]] static ExtensionObject from_binary(NodeId encoding_id, ByteString body);
     [[nodiscard]] static ExtensionObject from_xml(NodeId encoding_id, XmlElement body);
     [[nodiscard]] static ExtensionObject from_id(NodeId encoding_id);

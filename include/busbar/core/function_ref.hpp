@@ -24,6 +24,7 @@ public:
     {
     }
 
+    /// Calls the callable.
     R operator()(Args... args) const { return call_(object_, std::forward<Args>(args)...); }
 
 private:

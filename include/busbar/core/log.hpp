@@ -7,6 +7,7 @@
 
 namespace busbar {
 
+/// The importance of a line to an operator.
 enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 enum class RecordKind : std::uint8_t;
 struct Record;
@@ -27,6 +28,7 @@ public:
     /// Takes a typed record of a kind that the sink wants; its line is written as well. Called as
     /// `write` is. The sink must limit what it keeps: peers can cause any number of records.
     virtual void record(const Record&) {}
+    /// True for kinds of which `record` is to be called.
     [[nodiscard]] virtual bool wants(RecordKind) const { return false; }
 };
 

@@ -43,6 +43,7 @@ public:
     [[nodiscard]] static Result<NodeId> parse(std::string_view text);
 
     [[nodiscard]] std::uint16_t namespace_index() const { return namespace_index_; }
+    /// Moves the id to another namespace.
     void set_namespace_index(std::uint16_t index) { namespace_index_ = index; }
     [[nodiscard]] IdType id_type() const { return type_; }
     [[nodiscard]] bool is_numeric() const { return type_ == IdType::Numeric; }
@@ -90,6 +91,7 @@ private:
 
 /// The text form that NodeId::parse reads.
 [[nodiscard]] BUSBAR_API std::string to_string(const NodeId& id);
+/// Equal NodeIds have equal hashes; the same in every run.
 [[nodiscard]] BUSBAR_API std::uint64_t hash_value(const NodeId& id);
 
 /// ExpandedNodeId (Part 4, 7.16; Part 6, 5.2.2.10).

@@ -16,6 +16,7 @@ namespace busbar {
 class BUSBAR_API NumericRange {
 public:
     static constexpr std::size_t max_dimensions = 16;
+    /// The first and the last index of a dimension, both included.
     struct Bounds {
         std::uint32_t first{0};
         std::uint32_t last{0};

@@ -103,6 +103,7 @@ enum class RecordKind : std::uint8_t {
 /// "SessionCreated".
 [[nodiscard]] BUSBAR_API std::string_view name(RecordKind kind);
 
+/// A value of a record, and its name.
 struct RecordField {
     std::string_view name;
     Variant value;

@@ -34,6 +34,7 @@ struct Refusal {
 template <typename T>
 using Checked = Expected<T, Refusal>;
 
+/// `return refuse(...);` in a function that returns a Checked.
 [[nodiscard]] inline Unexpected<Refusal> refuse(Refusal refusal)
 {
     return Unexpected<Refusal>{std::move(refusal)};

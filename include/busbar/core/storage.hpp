@@ -29,8 +29,10 @@ enum class StorageError : std::uint8_t {
 };
 
 template <typename T>
+/// A value, or the reason why the storage could not give it.
 using Stored = Expected<T, StorageError>;
 
+/// `return not_stored(...);` in a function that returns a Stored.
 [[nodiscard]] inline Unexpected<StorageError> not_stored(StorageError error)
 {
     return Unexpected<StorageError>{error};
@@ -50,6 +52,7 @@ enum class WhenThere : std::uint8_t { Refuse, Replace };
 
 /// One name in a folder.
 struct StorageEntry {
+    /// The kind of entry.
     enum class Kind : std::uint8_t {
         File,
         Folder,
@@ -71,6 +74,7 @@ struct StorageEntry {
     } version;
 };
 
+/// The entries of a folder.
 struct StorageListing {
     std::vector<StorageEntry> entries; // sorted by name
     bool is_cut{false};                // the folder has more entries than requested

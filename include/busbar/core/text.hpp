@@ -45,8 +45,8 @@ struct LocalizedText {
     friend auto operator<=>(const LocalizedText&, const LocalizedText&) = default;
 };
 
-/// Returns `text` with control characters and bytes that are not UTF-8 written as \xHH, and
-/// characters that change the direction of text as \u202E; at most `max_bytes` long. For logs and
+/// Returns `text` with control characters and bytes that are not UTF-8 written as `\xHH`, and
+/// characters that change the direction of text as `\u202E`; at most `max_bytes` long. For logs and
 /// terminals.
 [[nodiscard]] BUSBAR_API std::string printable(std::string_view text, std::size_t max_bytes = 256);
 

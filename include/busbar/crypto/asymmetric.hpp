@@ -16,6 +16,7 @@
 /// Called from any thread.
 namespace busbar::crypto {
 
+/// Owned bytes, such as a signature or a ciphertext.
 using Bytes = std::vector<std::byte>;
 
 /// The maximum number of blocks that the receiver's private key decrypts for one secret.
@@ -25,6 +26,7 @@ inline constexpr std::size_t max_cipher_blocks = 32;
 inline constexpr std::size_t max_secret_size = 64;
 inline constexpr std::size_t min_server_nonce_size = 32;
 
+/// Signs or verifies as the policy says.
 [[nodiscard]] BUSBAR_API Result<Bytes> asymmetric_sign(const SecurityPolicy& policy,
                                                        const PrivateKey& key,
                                                        std::span<const std::byte> data);

@@ -66,6 +66,7 @@ private:
 /// A leaf certificate, followed by those that signed it (Part 6, 6.2.6).
 using CertificateChain = std::vector<Certificate>;
 
+/// The limits of a chain that a peer sends.
 inline constexpr std::size_t max_chain_length = 10;
 inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 

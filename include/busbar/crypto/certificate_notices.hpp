@@ -14,6 +14,7 @@ namespace busbar::crypto {
 
 /// A finding about a certificate in use that an operator should know.
 struct CertificateNotice {
+    /// The matter that an administrator should know of.
     enum class Kind : std::uint8_t { NotYetValid, ExpiresSoon, Expired, HostNotNamed };
 
     Kind kind;

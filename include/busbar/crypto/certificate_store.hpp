@@ -35,6 +35,7 @@ enum class StoreList : std::uint8_t { Own, Trusted, Issuers, Rejected };
 
 /// One file of a list. All texts are `printable`.
 struct StoreEntry {
+    /// The content of the file.
     enum class Kind : std::uint8_t { Certificate, RevocationList };
 
     Kind kind{Kind::Certificate};

@@ -24,6 +24,7 @@ namespace busbar::crypto {
 /// JWS algorithms (RFC 7518, 3.1). There is no "none", and there are no others.
 enum class JwtAlgorithm : std::uint8_t { RS256, PS256, ES256, HS256 };
 
+/// Returns the name as it is in the header of a token.
 [[nodiscard]] BUSBAR_API std::string_view name(JwtAlgorithm algorithm);
 
 /// A key that tokens may be signed with, and the only algorithm it is used for: a token with
@@ -44,6 +45,7 @@ public:
 
     [[nodiscard]] JwtAlgorithm algorithm() const { return algorithm_; }
     [[nodiscard]] const std::string& id() const { return id_; }
+    /// True if the key belongs to the signature of the text.
     [[nodiscard]] bool verify(std::string_view signed_text,
                               std::span<const std::byte> signature) const;
 
@@ -71,6 +73,7 @@ struct JwtRules {
     std::chrono::seconds max_lifetime{std::chrono::hours{24}};
 };
 
+/// The limits of a token, and of what it is checked with.
 inline constexpr std::size_t max_jwt_size = 8'192; // bytes
 inline constexpr std::size_t max_jwt_keys = 8;
 inline constexpr std::size_t max_jwt_roles = 64;

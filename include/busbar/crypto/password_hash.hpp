@@ -11,6 +11,7 @@
 
 namespace busbar::crypto {
 
+/// The function that makes guessing of passwords slow.
 enum class PasswordScheme : std::uint8_t {
     Scrypt, // RFC 7914: guessing takes memory, too
     Pbkdf2, // RFC 8018 with HMAC-SHA-256: for machines with too little memory for Scrypt

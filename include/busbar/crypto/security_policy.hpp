@@ -9,7 +9,9 @@
 
 namespace busbar::crypto {
 
+/// The AsymmetricSignatureAlgorithm of a policy: RSA with this padding and digest.
 enum class AsymmetricSignature : std::uint8_t { None, Pkcs1Sha1, Pkcs1Sha256, PssSha256 };
+/// The AsymmetricEncryptionAlgorithm of a policy: RSA with this padding.
 enum class AsymmetricEncryption : std::uint8_t { None, Pkcs1, OaepSha1, OaepSha256 };
 /// The digest of SymmetricSignatureAlgorithm (HMAC) and KeyDerivationAlgorithm (P_hash), which is
 /// one and the same in every policy.

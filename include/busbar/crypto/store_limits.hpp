@@ -44,6 +44,7 @@ struct StoreLimits {
     return limits;
 }
 
+/// The limits of NX102 controllers.
 [[nodiscard]] constexpr StoreLimits nx102_store_limits()
 {
     return nj501_store_limits();
