@@ -68,6 +68,7 @@ public:
 
     /// Takes `size` bytes. False, with nothing taken, if fewer are available.
     [[nodiscard]] bool take(std::size_t size);
+    /// Makes bytes that were taken available again.
     void give_back(std::size_t size) { left_.fetch_add(size, std::memory_order_relaxed); }
     [[nodiscard]] std::size_t left() const { return left_.load(std::memory_order_relaxed); }
 
@@ -102,6 +103,7 @@ struct ChannelEnvironment {
 
 /// An occurrence on a channel.
 struct ChannelEvent {
+    /// The kind of occurrence.
     enum class Kind : std::uint8_t {
         Opened,  // the channel is open
         Renewed, // it has a new SecurityToken

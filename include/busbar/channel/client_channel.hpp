@@ -15,6 +15,7 @@
 
 namespace busbar::channel {
 
+/// The configuration of a ClientChannel.
 struct ClientChannelConfig {
     TransportLimits limits;
     std::string endpoint_url;
@@ -40,6 +41,8 @@ public:
     ClientChannel& operator=(ClientChannel&&) noexcept;
     ~ClientChannel();
 
+    /// Takes bytes of the server. The functions for events, output and time are those of
+    /// ServerChannel.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;

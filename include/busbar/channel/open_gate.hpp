@@ -15,6 +15,7 @@ public:
     OpenGate& operator=(const OpenGate&) = delete;
     virtual ~OpenGate() = default;
 
+    /// The answer to a request.
     struct Admission {
         /// If false, the peer is told Bad_TcpServerTooBusy (Part 6, 7.1.5), and the channel ends.
         bool is_admitted{true};

@@ -18,6 +18,7 @@ namespace busbar::channel {
 
 class SpareBuffers;
 
+/// The configuration of a ServerChannel.
 struct ServerChannelConfig {
     TransportLimits limits;
     /// The settings that an OpenSecureChannel may request; anything else is refused.
@@ -62,8 +63,11 @@ public:
     /// Bytes for the peer, valid until the next call of any other member except consume(); with
     /// SpareBuffers, of any member of a channel that shares them.
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes the first `size` bytes of output(), which were sent.
     void consume(std::size_t size);
+    /// The time at which handle_deadline() has something to do; no_deadline if it has nothing.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Does what is due at `now`.
     void handle_deadline(TimePoint now);
 
     /// Sends the message that `encode` writes, in as many chunks as it needs. If it exceeds the

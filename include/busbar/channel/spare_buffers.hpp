@@ -56,11 +56,13 @@ public:
 
     /// Returns an empty vector of any capacity.
     [[nodiscard]] std::vector<std::byte> take_input();
+    /// Takes the vector for another take_input().
     void give_back_input(std::vector<std::byte> input);
     /// Returns an empty vector whose buffer is not much larger than `size`.
     [[nodiscard]] std::vector<std::byte> take_message(std::size_t size);
     /// Returns `message` itself, or a copy without spare capacity if its buffer is much larger.
     [[nodiscard]] std::vector<std::byte> fitted(std::vector<std::byte> message);
+    /// Takes the vector for another take_message().
     void give_back_message(std::vector<std::byte> message);
 
 private:

@@ -12,6 +12,7 @@
 
 namespace busbar::client {
 
+/// The parameters that all items of a Read share.
 struct ReadSettings {
     /// Maximum age of values (Part 4, 5.11.2); zero: as new as possible.
     Duration max_age{0};
@@ -44,6 +45,7 @@ BUSBAR_API Operation write_explained(Requester& requester, std::vector<WriteValu
 [[nodiscard]] BUSBAR_API ReadValueId attribute_of(NodeId node,
                                                   AttributeId attribute = AttributeId::Value,
                                                   std::string_view index_range = {});
+/// Returns what Write needs to set an attribute of a node.
 [[nodiscard]] BUSBAR_API WriteValue value_for(NodeId node, DataValue value,
                                               AttributeId attribute = AttributeId::Value,
                                               std::string_view index_range = {});

@@ -31,6 +31,7 @@ struct ReconnectPolicy {
     std::uint32_t max_attempts{0};
 };
 
+/// The configuration of a Client.
 struct ClientConfig {
     /// opc.tcp://host:port/path, of the server or of one of its discovery endpoints.
     std::string endpoint_url;
@@ -80,6 +81,7 @@ struct ClientConfig {
     bool is_reverse{false};
 };
 
+/// The stage of a Client on its way to a session.
 enum class ClientState : std::uint8_t {
     Waiting,     // for the next attempt, or for the first call of connect()
     Connecting,  // a transport was ordered
@@ -94,6 +96,7 @@ enum class ClientState : std::uint8_t {
 /// disconnected() has confirmed a Drop, or two seconds later; the rest of the old connection must
 /// then be closed at once.
 struct TransportOrder {
+    /// The task of the owner of the transport.
     enum class Kind : std::uint8_t {
         Open, // connect to `url`, or wait for a ReverseHello if the configuration says so
         Drop, // send the rest of output(), then close the connection
@@ -162,12 +165,16 @@ public:
 
     // Called by the code that drives it.
 
+    /// Returns what the transport is to do next.
     [[nodiscard]] std::optional<TransportOrder> next_order();
+    /// Reports that the transport of this order is connected.
     void connected(std::uint64_t order, TimePoint now);
     /// Reports that the attempt failed, or that the connection is closed.
     void disconnected(std::uint64_t order, StatusCode why, TimePoint now);
+    /// Takes bytes of the server; an error ends the connection.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes the first `size` bytes of output(), which were sent.
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;
     /// Only stores the time; poll() does what is due.

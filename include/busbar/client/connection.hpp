@@ -30,6 +30,7 @@ struct SessionTicket {
     std::chrono::milliseconds timeout{0};
 };
 
+/// The configuration of a connection and its session.
 struct ConnectionConfig {
     channel::ClientChannelConfig channel;
     std::string application_name{"Busbar client"};
@@ -57,6 +58,7 @@ struct ConnectionConfig {
 
 /// An occurrence on a client's connection.
 struct ConnectionEvent {
+    /// The kind of occurrence.
     enum class Kind : std::uint8_t {
         Ready,    // the session is activated, or the channel open if no session is wanted
         Response, // to the request with `handle`
@@ -92,11 +94,15 @@ public:
     Connection& operator=(Connection&&) noexcept;
     ~Connection();
 
+    /// Takes bytes of the server; an error ends the connection.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes the first `size` bytes of output(), which were sent.
     void consume(std::size_t size);
+    /// The time at which handle_deadline() has something to do; no_deadline if it has nothing.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Does what is due at `now`.
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const;
 

@@ -23,6 +23,7 @@ struct SecurityWishes {
     bool allows_none{false};
 };
 
+/// The endpoint to connect to, and how to authenticate there.
 struct EndpointChoice {
     EndpointDescription endpoint;
     const crypto::SecurityPolicy* policy{nullptr};

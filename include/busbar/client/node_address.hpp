@@ -22,7 +22,7 @@ namespace busbar::client {
 ///   i=2258, ns=2;s=Pump         a NodeId
 ///   nsu=urn:acme:machine;s=Pump a NodeId with a namespace URI
 ///   /Objects/2:Machine/2:Speed  a browse path from the root folder; names as in Part 4's relative
-///                               paths, with <references>; nsu=urn:acme:machine; may stand for 2:
+///                               paths, with `<references>`; nsu=urn:acme:machine; may stand for 2:
 ///   [ns=2;s=Line]/2:Speed       a browse path from any node; in the brackets, & stands before ]
 ///                               and &
 class BUSBAR_API NodeAddress {

@@ -12,6 +12,7 @@
 /// is split are sent one after the other, so that a node can be the parent of a later one.
 namespace busbar::client {
 
+/// Sends the service of this name; `done` gets a result for each item, in the same order.
 BUSBAR_API Operation add_nodes(Requester& requester, std::vector<AddNodesItem> items,
                                std::function<void(std::vector<AddNodesResult>)> done,
                                const ServiceOptions& options = {});

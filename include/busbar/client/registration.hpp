@@ -77,7 +77,9 @@ public:
     /// The result of the last attempt; Good before the first.
     [[nodiscard]] StatusCode last_result() const;
 
+    /// The time of the next attempt, or of its timeout.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Does what is due at `now`.
     void handle_deadline(TimePoint now);
 
 private:

@@ -46,8 +46,10 @@ struct ServerInfo {
     std::uint32_t seconds_till_shutdown{0};
 };
 
+/// Identifies a request of a Requester; unique while it lives.
 using RequestId = std::uint64_t;
 
+/// The timeout of a request, and its diagnostics.
 struct RequestOptions {
     /// The request ends with Bad_Timeout after this time; zero: as the client is configured.
     Duration timeout{0};
@@ -113,9 +115,11 @@ public:
     /// Forgets the request: its handler is not called, and a late response is dropped.
     virtual void cancel(RequestId id) = 0;
 
+    /// The limits and names that the server has told.
     [[nodiscard]] virtual const ServerInfo& server() const = 0;
     /// The time of the present call.
     [[nodiscard]] virtual TimePoint now() const = 0;
+    /// The limits that responses are decoded with.
     [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
     /// The structures that responses are decoded with: at least those of namespace 0.
     [[nodiscard]] virtual const binary::TypeRegistry& types() const { return standard_types(); }
@@ -126,6 +130,7 @@ protected:
     /// Writes the request with the given header; may be called later.
     using Encode = std::function<void(binary::Writer&, const RequestHeader&)>;
 
+    /// Sends a request; the handler gets the response, or the reason why there is none.
     virtual RequestId start(Encode encode, Handler<ResponseBody> handler,
                             const RequestOptions& options) = 0;
 };

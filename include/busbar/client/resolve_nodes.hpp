@@ -7,6 +7,7 @@
 
 namespace busbar::client {
 
+/// The result for one address.
 struct ResolvedNode {
     Result<NodeId> id;
     /// For Bad_TooManyMatches, at most 20 addresses that the path may mean. A path whose names have

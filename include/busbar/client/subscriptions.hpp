@@ -19,8 +19,10 @@ namespace busbar::client {
 /// Handles of this client, valid for the life of the Subscriptions object; the server's ids change
 /// when a Subscription has to be created again.
 using SubscriptionHandle = std::uint32_t;
+/// Identifies a MonitoredItem for as long as its Subscriptions object lives.
 using ItemHandle = std::uint32_t;
 
+/// The parameters of CreateSubscription (Part 4, 5.14.2).
 struct SubscriptionSettings {
     std::chrono::duration<double, std::milli> publishing_interval{500};
     /// Part 4, 5.14.2; the lifetime count is at least three times the keep-alive count.
@@ -31,6 +33,7 @@ struct SubscriptionSettings {
     bool is_publishing_enabled{true};
 };
 
+/// The parameters of a MonitoredItem (Part 4, 5.13.2).
 struct ItemSettings {
     NodeAddress node;
     AttributeId attribute{AttributeId::Value};
@@ -53,6 +56,7 @@ struct ItemStatus {
     ExtensionObject filter_result;
 };
 
+/// A new value of a monitored attribute.
 struct DataChange {
     ItemHandle item;
     DataValue value;
@@ -60,6 +64,7 @@ struct DataChange {
     /// regardless of filter and sampling interval, or the reason why it cannot be read.
     bool is_read_again{false};
 };
+/// An event of a monitored notifier.
 struct EventArrived {
     ItemHandle item;
     /// The fields that the filter selects, in its order.
@@ -143,9 +148,12 @@ public:
     // The user's requests. They never wait: they are carried out when a session allows it, and a
     // handler reports the result.
 
+    /// Creates a Subscription; it is created again on every new session.
     [[nodiscard]] Result<SubscriptionHandle> create(SubscriptionSettings settings,
                                                     SubscriptionHandlers handlers);
+    /// Changes the settings (Part 4, 5.14.3).
     Result<void> modify(SubscriptionHandle subscription, SubscriptionSettings settings);
+    /// Removes the Subscription and its items.
     Result<void> remove(SubscriptionHandle subscription);
     /// Adds all items or none; the handles are in the order of `items`.
     /// Bad_TimestampsToReturnInvalid, Bad_MonitoringModeInvalid.
@@ -153,6 +161,7 @@ public:
                                                             std::vector<ItemSettings> items);
     /// Changes everything except the node and the attribute (Part 4, 5.13.3).
     Result<void> modify_items(std::span<const ItemHandle> items, const ItemSettings& settings);
+    /// Removes items from their Subscription.
     Result<void> remove_items(std::span<const ItemHandle> items);
     /// Sets the links (Part 4, 5.13.5); kept and repeated like the items. `links` replaces all
     /// previous ones.
@@ -164,11 +173,14 @@ public:
 
     // The life of the session, reported by the Client.
 
+    /// The way in which a session began.
     enum class SessionStart : std::uint8_t {
         Resumed, // the same session on a new channel
         New,     // another session; Subscriptions of the last one may still live
     };
+    /// Continues or creates everything on the new session.
     void session_started(SessionStart how);
+    /// Waits for another session.
     void session_lost();
 
     /// Due at once after a wish or a new session.

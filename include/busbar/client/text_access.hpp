@@ -23,6 +23,7 @@ struct AccessError {
     std::string message;
 };
 
+/// A value, or why there is none.
 template <typename T>
 using Accessed = Expected<T, AccessError>;
 

@@ -27,6 +27,7 @@ struct DictionaryLimits {
     std::size_t max_name_length{512};
 };
 
+/// The name of a type and the namespace that it is defined in.
 struct DictionaryName {
     std::string namespace_uri;
     std::string name;
@@ -34,6 +35,7 @@ struct DictionaryName {
     friend auto operator<=>(const DictionaryName&, const DictionaryName&) = default;
 };
 
+/// A field of a structure or a union.
 struct DictionaryField {
     std::string name;
     DictionaryName type;
@@ -44,6 +46,7 @@ struct DictionaryField {
 /// A type in the terms of OPC UA: lengths, switches and bits of the dictionary have become arrays,
 /// unions and optional fields (Part 6, 5.2.5 to 5.2.8).
 struct DictionaryType {
+    /// The kind of type that it becomes in OPC UA.
     enum class Kind : std::uint8_t { Structure, Union, Enumeration, Number };
 
     std::string name;
@@ -59,6 +62,7 @@ struct DictionaryType {
     std::string reason;
 };
 
+/// The types of one dictionary, in its order.
 struct TypeDictionary {
     std::string namespace_uri;
     std::vector<DictionaryType> types;

@@ -12,6 +12,7 @@ namespace busbar::client {
 
 /// The user of a session (Part 4, 7.40).
 struct AnonymousUser {};
+/// A user with a password (Part 4, 7.40.4).
 struct NamedUser {
     std::string user_name;
     std::string password;
@@ -28,6 +29,7 @@ struct IssuedUser {
     std::string type_uri{"http://opcfoundation.org/UA/UserToken#JWT"};
 };
 
+/// One of the ways to log in.
 using UserIdentity = std::variant<AnonymousUser, NamedUser, CertificateUser, IssuedUser>;
 
 } // namespace busbar::client

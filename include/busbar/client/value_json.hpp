@@ -12,6 +12,7 @@
 /// U+FFFD.
 namespace busbar::client {
 
+/// The form of values in JSON.
 struct JsonOptions {
     /// Structures with one of these encodings are objects with their fields; others are base64.
     const binary::DynamicTypes* types{nullptr};
@@ -22,10 +23,12 @@ struct JsonOptions {
     std::size_t max_depth{100};
 };
 
+/// Writes a value as JSON.
 [[nodiscard]] BUSBAR_API std::string to_json(const Variant& value, const JsonOptions& options = {});
 /// Adds Status, SourceTimestamp and ServerTimestamp unless they are Good or zero.
 [[nodiscard]] BUSBAR_API std::string to_json(const DataValue& value,
                                              const JsonOptions& options = {});
+/// Writes a value as JSON.
 [[nodiscard]] BUSBAR_API std::string to_json(const binary::DynamicValue& value,
                                              const JsonOptions& options = {});
 

@@ -12,6 +12,7 @@
 /// Values as text for people, and back.
 namespace busbar::client {
 
+/// The names that values have as text.
 struct TextOptions {
     /// Structures with one of these encodings are printed with their fields.
     const binary::DynamicTypes* types{nullptr};

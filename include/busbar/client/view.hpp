@@ -37,6 +37,7 @@ BUSBAR_API Operation browse(Requester& requester, std::vector<BrowseDescription>
 /// information about their targets.
 [[nodiscard]] BUSBAR_API BrowseDescription children_of(NodeId node);
 
+/// The limits of browsing a tree.
 struct TreeLimits {
     /// Levels below the roots.
     std::size_t max_depth{100};
@@ -44,6 +45,7 @@ struct TreeLimits {
     BrowseLimits browse;
 };
 
+/// A node of a tree, with the way that led to it.
 struct TreeNode {
     static constexpr std::size_t no_parent = SIZE_MAX;
     /// The index of the node at which it was found first; no_parent for a root.
@@ -56,6 +58,7 @@ struct TreeNode {
     StatusCode status;
 };
 
+/// The result of browsing a tree.
 struct BrowsedTree {
     /// Parents before their children, level by level; each node once.
     std::vector<TreeNode> nodes;

@@ -19,12 +19,12 @@ namespace busbar::net {
 
 class ServerLoop;
 
+/// The names of an application, and the place of its certificates.
 struct ApplicationSettings {
     /// Globally unique for this installation; the certificate contains it.
     std::string uri;
     std::string name;
-    /// The folder of certificates and keys, in the layout of Part 12, F.1; created if it is
-    /// missing.
+    /// The folder of certificates and keys (layout of Part 12, F.1); created if it is missing.
     std::string folder;
     /// DNS names and addresses of this machine that a new certificate names.
     std::vector<std::string> host_names{"localhost"};
