@@ -34,6 +34,7 @@ public:
     void replace(std::vector<ConfiguredUser> users, std::vector<std::string> token_roles = {});
 
     [[nodiscard]] std::vector<ConfiguredUser> users() const;
+    /// True if the configuration has this user.
     [[nodiscard]] bool has(std::string_view user) const;
     /// Returns whether a user who is not temporary has the role SecurityAdmin.
     [[nodiscard]] bool has_administrator() const;

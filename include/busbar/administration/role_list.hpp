@@ -68,6 +68,7 @@ public:
     [[nodiscard]] const std::vector<RoleRules>& roles() const { return roles_; }
     /// Returns null if there is none with this name.
     [[nodiscard]] const RoleRules* find(std::string_view name) const;
+    /// True for the roles of Part 3, 4.9.2.
     [[nodiscard]] static bool is_well_known(std::string_view name);
     /// Returns a document in which every role but SecurityAdmin is closed: no session has it,
     /// whichever way it was granted, until an administrator opens it again (EndpointsExclude). It

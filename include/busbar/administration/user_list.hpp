@@ -22,9 +22,11 @@ struct ConfiguredUser;
 
 /// The bits of UserConfigurationMask (Part 18, 5.2.3).
 namespace user_bit {
+/// RemoveUser refuses to remove the user.
 inline constexpr std::uint32_t no_delete = 1;
 /// Such a user cannot log in, as if he did not exist.
 inline constexpr std::uint32_t disabled = 2;
+/// The user cannot change his own password.
 inline constexpr std::uint32_t no_change_by_user = 4;
 /// Excludes no_change_by_user.
 inline constexpr std::uint32_t must_change_password = 8;
@@ -80,6 +82,7 @@ public:
     /// Returns them together with the configured ones, as users without a hash who have no_delete
     /// and no_change_by_user.
     [[nodiscard]] std::vector<User> all_users() const;
+    /// Returns nothing if there is no such user.
     [[nodiscard]] std::optional<User> find(std::string_view name) const;
     /// True if a user who can log in is an administrator, of the list or configured.
     [[nodiscard]] bool has_administrator() const;

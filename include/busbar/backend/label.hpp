@@ -48,6 +48,7 @@ struct LabelKind {
     friend bool operator==(const LabelKind&, const LabelKind&) = default;
 };
 
+/// True for strings of either character set.
 [[nodiscard]] constexpr bool is_text(LabelType type)
 {
     return type == LabelType::String || type == LabelType::UnicodeString;

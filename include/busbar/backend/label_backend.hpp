@@ -45,6 +45,7 @@ struct LabelPlace {
     std::uint32_t size{0};
 };
 
+/// The result of a request; with any but Done no value was read or written.
 enum class LabelStatus : std::uint8_t {
     Done,
     /// The labels have changed since they were resolved, or a place does not fit its label and
@@ -63,6 +64,7 @@ enum class LabelStatus : std::uint8_t {
 /// A request to a backend. Owns everything that it needs, so that sender and backend may end in any
 /// order; goes to the backend and returns with the answer.
 struct LabelRequest {
+    /// The operation, which says which of the other members are used.
     enum class Kind : std::uint8_t {
         /// Converts `names` to `labels`, one for each.
         Resolve,

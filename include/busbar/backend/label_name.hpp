@@ -21,6 +21,7 @@ inline constexpr std::size_t max_label_name_length = 800;
 /// "Grid[1,0,4]", "Delay.N". Names are compared without case for the letters A to Z, as other names
 /// of a program.
 struct LabelName {
+    /// A name and the element that follows it, as between two dots.
     struct Part {
         /// The name as written.
         std::string name;

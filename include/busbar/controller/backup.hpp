@@ -78,6 +78,7 @@ struct MemoryItem {
     std::optional<FilePart> part{};
 };
 
+/// The limits of backup files, for writing and for reading.
 struct MemoryLimits {
     std::size_t max_backup_size{64U << 20U}; // bytes of a backup file
     std::size_t max_file_size{16U << 20U};
@@ -109,6 +110,7 @@ struct RestoreChoice {
 /// functions. `where` of a problem is "RestoreCommand.ini:4".
 [[nodiscard]] BUSBAR_API Configured<RestoreChoice> read_restore_command(std::string_view text);
 
+/// The result of a restore.
 enum class Restored : std::uint8_t {
     Data,
     /// The security profile was requested, but the file has none: the controller's is kept.

@@ -36,9 +36,11 @@ struct ExecutionLogFilter {
     DateTime to{};      // and before this
     std::string text{}; // in the log name or the details, letters of ASCII in either case
 };
+/// True if the filter selects the entry.
 [[nodiscard]] BUSBAR_API bool matches(const ExecutionLogEntry& entry,
                                       const ExecutionLogFilter& filter);
 
+/// The records that a filter selects.
 struct ExecutionLogContents {
     /// The oldest first.
     std::vector<ExecutionLogEntry> entries;

@@ -27,6 +27,7 @@ struct DeclaredLabelType {
     backend::LabelType type;
     backend::TimerPart part{backend::TimerPart::None};
 };
+/// The number of types that a label can be declared with.
 inline constexpr std::size_t declared_label_type_count = 16;
 /// Returns all of them.
 [[nodiscard]] BUSBAR_API const std::array<DeclaredLabelType, declared_label_type_count>&
@@ -46,6 +47,7 @@ struct LabelTypes {
     /// Types whose values suit where they are in the range of both.
     std::string checked{};
 };
+/// Returns the types of labels that a part can be mapped to.
 [[nodiscard]] BUSBAR_API LabelTypes label_types_for(const MappablePart& part);
 
 /// A label whose type differs from the one that has the values of its part.

@@ -28,6 +28,7 @@ struct LeafType {
 /// A cell of the tables "Data types of labels": a dash, a circle and a circle with a dot.
 enum class Assignability : std::uint8_t { No, Checked, Same };
 
+/// Looks a leaf and a label up in these tables.
 [[nodiscard]] BUSBAR_API Assignability assignability(LeafType leaf, backend::LabelType type,
                                                      backend::TimerPart part);
 /// Returns whether a Method's Handle can be mapped to such a label ("Method assignment").
@@ -42,6 +43,7 @@ enum class Assignability : std::uint8_t { No, Checked, Same };
 [[nodiscard]] BUSBAR_API bool is_scalable(LeafType leaf);
 [[nodiscard]] BUSBAR_API bool is_scalable(backend::LabelType type, backend::TimerPart part);
 
+/// Facts about the PLC that values depend on.
 struct ConversionOptions {
     /// Minutes that the PLC's clock is ahead of UTC, for DateTime: a label holds it as seconds
     /// since 2000-01-01 00:00:00 by that clock. 0: its clock shows UTC.
@@ -98,6 +100,7 @@ public:
 
     using Read = StatusCode (*)(const LabelConversion&, const std::byte* label, void* value);
     using Write = StatusCode (*)(const LabelConversion&, const void* value, std::byte* label);
+    /// The two directions: from a label, and to it.
     struct Functions {
         Read read;
         Write write;

@@ -112,8 +112,11 @@ public:
     void power_on();
     /// A running server is shut down before (W588, 7-3-3).
     void reset();
+    /// Reports that the power is about to fail.
     void power_going();
+    /// Reports the mode that the machine is in from now on.
     void mode_changed(MachineMode mode) { mode_ = mode; }
+    /// Reports that the medium of the execution log was inserted or removed.
     void medium_changed(bool is_in);
     // Faults are recorded as MachineFault. One that is not the server's does not stop it (manual of
     // variables mode, 4-1-4).
@@ -146,6 +149,7 @@ public:
     /// Bad_InvalidState in RUN (W588, 8-3). clear_done() is due only if there
     /// is no problem.
     [[nodiscard]] Configured<void> clear_begins();
+    /// Reports the end of clearing, which may have failed.
     void clear_done(bool is_cleared);
     // These reconfigure (W588, 4-2-5).
     void address_changed();
@@ -161,7 +165,9 @@ public:
 
     /// Passes the settings, or the reason why they cannot be read.
     void initialized(const Configured<ServerSettings>& settings);
+    /// Reports that the server of this number can serve at this URL.
     void prepared(std::uint32_t number, std::string_view endpoint_url);
+    /// Reports why there is no server.
     void preparation_failed(std::uint32_t number, PreparationFailure failure,
                             std::string_view text);
     void stopped();

@@ -58,7 +58,7 @@ struct MachineEventType {
 /// Returns null for an unknown code.
 [[nodiscard]] BUSBAR_API const MachineEventType* machine_event_type(std::uint32_t code);
 
-// The source of all of them.
+/// The source and the category of all of them.
 inline constexpr std::string_view machine_event_source = "PLC Function Module";
 inline constexpr std::string_view machine_event_source_details = "OPC UA Server";
 inline constexpr std::string_view machine_event_category = "System";

@@ -34,17 +34,20 @@ public:
     MachineEventListener& operator=(const MachineEventListener&) = delete;
     virtual ~MachineEventListener() = default;
 
+    /// Called for each event that is recorded.
     virtual void happened(const MachineEvent& event) = 0;
     /// The errors in MachineEventLog::current_errors have changed; called after the event that
     /// added one, and also when one has ended, which is not an event.
     virtual void errors_changed() {}
 };
 
+/// The level that a user chose for an event.
 struct EventLevelChoice {
     std::uint32_t code{0};
     EventLevel level{};
 };
 
+/// The place and the size of the event log.
 struct MachineEventLogOptions {
     /// Maximum number of events, the oldest is dropped; 16 to 100,000.
     std::size_t max_entries{1'024};

@@ -18,6 +18,7 @@
 /// The nodes of a controller that publishes its variables (W588, 6-2-1).
 namespace busbar::controller {
 
+/// The mode that clients see; see MachineMode.
 enum class OperatingMode : std::uint8_t { Program, Run };
 /// ContinuousError: a partial or minor fault.
 enum class ErrorState : std::uint8_t { NoError, MajorFault, ContinuousError };
@@ -27,6 +28,7 @@ enum class ErrorState : std::uint8_t { NoError, MajorFault, ContinuousError };
 /// "NoError", "MajorFault", "ContinuousError".
 [[nodiscard]] BUSBAR_API std::string_view name(ErrorState state);
 
+/// Names and types of the nodes that a controller has.
 struct MachineNodesOptions {
     std::string namespace_uri{"urn:busbar:machine"};
     /// The name of the folder below Objects and of the configuration of PLCopen.
@@ -90,7 +92,9 @@ public:
     /// DataTypes stay. Call add_variables after it.
     void remove_variables(model::AddressSpace& space, std::span<const std::string> names);
 
+    /// Shows this mode to clients.
     void set_mode(model::AddressSpace& space, OperatingMode mode) const;
+    /// Shows this state to clients.
     void set_error_state(model::AddressSpace& space, ErrorState state) const;
     /// Sets the status and both numbers; add_variables and create do this themselves.
     void set_publication(model::AddressSpace& space, const Publication& publication) const;

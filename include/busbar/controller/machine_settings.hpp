@@ -73,6 +73,7 @@ struct SecuritySettings {
 // As files: JSON with a version and a checksum, so that damage is never taken for another value. A
 // program whose settings are edited by people has its own configuration and transfers it.
 
+/// Writes the settings as such a document.
 [[nodiscard]] BUSBAR_API std::string document_of(const ServerSettings& settings);
 [[nodiscard]] BUSBAR_API std::string document_of(const SecuritySettings& settings);
 /// Reads and checks such a document. `where` of a problem begins with `place`.

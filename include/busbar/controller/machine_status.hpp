@@ -27,6 +27,7 @@ enum class ServedClients : std::uint8_t { None, Administrators, All };
 /// Returns "Halt error", for example; "---" for NotStarted.
 [[nodiscard]] BUSBAR_API std::string_view text(OperatingStatus status);
 
+/// The numbers of connected clients and of users who have logged in.
 struct ConnectionCounts {
     std::size_t clients{0};
     std::size_t users{0};

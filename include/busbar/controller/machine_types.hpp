@@ -15,6 +15,7 @@
 /// The DataTypes of the variables that a program publishes.
 namespace busbar::controller {
 
+/// The DataTypes that nodes of variables have.
 struct MachineTypeOptions {
     /// BuiltIn is used if the AddressSpace has no nodes of PLCopen.
     ElementaryTypes elementary{ElementaryTypes::Plcopen};
@@ -27,6 +28,7 @@ struct MachineTypeOptions {
 [[nodiscard]] BUSBAR_API MachineTypeOptions nj501_types();
 [[nodiscard]] BUSBAR_API MachineTypeOptions nx102_types();
 
+/// The DataType of a variable, and how its values are encoded.
 struct MachineDataType {
     NodeId data_type;
     /// The type of a value or an element; ExtensionObject for structures and unions.

@@ -13,6 +13,7 @@
 
 namespace busbar::controller {
 
+/// The nodes that are served, and the mappings that are not.
 struct MappedNodes {
     std::size_t variables{0};
     std::size_t methods{0};

@@ -99,6 +99,7 @@ struct MappedLimits {
     }
 };
 
+/// The options of a MappedSource.
 struct MappedOptions {
     SamplingMode sampling{SamplingMode::Standard};
     MappedLimits limits{};
@@ -130,6 +131,7 @@ enum class MappedErrorCode : std::uint16_t {
     SamplingUnsupported = 0x1946, // the PLC does not sample in each scan
 };
 
+/// An error of the module, and what it concerns.
 struct MappedError {
     MappedErrorCode code;
     /// Empty, and the node null, if an error concerns no particular one.
@@ -146,6 +148,7 @@ public:
     MappedObserver& operator=(const MappedObserver&) = delete;
     virtual ~MappedObserver() = default;
 
+    /// Called when an update of the labels has started, has finished or has failed.
     virtual void label_update(LabelUpdate event) = 0;
     /// The references in the argument are valid until it returns.
     virtual void error(const MappedError& error) = 0;
@@ -198,9 +201,9 @@ public:
 
     // The values in buffer memory that the manual names.
 
-    /// Label update running status (Un\G8617).
+    /// Label update running status (`Un\G8617`).
     [[nodiscard]] bool is_updating() const;
-    /// Status of target device 1 (Un\G8448).
+    /// Status of target device 1 (`Un\G8448`).
     [[nodiscard]] TargetStatus target_status() const;
 
     [[nodiscard]] server::DataSourceOptions options() const override;

@@ -37,6 +37,7 @@ struct ArraySpecification {
 /// of the next dimension. Whether it is a structure is stored with the array, whose innermost
 /// elements then have the fields as parts.
 struct MappedPart {
+    /// The kind of part.
     enum class Kind : std::uint8_t {
         Whole,   // the value of a Variable or an Argument
         Element, // an element of an array, by its number

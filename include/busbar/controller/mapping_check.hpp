@@ -69,6 +69,7 @@ struct MappingCheckOptions {
     std::function<std::optional<Problem>(std::string_view)> check_label{};
 };
 
+/// The findings of a check.
 struct MappingCheck {
     ModelReports reports{};
     ModelCounters counters{};

@@ -12,20 +12,22 @@
 #include <busbar/model/nodeset_types.hpp>
 #include <busbar/model/space_reader.hpp>
 
-/// Mapping in the <Extensions> of nodes in NodeSet2 files (SH-082679, appendix 8). In
+/// Mapping in the `<Extensions>` of nodes in NodeSet2 files (SH-082679, appendix 8). In
 /// the target busbar::model_mode, which needs pugixml.
 namespace busbar::controller {
 
-/// The namespace of the elements <DataMapping> and <MethodMapping>. It is declared in these
-/// elements themselves or in the <Extension> around them; a declaration further out is ignored.
+/// The namespace of the elements `<DataMapping>` and `<MethodMapping>`. It is declared in these
+/// elements themselves or in the `<Extension>` around them; a declaration further out is ignored.
 inline constexpr std::string_view mapping_namespace =
     "https://www.mitsubishielectric.com/fa/OPCUA/extension/";
 
-/// Of the element <Addition>, which stands in an <Extension> of its own beside such a mapping and
-/// has what the format does not: the attributes Quality and Scaling of a Variable, Done of a
-/// Method, whose mapped OutputArguments are in it as those of <Input> are, in an <Output>.
+/// The namespace of the element `<Addition>`, which stands in an `<Extension>` of its own beside
+/// such a mapping and has what the format does not: the attributes Quality and Scaling of a
+/// Variable, Done of a Method, whose mapped OutputArguments are in it as those of `<Input>` are, in
+/// an `<Output>`.
 inline constexpr std::string_view addition_namespace = "urn:busbar:mapping";
 
+/// The mapping of the extensions that could be read, and what is wrong with others.
 struct ReadMapping {
     Mapping mapping{};
     ModelReports reports{};

@@ -23,6 +23,7 @@ namespace busbar::controller {
 
 class ModelSet;
 
+/// The limits of a table that is read.
 struct MappingTableLimits {
     std::size_t max_size{256U << 20U};
     std::size_t max_lines{8'000'000};
@@ -43,6 +44,7 @@ struct MappingTableLimits {
 /// column Type.
 [[nodiscard]] BUSBAR_API std::string write_mappable_table(const ModelSet& models);
 
+/// The result of reading a table.
 struct ReadMappingTable {
     /// The mapping of all lines without an error.
     Mapping mapping{};

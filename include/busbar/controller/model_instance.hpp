@@ -33,6 +33,7 @@ struct NewInstance {
     std::vector<std::pair<std::string, NodeId>> types{};
 };
 
+/// The node of the instance, and what was added for it.
 struct InstanceResult {
     NodeId node{};
     /// Nodes that were added; 0 if all were there.

@@ -21,7 +21,7 @@ struct ModelLimits {
     std::size_t max_uri_length{4'096};
     /// Without those that are built in.
     std::size_t max_nodes{4'000'000};
-    /// Nested levels of <Element> and <Field> within one mapping.
+    /// Nested levels of `<Element>` and `<Field>` within one mapping.
     std::size_t max_part_levels{64};
     /// Parts of all mappings of a file, with and without labels.
     std::size_t max_parts{8'000'000};
@@ -91,6 +91,7 @@ struct StatusBar {
     friend bool operator==(const StatusBar&, const StatusBar&) = default;
 };
 
+/// Compares what is counted with the limits.
 [[nodiscard]] BUSBAR_API StatusBar status_bar(const ModelCounters& counters,
                                               const ModelLimits& limits);
 

@@ -14,6 +14,7 @@
 /// configuration tool (SH-082679, 4.2).
 namespace busbar::controller {
 
+/// The severity of a report.
 enum class ReportResult : std::uint8_t {
     Error,   // the operation failed, or cannot be served as intended
     Warning, // should be checked
@@ -136,7 +137,9 @@ class BUSBAR_API ModelReports {
 public:
     static constexpr std::size_t max_kept = 1'000;
 
+    /// Counts the report, and keeps it if there are fewer than `max_kept`.
     void add(ModelReport report);
+    /// Adds all of them.
     void add(ModelReports&& others);
 
     [[nodiscard]] const std::vector<ModelReport>& list() const { return list_; }

@@ -30,6 +30,7 @@ enum class ModelState : std::uint8_t {
     OtherVersion
 };
 
+/// A model that another one requires, and whether it is there.
 struct RequiredModelStatus {
     std::string uri;
     /// The required version.
@@ -62,6 +63,7 @@ struct ModelFile {
     std::string text;
 };
 
+/// The result of an import.
 struct ImportResult {
     /// The namespace that was imported.
     std::string uri;

@@ -14,11 +14,11 @@ namespace busbar::controller {
 /// The values that a module shows in its buffer memory (SH-082679, 8.3, 10.3 and
 /// appendix 4), as Variables:
 ///
-/// - TargetDevice1Status (Un\G8448), UInt16: 0 unknown, 1 communicating, 2 failing. The manual does
-///   not define its values; these are our own.
-/// - LabelUpdateRunningStatus (Un\G8617), UInt16: 1 while labels are updated.
-/// - RevisedSamplingIntervalMinimum (Un\G12419), UInt32: milliseconds, 0 without items.
-/// - ActualSamplingIntervalMinimum (Un\G12421), UInt32: milliseconds, 0 before there are two
+/// - TargetDevice1Status (`Un\G8448`), UInt16: 0 unknown, 1 communicating, 2 failing. The
+///   manual does not define its values; these are our own.
+/// - LabelUpdateRunningStatus (`Un\G8617`), UInt16: 1 while labels are updated.
+/// - RevisedSamplingIntervalMinimum (`Un\G12419`), UInt32: milliseconds, 0 without items.
+/// - ActualSamplingIntervalMinimum (`Un\G12421`), UInt32: milliseconds, 0 before there are two
 ///   samples.
 ///
 /// For the server's thread. `source`, `server` and `clock` must stay valid until its last read.

@@ -82,6 +82,7 @@ public:
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
 
+    /// A variable as clients see it.
     struct Variable {
         std::string name;
         bool is_writable;

@@ -12,13 +12,14 @@
 /// The configuration of a simulated PLC. These are plain values; Plc::create checks them.
 namespace busbar::controller {
 
+/// A variable of the simulated PLC, or a series of them.
 struct PlcVariable {
     std::string name;
     /// Boolean to Double, String, DateTime, Guid, ByteString, XmlElement or StatusCode.
     BuiltInType type{BuiltInType::Int32};
     /// Empty for a scalar, one for an array, more for a matrix.
     std::vector<std::uint32_t> dimensions;
-    /// If not 0, this many variables are created, named <name>0, <name>1...
+    /// If not 0, this many variables are created, named `name0`, `name1` ...
     std::uint32_t count{0};
     /// Null: zeros and empty texts. Otherwise a value of the type and dimensions above; a scalar
     /// fills all elements of an array. Int64 and Double stand for any number in the type's range,
@@ -31,6 +32,7 @@ struct PlcVariable {
     friend bool operator==(const PlcVariable&, const PlcVariable&) = default;
 };
 
+/// The action of a program in each scan.
 enum class PlcProgramKind : std::uint8_t {
     Increment, // adds `amplitude`; integers wrap around
     Sine,   // offset + amplitude * sin(2 pi t / period), elements shifted by their fraction of it
@@ -80,6 +82,7 @@ struct PlcEvent {
     friend bool operator==(const PlcEvent&, const PlcEvent&) = default;
 };
 
+/// The variables, programs and events of the simulated PLC.
 struct PlcConfig {
     std::vector<PlcVariable> variables;
     /// Run in this order in each scan.

@@ -8,6 +8,7 @@
 
 namespace busbar::controller {
 
+/// Names of the nodes of a simple PLC, and where their values come from.
 struct PlcNodesOptions {
     std::string namespace_uri{"urn:busbar:plc"};
     /// The folder below Objects for the variables; its NodeId is this text, too.

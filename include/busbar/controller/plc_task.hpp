@@ -54,6 +54,7 @@ public:
     /// Waits for a running scan, then halts the PLC.
     void stop();
 
+    /// The scans that ran, and those that were late.
     struct Statistics {
         std::uint64_t scans{0};
         /// Cycles that were skipped because the previous scan took too long or began too late.

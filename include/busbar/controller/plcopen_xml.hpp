@@ -9,8 +9,8 @@
 
 namespace busbar::controller {
 
-/// The name of the <data> that says how a variable is published (W588, 3-3-1),
-/// in the <addData> of a <variable> or, for variables without one, of their <globalVars>:
+/// The name of the `<data>` that says how a variable is published (W588, 3-3-1),
+/// in the `<addData>` of a `<variable>` or, for variables without one, of their `<globalVars>`:
 ///
 ///     <addData><data name="urn:busbar:network-publish" handleUnknown="preserve">
 ///       <publish>output</publish></data></addData>
@@ -18,13 +18,13 @@ namespace busbar::controller {
 /// Its content is as in a pragma of declarations: none, publish only, input or output.
 inline constexpr std::string_view plcopen_publish_data = "urn:busbar:network-publish";
 
-/// Reads types and global variables from PLCopen XML (TC6, versions 2.00 and 2.01): a <project> in
-/// http://www.plcopen.org/xml/tc6_0200 or tc6_0201.
+/// Reads types and global variables from PLCopen XML (TC6, versions 2.00 and 2.01): a `<project>`
+/// in http://www.plcopen.org/xml/tc6_0200 or tc6_0201.
 ///
-/// Reads <dataTypes>, and from configurations and resources <globalVars>, tasks and pouInstances,
-/// also if vendors have these in the project's <addData>, and <union> besides <struct>. The value
-/// of a <simpleValue> is written as in declarations; <documentation> becomes the comment. The
-/// bodies of programs and everything else are ignored.
+/// Reads `<dataTypes>`, and from configurations and resources `<globalVars>`, tasks and
+/// pouInstances, also if vendors have these in the project's `<addData>`, and `<union>` besides
+/// `<struct>`. The value of a `<simpleValue>` is written as in declarations; `<documentation>`
+/// becomes the comment. The bodies of programs and everything else are ignored.
 ///
 /// `text` is UTF-8 and has no DOCTYPE. The limits are those of declarations, where the elements of
 /// the XML count as memory too, and are nested as deep as aggregates may be. Problems are like

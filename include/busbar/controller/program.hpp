@@ -12,6 +12,7 @@
 /// ProgramTypes::create checks them.
 namespace busbar::controller {
 
+/// The elementary types of IEC 61131-3.
 enum class ElementaryType : std::uint8_t {
     Bool,
     Sint,
@@ -98,6 +99,7 @@ struct InitialValue {
     [[nodiscard]] bool empty() const { return value.is_null() && parts.empty(); }
 };
 
+/// A member of a structure or a union.
 struct Member {
     std::string name;
     TypeUse type{};
@@ -105,6 +107,7 @@ struct Member {
     ProgramPlace place{};
 };
 
+/// A value of an enumeration.
 struct Enumerator {
     std::string name;
     std::int32_t value{0};
@@ -112,6 +115,7 @@ struct Enumerator {
 
 /// A type that the program declares.
 struct DerivedType {
+    /// The kind of type that is declared.
     enum class Kind : std::uint8_t {
         Alias, // another name for `alias`: an array, a subrange
         Enumeration,
@@ -134,6 +138,7 @@ struct DerivedType {
 /// for OPC UA.
 enum class NetworkPublish : std::uint8_t { Hidden, PublishOnly, Input, Output };
 
+/// A global variable as the program declares it.
 struct GlobalVariable {
     /// Any text for a vendor's own names; identifiers in declarations. Case is ignored.
     std::string name;
@@ -157,6 +162,7 @@ struct ProgramTask {
     std::string interval{};
 };
 
+/// A program that a task runs.
 struct ProgramInstance {
     std::string name;
     std::string type_name;
@@ -164,6 +170,7 @@ struct ProgramInstance {
     std::string task{};
 };
 
+/// Everything that a program declares.
 struct Program {
     std::vector<DerivedType> types{};
     std::vector<GlobalVariable> variables{};

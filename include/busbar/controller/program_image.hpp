@@ -18,6 +18,7 @@
 
 namespace busbar::controller {
 
+/// The options of a ProgramImage.
 struct ProgramImageOptions {
     server::ImageOptions image{};
     /// The elementary types of the nodes, see MachineTypes::elementary_in.

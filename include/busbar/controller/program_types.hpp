@@ -34,6 +34,7 @@ struct ProgramLimits {
 
 /// A declared type after names have been resolved.
 struct ResolvedType {
+    /// The kind of type after all aliases.
     enum class Kind : std::uint8_t { Elementary, Enumeration, Structure, Union };
 
     Kind kind{Kind::Elementary};

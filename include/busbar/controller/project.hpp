@@ -28,6 +28,7 @@ struct ProjectModel {
 /// The programs with which a user may connect to the server (SH-082679, 9.7).
 enum class ProjectPermission : std::uint8_t { Tool, Client, ToolAndClient };
 
+/// A user of the module.
 struct ProjectUser {
     std::string name;
     ProjectPermission permission{ProjectPermission::ToolAndClient};
@@ -51,6 +52,7 @@ struct ProjectListener {
     friend bool operator==(const ProjectListener&, const ProjectListener&) = default;
 };
 
+/// Addresses and names of the module in its networks.
 struct ProjectNetwork {
     /// At least one; one of them is for data.
     std::vector<ProjectListener> listeners{ProjectListener{}};
@@ -107,6 +109,7 @@ struct ProjectDiscovery {
 /// The way in which values of the PLC are collected (SH-082679, 9.12).
 enum class ProjectSampling : std::uint8_t { Standard, HighSpeedItems, HighSpeedVariables };
 
+/// Everything that a module is set up with.
 struct Project {
     /// "rd81opc96" applies that product's limits and character sets. Empty: none of them.
     std::string preset;

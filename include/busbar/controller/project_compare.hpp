@@ -10,6 +10,7 @@
 /// Verification of one project with another (SH-082679, 9.13): the list of differences.
 namespace busbar::controller {
 
+/// A place in which two projects differ.
 struct ProjectDifference {
     /// "network.host_name", "user hmi: permission", "http://press.example/press: ns=1;i=5".
     std::string where;

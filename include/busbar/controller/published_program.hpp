@@ -42,6 +42,7 @@ public:
     /// The program from creation, or one that it was edited to.
     using Edition = std::shared_ptr<const CheckedProgram>;
 
+    /// Publishes a program within these limits.
     [[nodiscard]] static std::unique_ptr<PublishedProgram> create(Edition program,
                                                                   const PublishingLimits& limits);
     /// Checks the program first. The problem is that of CheckedProgram.

@@ -56,6 +56,7 @@ enum class UnpublishedReason : std::uint8_t {
 /// Returns the bit of the attached information of event 35D40000 (W588, 9-2-2).
 [[nodiscard]] BUSBAR_API std::uint16_t event_bit(UnpublishedReason reason);
 
+/// A variable that clients see.
 struct PublishedVariable {
     const GlobalVariable* variable{nullptr};
     /// The program that the variable belongs to.
@@ -70,6 +71,7 @@ struct PublishedVariable {
     std::uint64_t members{0};
 };
 
+/// A variable that was to be published and is not.
 struct UnpublishedVariable {
     const GlobalVariable* variable{nullptr};
     UnpublishedReason reason{};
@@ -130,6 +132,7 @@ public:
     [[nodiscard]] std::size_t left_out() const { return left_out_; }
     /// The limits over all that excluded any.
     [[nodiscard]] PublishingLimitSet exceeded() const { return exceeded_; }
+    /// True if this limit excluded a variable.
     [[nodiscard]] bool exceeds(PublishingLimit limit) const
     {
         return exceeded_[static_cast<std::size_t>(limit)];

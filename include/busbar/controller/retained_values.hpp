@@ -16,6 +16,7 @@
 
 namespace busbar::controller {
 
+/// The file of RETAIN values, and how often they are looked at.
 struct RetainedOptions {
     /// In an existing folder.
     std::string file{"retained"};
@@ -82,6 +83,7 @@ public:
     /// left, the result is Failed; try again.
     [[nodiscard]] Stored<void> save();
 
+    /// True if the values are those of this image.
     [[nodiscard]] bool is_of(const server::ProcessImage& image) const { return &image == &*image_; }
     /// Returns whether a variable of the image is kept.
     [[nodiscard]] bool keeps(std::uint32_t handle) const

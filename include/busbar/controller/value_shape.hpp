@@ -25,6 +25,7 @@
 /// label (SH-082679, 8.2).
 namespace busbar::controller {
 
+/// The limits of a value that is taken apart.
 struct ShapeLimits {
     /// Elements of an array: the product of its dimensions.
     std::size_t max_elements{1'000'000};
@@ -55,6 +56,7 @@ enum class ShapeError : std::uint8_t {
     TooManyLeaves,
 };
 
+/// The reason why a value cannot be taken apart.
 struct ShapeRefusal {
     ShapeError error;
     /// The path of the part as in leaf paths: ".Inner.Mode"; empty for the value itself.
@@ -77,6 +79,7 @@ struct MappingArray {
 
 /// The cells in the table of ValueRank and ArrayDimensions.
 enum class ArrayUse : std::uint8_t { No, Limited, Yes };
+/// The way in which an array is mapped to labels.
 struct ArrayForm {
     ArrayUse use{ArrayUse::No};
     /// 0 for a scalar, otherwise 1 to 3, the number of dimensions that are used.
@@ -115,6 +118,7 @@ struct ShapeNode;
 /// DynamicTypes that it was created from. Movable; any thread may read it.
 class BUSBAR_API ValueShape {
 public:
+    /// Takes the values of a Variable or an Argument apart, as it is declared.
     [[nodiscard]] static Expected<ValueShape, ShapeRefusal>
     of(const model::SpaceReader& space, const binary::DynamicTypes& types,
        const ValueDeclaration& declaration, std::span<const MappingArray> arrays = {},
