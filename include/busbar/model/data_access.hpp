@@ -51,6 +51,7 @@ struct TwoStateItem : DataItem {
     LocalizedText true_state;
 };
 
+/// Adds a TwoStateDiscreteType Variable (Part 8, 5.3.3.2).
 BUSBAR_API Result<NodeIndex> add_two_state(AddressSpace& space, const NewNode& node,
                                            const TwoStateItem& item);
 
@@ -60,6 +61,7 @@ struct MultiStateItem : DataItem {
     Array<LocalizedText> enum_strings;
 };
 
+/// Adds a MultiStateDiscreteType Variable (Part 8, 5.3.3.3).
 BUSBAR_API Result<NodeIndex> add_multi_state(AddressSpace& space, const NewNode& node,
                                              const MultiStateItem& item);
 
@@ -69,6 +71,7 @@ struct MultiStateValueItem : DataItem {
     Array<EnumValueType> enum_values;
 };
 
+/// Adds a MultiStateValueDiscreteType Variable (Part 8, 5.3.3.4).
 BUSBAR_API Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
                                                    const MultiStateValueItem& item);
 

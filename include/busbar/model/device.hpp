@@ -18,6 +18,7 @@
 /// errors and the NodeIds of created nodes are those of instance.hpp.
 namespace busbar::model {
 
+/// The namespace of DI.
 inline constexpr std::string_view di_uri = "http://opcfoundation.org/UA/DI/";
 
 /// Numbers of nodes of DI.

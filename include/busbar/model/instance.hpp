@@ -60,6 +60,7 @@ struct InstanceFault {
     NodeId declared_type{};
 };
 
+/// The choices that a type leaves to its instance.
 struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
     /// together with the nodes on the way to them. Bad_NotFound if the type has no such path.

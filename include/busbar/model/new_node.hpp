@@ -27,6 +27,7 @@ enum class Access : std::uint8_t {
     All = 0xFF,
 };
 
+/// The usual operators of sets of bits.
 [[nodiscard]] constexpr Access operator|(Access a, Access b)
 {
     return Access{static_cast<std::uint8_t>(static_cast<unsigned>(a) | static_cast<unsigned>(b))};
@@ -51,6 +52,7 @@ struct NewNode {
     LocalizedText description;
 };
 
+/// The attributes of a Variable (Part 3, 5.6.2).
 struct NewVariable {
     NodeId data_type{0, id::BaseDataType};
     std::int32_t value_rank{-1};
@@ -89,11 +91,11 @@ struct BoundValue {
     std::uint64_t handle{0};
 };
 
+/// The attributes of the other NodeClasses (Part 3, 5.3 to 5.8).
 struct NewObject {
     NodeId type_definition{0, id::BaseObjectType};
     std::uint8_t event_notifier{0};
 };
-
 struct NewMethod {
     bool executable{true};
     /// The values of the properties InputArguments and OutputArguments (Part 3, 5.7.2); an empty
@@ -103,7 +105,6 @@ struct NewMethod {
     std::uint32_t source{no_source};
     std::uint64_t handle{0};
 };
-
 struct NewVariableType {
     NodeId data_type{0, id::BaseDataType};
     std::int32_t value_rank{-2};
@@ -111,13 +112,11 @@ struct NewVariableType {
     Variant value;
     bool is_abstract{false};
 };
-
 struct NewReferenceType {
     LocalizedText inverse_name;
     bool is_abstract{false};
     bool symmetric{false};
 };
-
 struct NewDataType {
     /// A StructureDefinition or EnumDefinition; null if there is none.
     ExtensionObject definition;

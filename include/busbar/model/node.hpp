@@ -13,6 +13,7 @@ namespace busbar::model {
 /// Identifies a node of an AddressSpace while that node exists; afterwards another node may get the
 /// index. Use a NodeHandle for anything that is kept longer than a call.
 enum class NodeIndex : std::uint32_t {};
+/// Stands for a node that does not exist.
 inline constexpr NodeIndex no_node{UINT32_MAX};
 
 /// Identifies a node for ever: after its removal no node has the handle.

@@ -25,13 +25,13 @@ struct NodeSetLimits {
     std::size_t max_fields{4'096};
     /// Locales of one DisplayName, Description or InverseName.
     std::size_t max_locales{100};
-    /// Levels of elements in a <Value>.
+    /// Levels of elements in a `<Value>`.
     std::size_t max_value_depth{64};
-    /// Elements below all <Value>s of a file.
+    /// Elements below all `<Value>`s of a file.
     std::size_t max_value_elements{4'000'000};
     /// Fields of the structures in all values, including those that a file leaves out.
     std::size_t max_value_fields{4'000'000};
-    /// Bytes of XML that are kept unchanged: <Extensions>, XmlElements and the like.
+    /// Bytes of XML that are kept unchanged: `<Extensions>`, XmlElements and the like.
     std::size_t max_kept_xml{64U << 20U};
     /// Levels of HasSubtype above a type.
     std::size_t max_type_levels{100};
@@ -55,7 +55,7 @@ struct NodeSetLimits {
     return limits;
 }
 
-/// <RolePermission> (Part 3, 8.55).
+/// `<RolePermission>` (Part 3, 8.55).
 struct NodeSetPermission {
     NodeId role;
     std::uint32_t permissions{0};
@@ -75,7 +75,7 @@ struct NodeSetAttribute {
 struct NodeSetNodeExtras {
     /// SymbolicName, ReleaseStatus and all others that are not attributes of the AddressSpace.
     std::vector<NodeSetAttribute> attributes;
-    /// <Category>, <Documentation> and <Extensions>, as XML.
+    /// `<Category>`, `<Documentation>` and `<Extensions>`, as XML.
     std::string elements;
     NodeId method_declaration;
     /// Name and SymbolicName of a DataType's Definition, and the SymbolicNames of its fields.
@@ -86,7 +86,7 @@ struct NodeSetNodeExtras {
     friend bool operator==(const NodeSetNodeExtras&, const NodeSetNodeExtras&) = default;
 };
 
-/// A <Model> or <RequiredModel> (Part 6, F.5).
+/// A `<Model>` or `<RequiredModel>` (Part 6, F.5).
 struct NodeSetModel {
     std::string uri;
     std::string version;
@@ -116,7 +116,7 @@ struct NodeSetExtras {
     std::vector<NodeSetModel> models;
     /// Only nodes that have extras.
     std::unordered_map<NodeId, NodeSetNodeExtras> nodes;
-    /// The content of <Extensions> of each file, as XML, by the URI of the file's first model.
+    /// The content of `<Extensions>` of each file, as XML, by the URI of the file's first model.
     std::unordered_map<std::string, std::string> file_extensions;
 
     friend bool operator==(const NodeSetExtras&, const NodeSetExtras&) = default;

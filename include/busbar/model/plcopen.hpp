@@ -22,6 +22,7 @@
 /// another type. Other errors and the NodeIds of created nodes are those of instance.hpp.
 namespace busbar::model {
 
+/// The namespace of PLCopen.
 inline constexpr std::string_view plcopen_uri = "http://PLCopen.org/OpcUa/IEC61131-3/";
 
 /// Numbers of nodes of PLCopen.
@@ -48,6 +49,7 @@ enum class PouVariable : std::uint32_t {
     Local = plcopen_id::HasLocalVar,
 };
 
+/// The Properties of a task (CtrlTaskType of PLCopen).
 struct CtrlTask {
     std::uint32_t priority{0};
     /// The interval as IEC 61131-3 writes it, "T#10ms", and the trigger of a task that is run by an

@@ -21,6 +21,7 @@ struct ModelChange {
     std::uint8_t verb{0};
 };
 
+/// The changes since they were last taken.
 struct ModelChanges {
     /// One for each node, in the order of their first changes. They own their strings.
     std::vector<ModelChange> changes;

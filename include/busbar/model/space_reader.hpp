@@ -63,12 +63,16 @@ public:
 
     // Namespaces (Part 3, 8.2.2).
 
+    /// The number of namespaces, including namespace 0.
     [[nodiscard]] std::size_t namespace_count() const;
+    /// Returns the URI; empty if there is no such namespace.
     [[nodiscard]] std::string_view namespace_uri(std::uint16_t index) const;
+    /// Returns the index; nothing if there is no such namespace.
     [[nodiscard]] std::optional<std::uint16_t> namespace_index(std::string_view uri) const;
 
     // Looking up.
 
+    /// Returns the node, no_node if there is none.
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     [[nodiscard]] NodeIndex find(std::uint32_t namespace0_id) const;
     static constexpr std::size_t fetched_together = 32;
@@ -79,6 +83,7 @@ public:
     /// Stores the result of find() for each id in `found`, which has the same size; faster than one
     /// by one. No pointer may be null.
     void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
+    /// Returns a handle that stays valid as long as the node exists.
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
     /// Returns the node of the handle, no_node if it was removed.
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;
@@ -140,6 +145,7 @@ public:
                    LocalizedText& text) const;
     /// Returns all texts of the attribute, the first one first; one for each locale.
     [[nodiscard]] std::vector<LocalizedText> texts(NodeIndex node, AttributeId attribute) const;
+    /// True if an attribute of the node has texts in several locales.
     [[nodiscard]] bool has_further_texts(NodeIndex node) const;
     /// Returns the locales that further texts have or had, each once; valid until a text is added.
     [[nodiscard]] std::span<const std::string> further_locales() const;
@@ -149,6 +155,7 @@ public:
     /// Calls `visit` for the node and all nodes that remove() would remove with it, parents first,
     /// until it returns false.
     void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
+    /// Returns the references of a node, from a position of an earlier cursor on.
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
     /// Returns the first instance of an ObjectType or VariableType itself, not of its subtypes,
     /// from index `from` on; no_node if there is none. Looks at every node and counts `visits` down

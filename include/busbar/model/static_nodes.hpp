@@ -53,8 +53,10 @@ struct StaticNode {
     std::uint8_t event_notifier{0};
 };
 
+/// The index of details that a node does not have.
 inline constexpr std::uint32_t no_details = UINT32_MAX;
 
+/// The attributes of a Variable or a VariableType.
 struct StaticVariable {
     /// Index of a node, or past the last node of an entry of `externals`.
     std::uint32_t data_type{0};
@@ -69,6 +71,7 @@ struct StaticVariable {
 
 /// A text that most nodes do not have.
 struct StaticExtra {
+    /// The attribute, or the locale of one.
     enum class Kind : std::uint32_t {
         DisplayName,
         Description,

@@ -10,6 +10,7 @@
 
 namespace busbar::product {
 
+/// The options of a controller within a program.
 struct ControllerOptions {
     /// If null, lines are written to standard error. Must outlive the controller; called from any
     /// thread.

@@ -46,6 +46,7 @@ enum class HardwareEvent : std::uint8_t {
 /// starts; the controller looks several times a second, as it does at its own folder. Any thread.
 class StorageMedium {
 public:
+    /// The state of the medium, as the runtime reports it.
     enum class State : std::uint8_t {
         Usable,    // as far as its folder is
         Away,      // not inserted: what is to be written waits for it
@@ -58,6 +59,7 @@ public:
         const std::lock_guard lock{mutex_};
         return state_;
     }
+    /// Reports what can be done with the medium from now on; from any thread.
     void set(State state)
     {
         const std::lock_guard lock{mutex_};

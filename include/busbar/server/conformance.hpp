@@ -91,6 +91,7 @@ struct UnitLack {
     std::string_view need;
 };
 
+/// A profile, and what is missing for a claim.
 struct ProfileAssessment {
     /// The name as in schemas/profiles.csv: "Standard2017Server". Static.
     std::string_view name;

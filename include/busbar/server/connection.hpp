@@ -20,6 +20,7 @@ class PeerLink;
 
 /// An occurrence that the owner of a connection may want to show or log.
 struct ConnectionEvent {
+    /// The kind of occurrence.
     enum class Kind : std::uint8_t {
         Opened, // there is a SecureChannel
         Closed, // the last event; the rest of output() must still be sent
@@ -66,8 +67,11 @@ public:
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     /// Bytes for the peer, valid until the next call of a member of the server or its connections.
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes the first `size` bytes of output(), which were sent.
     void consume(std::size_t size);
+    /// The time at which handle_deadline() has something to do; no_deadline if it has nothing.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Does what is due at `now`.
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const;
 

@@ -16,6 +16,7 @@ struct EventFilterLimits {
     std::size_t max_literal_size{4'096};
 };
 
+/// The limits of events and of their filters.
 struct EventLimits {
     EventFilterLimits filter;
     /// Events that application threads have raised and the server has not yet processed.

@@ -25,6 +25,7 @@ public:
     [[nodiscard]] Result<std::uint32_t> add(const ImageVariable& variable);
 
     [[nodiscard]] std::size_t size() const { return places_.size(); }
+    /// The place of a variable, by the handle that add() returned.
     [[nodiscard]] const ImagePlace& operator[](std::size_t handle) const { return places_[handle]; }
     [[nodiscard]] std::span<const ImagePlace> places() const { return places_; }
     /// The sizes of the blocks: of variables in the image, and of those that are gathered from a

@@ -11,6 +11,7 @@
 
 namespace busbar::server {
 
+/// Characters that names and passwords may be limited to.
 inline constexpr std::string_view letters_and_digits =
     "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
 inline constexpr std::string_view letters_digits_and_underscore =

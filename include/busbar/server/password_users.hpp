@@ -34,6 +34,7 @@ public:
         /// Sets as PasswordUsers::set does.
         [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                        UserRights rights = {});
+        /// Removes a user, if he exists.
         void remove(std::string name) { gone_.push_back(std::move(name)); }
 
     private:
@@ -71,6 +72,7 @@ public:
     void apply(Change change) noexcept;
     /// Returns the hash to store for the user; empty if the user does not exist.
     [[nodiscard]] std::string password_hash(std::string_view name) const;
+    /// Sets what anonymous users may do with Variables, as bits of AccessLevel.
     void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
     /// Sets the worker that checks passwords; null for the server's thread. The worker must have
     /// finished before this object is destroyed.

@@ -58,6 +58,7 @@ struct MemoryAssumptions {
     std::size_t connection_bytes{0};
 };
 
+/// The memory that a server may need, limit by limit.
 struct WorstCaseMemory {
     /// In the order of ServerLimits, each limit once or more; followed by objects without a limit.
     std::vector<MemoryRow> rows;

@@ -17,6 +17,7 @@ namespace busbar::storage {
 /// Called from any thread. NotFound of a whole folder means Away if the root itself is missing.
 class BUSBAR_API FolderStorage final : public Storage {
 public:
+    /// Whether the folder is always there.
     enum class Root : std::uint8_t {
         Made,   // created with the first folder in it, if it does not exist
         Medium, // comes and goes: while it is missing all calls fail with Away, except that

@@ -48,6 +48,7 @@ public:
     [[nodiscard]] std::vector<std::string> unfinished() const;
     /// True if other users than its owner may read it. False for a missing file.
     [[nodiscard]] bool is_open_to_others(std::string_view name) const;
+    /// Lets other users read the file, as a person can.
     void open_to_others(std::string_view name);
 
     Stored<StorageEntry> entry(std::string_view name) override;
