@@ -56,6 +56,7 @@ public:
 
     /// Connects and logs in if there is no session, also after a loss.
     Result<void> connect();
+    /// Lets virtual time pass.
     void run_for(Duration time) { world_.run_for(time); }
 
     /// Reads the Value attribute with both timestamps; a DataValue with the status if the service
@@ -63,7 +64,9 @@ public:
     [[nodiscard]] DataValue read(const NodeId& node);
     /// Reads all nodes in one request.
     [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes);
+    /// Writes a value, and returns the result.
     StatusCode write(const NodeId& node, Variant value);
+    /// Calls a Method.
     [[nodiscard]] Result<CallMethodResult> call(const NodeId& object, const NodeId& method,
                                                 Array<Variant> arguments = {});
 

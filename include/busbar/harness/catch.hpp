@@ -60,6 +60,7 @@ public:
 private:
     Variant value_;
 };
+/// Creates a HoldsMatcher.
 template <typename T>
 [[nodiscard]] HoldsMatcher holds(T value)
 {
@@ -79,6 +80,7 @@ public:
 private:
     StatusCode status_;
 };
+/// Creates a HasStatusMatcher.
 [[nodiscard]] inline HasStatusMatcher has_status(StatusCode status)
 {
     return HasStatusMatcher{status};
@@ -92,6 +94,7 @@ public:
     [[nodiscard]] bool match(const Result<T>& result) const override { return result.has_value(); }
     [[nodiscard]] std::string describe() const override { return "is a value"; }
 };
+/// Creates a SucceedsMatcher.
 template <typename T>
 [[nodiscard]] SucceedsMatcher<T> succeeds()
 {

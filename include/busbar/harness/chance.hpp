@@ -18,6 +18,7 @@ public:
     std::uint64_t next() { return mixed(state_ += step); }
     /// Returns 0 to `count` - 1.
     [[nodiscard]] std::size_t below(std::size_t count) { return next() % count; }
+    /// True in one of `count` cases, on average.
     [[nodiscard]] bool one_in(std::size_t count) { return below(count) == 0; }
     /// Returns a duration between both, inclusive.
     [[nodiscard]] Duration between(Duration least, Duration most)
@@ -25,6 +26,7 @@ public:
         const auto range = static_cast<std::uint64_t>((most - least).count()) + 1;
         return least + Duration{static_cast<std::int64_t>(next() % range)};
     }
+    /// Returns one of the values.
     template <typename T>
     [[nodiscard]] T pick(std::initializer_list<T> values)
     {

@@ -49,6 +49,7 @@ struct DiscoveryServerOptions {
 /// outlive it.
 class BUSBAR_API DiscoveryServer {
 public:
+    /// A registered server.
     struct Entry {
         RegisteredServer server;
         /// The capabilities of RegisterServer2; empty with RegisterServer, whose servers

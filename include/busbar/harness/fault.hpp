@@ -32,6 +32,7 @@ struct Message {
 /// Acts once, on the first connection where its time comes, unless times() says otherwise. Without
 /// a time it acts on the present connections or, if there are none, on the next one.
 struct BUSBAR_API Fault {
+    /// The effect of the fault; the functions below create one of each kind.
     enum class Kind : std::uint8_t {
         Delay,
         Hold,
@@ -43,6 +44,7 @@ struct BUSBAR_API Fault {
         JumpClock,
         Refuse
     };
+    /// The moment at which the fault acts, relative to its message.
     enum class Moment : std::uint8_t { Before, At, After };
 
     // Time of the fault.

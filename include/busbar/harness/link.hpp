@@ -15,8 +15,10 @@
 
 namespace busbar::harness {
 
+/// The ends of a link.
 enum class Side : std::uint8_t { Client, Server };
 
+/// Returns the opposite end.
 [[nodiscard]] constexpr Side other(Side side)
 {
     return side == Side::Client ? Side::Server : Side::Client;
@@ -30,8 +32,11 @@ public:
     LinkEnd& operator=(const LinkEnd&) = delete;
     virtual ~LinkEnd() = default;
 
+    /// Bytes for the other end.
     [[nodiscard]] virtual std::span<const std::byte> output() const = 0;
+    /// Removes the first `size` bytes of output(), which were sent.
     virtual void consume(std::size_t size) = 0;
+    /// Takes bytes of the other end.
     virtual void feed(std::span<const std::byte> in) = 0;
     /// The link has ended and does not use this end any more.
     virtual void link_lost() = 0;
@@ -81,6 +86,7 @@ public:
     LinkObserver& operator=(const LinkObserver&) = delete;
     virtual ~LinkObserver() = default;
 
+    /// Called for each new link.
     virtual void opened(const Link& link) = 0;
     /// Bytes that `from` has sent arrive at the other end now.
     virtual void arrived(const Link& link, Side from, std::span<const std::byte> bytes) = 0;
@@ -113,6 +119,7 @@ public:
     void cut_for(Side side);
     /// Holds what `from` has sent and sends, its end included, until release().
     void hold(Side from);
+    /// Ends hold().
     void release(Side from);
     /// From now on pieces of at most `size` bytes arrive, whatever the weather.
     void split(std::size_t size) { max_piece_ = size; }

@@ -26,6 +26,7 @@ public:
         const std::lock_guard lock{mutex_};
         return text_;
     }
+    /// True if a line has this text.
     [[nodiscard]] bool contains(std::string_view text) const
     {
         const std::lock_guard lock{mutex_};

@@ -22,7 +22,9 @@ struct RecordingLimits {
 
 /// The bytes of sessions, as they arrived.
 struct BUSBAR_API Recording {
+    /// The kind of entry.
     enum class Kind : std::uint8_t { Opened, Bytes, Ended };
+    /// One of these, with its time.
     struct Entry {
         Kind kind{Kind::Bytes};
         /// Time since the world began; never before the previous entry.

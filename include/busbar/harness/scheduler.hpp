@@ -24,10 +24,12 @@ public:
     [[nodiscard]] TimePoint now() const { return now_; }
     /// A time in the past means now, after the current action.
     void at(TimePoint time, Action action);
+    /// Runs the action when `delay` has passed.
     void after(Duration delay, Action action) { at(now_ + delay, std::move(action)); }
 
     /// Runs everything that is due until then; afterwards the time is `end`.
     void run_until(TimePoint end);
+    /// Runs everything that is due until `time` has passed.
     void run_for(Duration time) { run_until(now_ + time); }
     /// Runs likewise, but stops as soon as `condition` holds, which is called before the first
     /// action and after each. False, with the time at `end`, if it never did.
@@ -68,6 +70,7 @@ public:
     [[nodiscard]] bool is_set() const { return state_->due != no_deadline; }
     /// Replaces an earlier time; no_deadline is cancel().
     void set(TimePoint due);
+    /// Sets the time that is `delay` from now.
     void set_after(Duration delay) { set(scheduler_->now() + delay); }
     void cancel() { state_->due = no_deadline; }
 

@@ -25,6 +25,7 @@ namespace busbar::harness {
 struct After {
     Duration delay{0};
 };
+/// Lets an answer wait in virtual time.
 [[nodiscard]] constexpr After after(Duration delay)
 {
     return {delay};

@@ -26,7 +26,9 @@ public:
     EngineWatch& operator=(const EngineWatch&) = delete;
     virtual ~EngineWatch() = default;
 
+    /// Called before the host calls into the server.
     virtual void enter() = 0;
+    /// Called after it.
     virtual void leave() = 0;
 };
 

@@ -44,7 +44,9 @@ public:
     }
 
     [[nodiscard]] TimePoint now() const { return scheduler_.now(); }
+    /// Lets virtual time pass.
     void run_for(Duration time) { scheduler_.run_for(time); }
+    /// Lets virtual time pass up to `end`.
     void run_until(TimePoint end) { scheduler_.run_until(end); }
     /// Runs until `condition`, called after each thing that happens, holds, or the time is over.
     /// Returns whether it holds.
