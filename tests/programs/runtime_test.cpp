@@ -55,6 +55,40 @@ private:
     std::vector<std::string> all_;
 };
 
+/// Holds whoever loads a program, until it is opened. Any thread.
+class Gate {
+public:
+    void close()
+    {
+        const std::lock_guard lock{mutex_};
+        is_open_ = false;
+    }
+    void open()
+    {
+        const std::lock_guard lock{mutex_};
+        is_open_ = true;
+        changed_.notify_all();
+    }
+    void pass()
+    {
+        std::unique_lock lock{mutex_};
+        is_asked_ = !is_open_;
+        changed_.notify_all();
+        changed_.wait(lock, [&] { return is_open_; });
+    }
+    void wait_until_asked()
+    {
+        std::unique_lock lock{mutex_};
+        changed_.wait(lock, [&] { return is_asked_; });
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool is_open_{true};
+    bool is_asked_{false};
+};
+
 class ToldProgram final : public LoadedProgram {
 public:
     ToldProgram(Story& story, bool has_task, double& level)
@@ -111,6 +145,7 @@ public:
         if (!plc.find("Level")) {
             return misconfigured("Level", "there is none");
         }
+        loads.pass();
         story.add(program != nullptr ? "loaded " + program->variables.front().name : "loaded");
         return std::make_unique<ToldProgram>(story, has_task, level);
     }
@@ -124,6 +159,7 @@ public:
     StorageMedium* medium() override { return &card; }
 
     Story story;
+    Gate loads;
     std::shared_ptr<backend::LabelBackend> all_labels;
     RuntimeHost* host_{nullptr};
     StorageMedium card;
@@ -243,13 +279,40 @@ TEST_CASE("while a program is made ready the other one is served, and what is ch
     REQUIRE(folder.replace("users.json", std::as_bytes(std::span{users}), FileAccess::Owner));
     log.let_load(2);
     log.wait_for_load(3);
-    CHECK(std::ranges::count(runtime.story.all(), "loaded Level") == 1);
+    runtime.story.wait_for("unloaded"); // the one before that, which was never started
+    CHECK(std::ranges::count(runtime.story.all(), "started") == 1);
     log.let_load(3);
     log.wait_for_message("downloaded: ");
     (*controller)->stop();
     serving.join();
     const auto all = runtime.story.all();
-    CHECK(std::ranges::count(all, "loaded Level") == 2);
+    CHECK(std::ranges::count(all, "loaded Level") == 3);
+    CHECK(std::ranges::count(all, "started") == 2);
+}
+
+TEST_CASE("a program that loads for long is waited for by no client")
+{
+    Place place;
+    ToldRuntime runtime;
+    auto controller = Controller::create(
+        place.file("c.toml", place.machine() + "mode = \"PROGRAM\"\n"), runtime, place.options);
+    REQUIRE(controller);
+    std::thread serving{[&] { CHECK((*controller)->run()); }};
+    runtime.story.wait_for("scanned");
+    runtime.loads.close();
+    place.program("Level : LREAL; Other : REAL;");
+    runtime.host_->reload();
+    runtime.loads.wait_until_asked();
+    // The server's thread does what it is asked for meanwhile.
+    runtime.host_->happen(HardwareEvent::MinorFault);
+    while (!runtime.host_->plc_error()) {
+        std::this_thread::yield();
+    }
+    runtime.loads.open();
+    runtime.story.wait_for("unloaded");
+    (*controller)->stop();
+    serving.join();
+    CHECK(std::ranges::count(runtime.story.all(), "loaded Level") == 2);
 }
 
 TEST_CASE("a runtime's program runs in the controller's task, in the runtime's memory")

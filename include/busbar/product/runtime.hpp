@@ -133,7 +133,7 @@ public:
 /// The interface that a PLC maker implements to use his PLC in the controller, instead of the
 /// simulated one of busbar-controller.
 ///
-/// Called on the server's thread, except for the memory of memory_of() and for scans.
+/// Called on the server's thread, except for load(), the memory of memory_of() and scans.
 class BUSBAR_API Runtime {
 public:
     Runtime() = default;
@@ -155,7 +155,9 @@ public:
     }
     /// Makes a program ready to run, while the previous one may still run. `plc` has its variables
     /// and outlives the result; `program` is null for variables of the configuration itself. The
-    /// problem refuses the start or the download, which then has no effect.
+    /// problem refuses the start or the download, which then has no effect; nor has it, and the
+    /// result ends without having started, if settings change meanwhile: the program is loaded
+    /// again. Called on a thread of its own, one at a time, beside the server's: it may take long.
     [[nodiscard]] virtual Configured<std::unique_ptr<LoadedProgram>>
     load(controller::Plc& plc, const controller::Program* program) = 0;
 

@@ -91,7 +91,6 @@ Generation::Generation(const Configuration& configuration, Reading reading,
 
 void Generation::finish()
 {
-    plant_.load();
     admission_.check_passwords_on(worker_);
     if (config_.labels.program == nullptr) {
         after_scan_ = following_scans(plant_, administered_, around_.machine);
@@ -108,6 +107,7 @@ void Generation::prepare()
     if (around_.machine != nullptr) {
         plant_.keep_writes(around_.machine->retained());
     }
+    plant_.load();
     if (project_ == nullptr) {
         return;
     }
@@ -298,8 +298,8 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
              .log = administered_.log(),
              .labels = around_.labels,
              .isolates_failures = config_.labels.isolates_failures,
-             .restart = [restart = requests.restart, may_restart = requests.may_restart] {
-                 return may_restart().transform(
+             .restart = [restart = requests.restart, may_update = requests.may_update] {
+                 return may_update().transform(
                      [&] { restart({.reason = "the project was updated"}); });
              }}));
     }

@@ -68,6 +68,8 @@ struct Requests {
     std::function<void()> memory_replaced;
     /// Whether what restart() would take up works, and if not, why not.
     std::function<Configured<void>()> may_restart;
+    /// The same of a project whose labels have been compared with the PLC.
+    std::function<Configured<void>()> may_update;
     /// Whether a server with this configuration could listen.
     std::function<Configured<void>(const ControllerConfig& next)> check_listeners;
     /// Settings were changed online.
@@ -90,8 +92,9 @@ public:
     Generation(const Generation&) = delete;
     Generation& operator=(const Generation&) = delete;
 
-    /// Makes what takes long: the variables and the nodes of its PLC or its models. On any thread,
-    /// while another Generation may serve. Throws ConfigError.
+    /// Makes what takes long: the variables and the nodes of its PLC or its models, and the program
+    /// that the runtime loads. On any thread, while another Generation may serve. Throws
+    /// ConfigError.
     void prepare();
     /// Ready to be served, with a PLC that does not scan yet. Throws ConfigError.
     void finish();

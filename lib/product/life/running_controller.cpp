@@ -89,7 +89,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
         labels_.emplace(config, clock_);
     }
     if (beginning.last && !beginning.last->project.empty()) {
-        expect(check_labels(reading, beginning.last->project));
+        expect(check_labels(reading.project.get(), config, beginning.last->project));
     }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
@@ -258,7 +258,8 @@ Requests RunningController::requests()
                     looks_until_restart_ = 2; // whoever replaced it is told before
                 });
             },
-        .may_restart = [this] { return may_restart(); },
+        .may_restart = [this] { return may_restart(false); },
+        .may_update = [this] { return may_restart(true); },
         .check_listeners = [this](const ControllerConfig& next) { return check_listeners(next); },
         .settings_changed = [this] { loop_.post([this] { keep(); }); },
         .change_program = [this](const ProgramChange& change) { return change_program(change); }};
@@ -366,11 +367,7 @@ void RunningController::restart(const administration::RestartWish& wish)
                  .handover = {.reason = wish.reason,
                               .delay = wish.delay,
                               .return_time = wish.return_time},
-                 .read = [this] {
-                     Reading next = read(configuration_, as_known());
-                     expect(check_labels(next, current_->project_document()));
-                     return next;
-                 }});
+                 .read = [this] { return read(configuration_, as_known()); }});
     });
 }
 
@@ -379,26 +376,30 @@ Substitutes RunningController::as_known() const
     return {.files = current_->sources().again(), .running = current_->project()};
 }
 
-Configured<void> RunningController::may_restart()
+Configured<void> RunningController::may_restart(bool are_labels_checked)
 {
     try {
         const Reading next = read(configuration_, as_known());
         return check_listeners(next.config).and_then([&] {
-            return check_labels(next, current_->project_document());
+            return are_labels_checked ? Configured<void>{}
+                                      : check_labels(next.project.get(), next.config,
+                                                     current_->project_document());
         });
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
 }
 
-Configured<void> RunningController::check_labels(const Reading& next, const std::string& last)
+Configured<void> RunningController::check_labels(const KeptProject* project,
+                                                 const ControllerConfig& next,
+                                                 const std::string& last) const
 {
-    if (next.project == nullptr) {
+    if (project == nullptr || project->is_known(last)) {
         return {};
     }
     const std::shared_ptr<const backend::LabelBackend> labels =
-        labels_ ? labels_->labels_with(next.config) : runtime_.labels();
-    return next.project->check_labels(*labels, next.config.labels.isolates_failures, last);
+        labels_ ? labels_->labels_with(next) : runtime_.labels();
+    return project->check_labels(*labels, next.labels.isolates_failures);
 }
 
 void RunningController::keep()
@@ -492,7 +493,7 @@ void RunningController::read_again()
         }
         pending_.done(PendingChanges::By::Reload);
         look_soon();
-        if (pending_.has(PendingChanges::By::Start) && may_restart()) {
+        if (pending_.has(PendingChanges::By::Start) && may_restart(false)) {
             pending_.done(PendingChanges::By::Start);
             if (machine_) {
                 machine_->refuse_configuration({});

@@ -145,9 +145,15 @@ private:
     void replace(Replacement wish, std::optional<Reading> reading = {});
     /// See replace(). Throws ConfigError.
     void begin(Replacement wish, Reading reading);
+    /// What takes long of a generation. Any thread, while no other one is made. Throws ConfigError.
+    void prepare(Successor& next) const;
     /// False if the maker has too much to do.
     [[nodiscard]] bool make(const std::shared_ptr<Successor>& next);
     void made(const std::shared_ptr<Successor>& next);
+    /// Lets it serve, has another one made, or refuses it.
+    void take(Successor& next);
+    /// Of one that nothing uses: to destroy it takes long.
+    void discard(std::unique_ptr<Generation> gone);
     /// Nothing is made any more.
     void drop_next();
     /// Throws ConfigError.
@@ -180,11 +186,15 @@ private:
     /// Takes over another program of labels, if there is one.
     void download_labels();
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
-    /// Whether the project can have its labels of the PLC, if it is another one than `last`, the
-    /// file of the one before. Throws ConfigError if the program of its labels is none.
-    [[nodiscard]] Configured<void> check_labels(const Reading& next, const std::string& last);
-    /// What restart() would take up: whether it could.
-    [[nodiscard]] Configured<void> may_restart();
+    /// Whether the project, null for none, can have its labels of the PLC, if it is another one
+    /// than `last`, the file of the one before. Any thread, while no program of labels is taken
+    /// over. Throws ConfigError if the program of its labels is none.
+    [[nodiscard]] Configured<void> check_labels(const KeptProject* project,
+                                                const ControllerConfig& next,
+                                                const std::string& last) const;
+    /// What restart() would take up: whether it could. The labels of its project may have been
+    /// checked already, which takes long.
+    [[nodiscard]] Configured<void> may_restart(bool are_labels_checked);
     /// As what it runs with.
     void keep();
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);

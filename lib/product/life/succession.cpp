@@ -27,6 +27,8 @@ struct RunningController::Successor {
     /// What it is made of.
     std::vector<std::optional<StorageEntry::Version>> kept;
     int renewals;
+    /// The file of the project that is served now.
+    std::string last_project;
     std::unique_ptr<Generation> generation;
     std::exception_ptr problem;
 };
@@ -84,18 +86,20 @@ void RunningController::begin(Replacement wish, Reading reading)
     }
     try {
         listening_.set_in(reading.config);
-        const auto next = std::make_shared<Successor>(Successor{.wish = std::move(wish),
-                                                                .standing = std::move(standing),
-                                                                .moves = moves,
-                                                                .kept = current_->kept_versions(),
-                                                                .renewals = renewals_,
-                                                                .generation = nullptr,
-                                                                .problem = nullptr});
+        const auto next =
+            std::make_shared<Successor>(Successor{.wish = std::move(wish),
+                                                  .standing = std::move(standing),
+                                                  .moves = moves,
+                                                  .kept = current_->kept_versions(),
+                                                  .renewals = renewals_,
+                                                  .last_project = current_->project_document(),
+                                                  .generation = nullptr,
+                                                  .problem = nullptr});
         next->generation = std::make_unique<Generation>(configuration_, std::move(reading),
                                                         surroundings(), requests());
         // Where it listens is neither here nor there meanwhile.
         if (moves || next->wish.attempts >= most_attempts || !make(next)) {
-            next->generation->prepare();
+            prepare(*next);
             succeed(*next);
         }
     } catch (const ConfigError&) {
@@ -106,11 +110,18 @@ void RunningController::begin(Replacement wish, Reading reading)
     }
 }
 
+void RunningController::prepare(Successor& next) const
+{
+    Generation& generation = *next.generation;
+    expect(check_labels(generation.project().get(), generation.config(), next.last_project));
+    generation.prepare();
+}
+
 bool RunningController::make(const std::shared_ptr<Successor>& next)
 {
     const bool is_begun = maker_->run([this, next] {
         try {
-            next->generation->prepare();
+            prepare(*next);
         } catch (...) {
             next->problem = std::current_exception();
         }
@@ -133,19 +144,27 @@ void RunningController::made(const std::shared_ptr<Successor>& next)
     for (auto& act : std::exchange(waiting_, {})) {
         when_free(std::move(act));
     }
-    Replacement& wish = next->wish;
+    take(*next);
+    if (next->generation != nullptr) {
+        discard(std::move(next->generation));
+    }
+}
+
+void RunningController::take(Successor& next)
+{
+    Replacement& wish = next.wish;
     if (looks_until_restart_ > 0) {
         return; // with the memory that was replaced meanwhile
     }
-    if (next->kept != current_->kept_versions() || next->renewals != renewals_) {
+    if (next.kept != current_->kept_versions() || next.renewals != renewals_) {
         ++wish.attempts;
         return replace(std::move(wish));
     }
     try_for(wish, [&] {
-        if (next->problem) {
-            std::rethrow_exception(next->problem);
+        if (next.problem) {
+            std::rethrow_exception(next.problem);
         }
-        succeed(*next);
+        succeed(next);
     });
 }
 
@@ -214,8 +233,7 @@ void RunningController::take_over(std::unique_ptr<Generation> next, net::Handove
     look_soon();
 }
 
-/// Not yet where nobody is connected, as this is called while it is being handed over then. To
-/// destroy it takes long.
+/// Not yet where nobody is connected, as this is called while it is being handed over then.
 void RunningController::release(const Generation& gone)
 {
     loop_.post([this, &gone] {
@@ -224,11 +242,17 @@ void RunningController::release(const Generation& gone)
         if (found == leaving_.end()) {
             return;
         }
-        (*found)->unload();
-        std::shared_ptr<Generation> last{std::move(*found)};
+        std::unique_ptr<Generation> last = std::move(*found);
         leaving_.erase(found);
-        static_cast<void>(maker_->run([last = std::move(last)]() mutable { last.reset(); }));
+        discard(std::move(last));
     });
+}
+
+void RunningController::discard(std::unique_ptr<Generation> gone)
+{
+    gone->unload();
+    std::shared_ptr<Generation> last{std::move(gone)};
+    static_cast<void>(maker_->run([last = std::move(last)]() mutable { last.reset(); }));
 }
 
 } // namespace busbar::product

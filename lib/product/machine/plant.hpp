@@ -21,7 +21,7 @@
 namespace busbar::product {
 
 /// The PLC with the program that a runtime runs in it, and what serves it. Must outlive the server
-/// that it is published in. On the server's thread, but for publish() and raise().
+/// that it is published in. On the server's thread, but for publish(), load() and raise().
 class Plant {
 public:
     /// Asks the runtime where its variables lie. Throws ConfigError. Both must outlive it.
@@ -30,11 +30,11 @@ public:
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
     /// and information models beside them. `machine_log` is there if the configuration has a
     /// program, and must outlive it. `sources` has the models. `hardware` learns what clients tell
-    /// of it. Once, on any thread, by which the runtime is not asked; throws ConfigError.
+    /// of it. Once, on any thread; throws ConfigError.
     void publish(server::Server& server, SourceFiles& sources, LogSink& log,
                  const controller::MachineEventLog* machine_log,
                  std::function<void(HardwareEvent)> hardware);
-    /// Has the runtime load the program, after publish(). Throws ConfigError.
+    /// Has the runtime load the program, after publish(), on the same thread. Throws ConfigError.
     void load();
     /// What the runtime made of it goes, while nothing scans; for a Plant that is destroyed on
     /// another thread.

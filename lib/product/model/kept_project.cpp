@@ -182,15 +182,16 @@ KeptProject::KeptProject(const std::string& folder, const std::string& other, bo
             expect(controller::read_project(other, "the project that was served last")));
         is_other_due_ = store_.current() != nullptr;
     }
+    if (running != nullptr && running->served_ == served_) {
+        document_ = running->document_;
+    }
 }
 
-std::string KeptProject::document() const
+const std::string& KeptProject::document() const
 {
-    if (!served_) {
-        return {};
-    }
-    if (!document_) {
-        document_ = controller::document_of(*served_).value_or(std::string{});
+    if (document_ == nullptr) {
+        document_ = std::make_shared<const std::string>(
+            served_ ? controller::document_of(*served_).value_or(std::string{}) : std::string{});
     }
     return *document_;
 }
@@ -237,14 +238,10 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     return published;
 }
 
-Configured<void> KeptProject::check_labels(const backend::LabelBackend& plc, bool isolates_failures,
-                                           const std::string& last)
+Configured<void> KeptProject::check_labels(const backend::LabelBackend& plc,
+                                           bool isolates_failures) const
 {
-    const std::string own = document();
-    if (!served_ || own == last || read_text(files_, accepted_file) == print_of(own)) {
-        return {};
-    }
-    if (isolates_failures) {
+    if (isolates_failures || read_text(files_, accepted_file) == print_of(document())) {
         return {};
     }
     return label_differences(*served_, plc).and_then(check_usable);

@@ -49,12 +49,16 @@ public:
     /// waits for the next KeptProject.
     [[nodiscard]] const controller::Project* project() const { return served_.get(); }
     /// Its file; empty if there is none.
-    [[nodiscard]] std::string document() const;
-    /// Whether its labels can be used with the PLC (see check_usable), if it is another one than
-    /// `last`, the file of the project that was served before, and nobody has accepted it all the
-    /// same.
+    [[nodiscard]] const std::string& document() const;
+    /// Whether it is that of `last`, the file of the project that was served before, or none.
+    [[nodiscard]] bool is_known(const std::string& last) const
+    {
+        return served_ == nullptr || document() == last;
+    }
+    /// Whether its labels can be used with the PLC (see check_usable), if nobody has accepted it
+    /// all the same. Like publish() on any thread, one at a time.
     [[nodiscard]] Configured<void> check_labels(const backend::LabelBackend& plc,
-                                                bool isolates_failures, const std::string& last);
+                                                bool isolates_failures) const;
     /// What its transfers need; all must outlive the server.
     struct TransferNeeds {
         const server::Server& server;
@@ -72,12 +76,12 @@ private:
     /// Keeps that the project of the store counts whatever its labels are.
     [[nodiscard]] Configured<void> accept_labels();
 
-    storage::FolderStorage files_;
+    mutable storage::FolderStorage files_;
     controller::ProjectStore store_;
     Configured<void> recovered_;
     std::shared_ptr<const controller::Project> served_;
     /// Of served_, once it was asked for.
-    mutable std::optional<std::string> document_;
+    mutable std::shared_ptr<const std::string> document_;
     /// Another one is in the store than is served.
     bool is_other_due_{false};
     std::optional<ProjectService> service_;
