@@ -373,7 +373,9 @@ void RunningController::restart(const administration::RestartWish& wish)
 
 Substitutes RunningController::as_known() const
 {
-    return {.files = current_->sources().again(), .running = current_->project()};
+    return {.files = current_->sources().again(),
+            .project = current_->project_document(),
+            .running = current_->project()};
 }
 
 Configured<void> RunningController::may_restart(bool are_labels_checked)
