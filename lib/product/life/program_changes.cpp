@@ -28,6 +28,7 @@ void RunningController::check_download(const ControllerConfig& next, const std::
                     "a download waits until the machine is not in RUN: `busbar admin mode "
                     "program`, or mode = \"PROGRAM\" in [machine], is for it"};
     }
+    expect(check_listeners(next)); // which may have changed in the file since
 }
 
 bool RunningController::download()
