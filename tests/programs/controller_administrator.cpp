@@ -1,5 +1,6 @@
 #include "programs/controller_administrator.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <span>
 #include <utility>
@@ -185,11 +186,10 @@ std::string setting_text(const Variant& value)
     return number != nullptr ? std::to_string(*number) : std::string{};
 }
 
-ControllerAdministrator::ControllerAdministrator(std::string url, std::string pki,
+ControllerAdministrator::ControllerAdministrator(std::vector<std::string> ports, std::string pki,
                                                  std::string password)
-    : password_{std::move(password)}
+    : ports_{std::move(ports)}, password_{std::move(password)}
 {
-    context_.options.url = std::move(url);
     context_.options.pki = std::move(pki);
     context_.options.trusts = true;
     context_.options.is_json = true;
@@ -201,16 +201,34 @@ std::unique_ptr<Connection> ControllerAdministrator::connect(const std::string& 
 {
     context_.options.user = user;
     ::setenv("BUSBAR_PASSWORD", password.c_str(), 1);
-    return std::make_unique<Connection>(context_);
+    for (std::size_t i = 0;; ++i) {
+        try {
+            context_.options.url = "opc.tcp://127.0.0.1:" + ports_.front();
+            return std::make_unique<Connection>(context_);
+        } catch (const Failure& failure) {
+            if (failure.exit != Exit::NotConnected || i + 1 >= ports_.size()) {
+                throw;
+            }
+            std::rotate(ports_.begin(), ports_.begin() + 1, ports_.end());
+        }
+    }
 }
 
 Connection& ControllerAdministrator::connection()
 {
     if (!connection_) {
         connection_ = connect(chief, password_);
-        machine_ = find_node(*connection_, "nsu=urn:busbar:machine;s=Total");
+        machine_ = {};
     }
     return *connection_;
+}
+
+const NodeId& ControllerAdministrator::machine(Connection& connection)
+{
+    if (machine_.is_null()) {
+        machine_ = find_node(connection, "nsu=urn:busbar:machine;s=Total");
+    }
+    return machine_;
 }
 
 Outcome ControllerAdministrator::tried(const std::function<void(Connection&)>& act)
@@ -242,7 +260,7 @@ ControllerAdministrator::report(const std::vector<std::string>& settings,
     ControllerReport report;
     const Outcome outcome = tried([&](Connection& connection) {
         report_settings(connection, settings, report);
-        report_values(connection, machine_, variables, report);
+        report_values(connection, machine(connection), variables, report);
         report_program(connection, report);
         report_access(connection, report);
         report_roles(connection, report);
@@ -349,10 +367,38 @@ Outcome ControllerAdministrator::replace_memory(const std::string& wish, const s
     return sent("Backup", wish, backup);
 }
 
+Outcome ControllerAdministrator::project(const std::string& wish, const std::string& document)
+{
+    return sent("Project", wish, document);
+}
+
+std::optional<ControllerAdministrator::ProjectReport>
+ControllerAdministrator::project_report(const std::string& number)
+{
+    ProjectReport report;
+    const Outcome outcome = tried([&](Connection& connection) {
+        RemoteTransfer transfer{connection, "Project", {}};
+        const auto status = busbar::detail::parse_json(transfer.fetch(Variant{"status"}));
+        const auto* const state = status ? status->find("project") : nullptr;
+        report.state = state != nullptr ? state->text : std::string{};
+        try {
+            report.document = transfer.fetch({});
+            report.number =
+                admin::read(connection, find_node(connection, number)).value_or<std::int32_t>(-1);
+        } catch (const Failure& failure) {
+            if (failure.exit == Exit::NotConnected) {
+                throw;
+            }
+        }
+    });
+    return outcome == Outcome::Done ? std::optional{std::move(report)} : std::nullopt;
+}
+
 Outcome ControllerAdministrator::write(const std::string& variable, std::int32_t value)
 {
     return tried([&](Connection& connection) {
-        write_one(connection, NodeId{machine_.namespace_index(), String{variable}}, Variant{value});
+        const auto of_machine = machine(connection).namespace_index();
+        write_one(connection, NodeId{of_machine, String{variable}}, Variant{value});
     });
 }
 
@@ -371,6 +417,16 @@ Outcome ControllerAdministrator::restart()
                      Variant{std::uint32_t{0}}, Variant{LocalizedText{"", "a test"}},
                      Variant{true}},
                     "RequestServerStateChange");
+    });
+}
+
+Outcome ControllerAdministrator::reset()
+{
+    return tried([&](Connection& connection) {
+        const NodeId configuration = standard(id::ServerConfiguration);
+        admin::call(connection, configuration,
+                    admin::child_of(connection, configuration, "ResetToServerDefaults"), {},
+                    "ResetToServerDefaults");
     });
 }
 

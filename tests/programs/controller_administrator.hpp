@@ -61,8 +61,8 @@ struct ControllerReport {
 /// An administrator at the tools of `busbar`, who connects again when he has to.
 class ControllerAdministrator {
 public:
-    /// `pki` is the folder of his certificates.
-    ControllerAdministrator(std::string url, std::string pki, std::string password);
+    /// The controller listens on one of these ports. `pki` is the folder of his certificates.
+    ControllerAdministrator(std::vector<std::string> ports, std::string pki, std::string password);
 
     /// Before the controller is killed and before it starts.
     void disconnect() { connection_.reset(); }
@@ -86,10 +86,25 @@ public:
     [[nodiscard]] Outcome replace_memory(const std::string& wish, const std::string& backup);
     [[nodiscard]] Outcome write(const std::string& variable, std::int32_t value);
     [[nodiscard]] Outcome restart();
+    /// ResetToServerDefaults.
+    [[nodiscard]] Outcome reset();
+    /// "write", "update" and so on; see product::ProjectService.
+    [[nodiscard]] Outcome project(const std::string& wish, const std::string& document);
+    /// What is in the store, how it says that is, and the value of `number` in the models that it
+    /// serves; nothing: it has none.
+    struct ProjectReport {
+        std::string document;
+        std::string state;
+        std::optional<std::int32_t> number;
+    };
+    /// Nothing if the controller went away.
+    [[nodiscard]] std::optional<ProjectReport> project_report(const std::string& number);
     /// Whether a user gets in; nothing if the controller went away.
     [[nodiscard]] std::optional<bool> can_log_in(const std::string& user,
                                                  const std::string& password);
 
+    /// Where the controller was reached last.
+    [[nodiscard]] const std::string& port() const { return ports_.front(); }
     /// Of the last one that was refused.
     [[nodiscard]] const std::string& why_not() const { return why_not_; }
 
@@ -97,11 +112,14 @@ private:
     [[nodiscard]] std::unique_ptr<tool::Connection> connect(const std::string& user,
                                                             const std::string& password);
     [[nodiscard]] tool::Connection& connection();
+    [[nodiscard]] const NodeId& machine(tool::Connection& connection);
     [[nodiscard]] Outcome tried(const std::function<void(tool::Connection&)>& act);
     [[nodiscard]] Outcome sent(const char* object, const std::string& wish,
                                const std::string& file);
 
     tool::Context context_;
+    /// The one that was reached last is the first.
+    std::vector<std::string> ports_;
     std::string password_;
     std::unique_ptr<tool::Connection> connection_;
     NodeId machine_; // NodeIds of the machine's variables are in its namespace

@@ -170,6 +170,7 @@ void ControllerSimulation::adopt(const ControllerReport& report)
         }
     }
     all.closed_roles = report.closed_roles;
+    all.ports = {chief_->port()};
     all.program = {report.program, {}};
     all.is_received = report.is_received;
     all.retained.clear();
@@ -223,7 +224,17 @@ std::string ControllerSimulation::mismatch(const Expectation& expected,
             return text;
         }
     }
+    if (std::string text = wrong_port(expected); !text.empty()) {
+        return text;
+    }
     return wrong_login(expected);
+}
+
+std::string ControllerSimulation::wrong_port(const Expectation& expected) const
+{
+    return expected.is_port_unknown || expected.ports.contains(chief_->port())
+               ? std::string{}
+               : "it listens on " + chief_->port() + " instead of" + list_of(expected.ports);
 }
 
 std::string ControllerSimulation::wrong_login(const Expectation& expected)

@@ -30,15 +30,16 @@ bool operator==(const Expectation& a, const Expectation& b)
     return a.online == b.online && a.is_online_unknown == b.is_online_unknown &&
            a.users == b.users && a.trusted == b.trusted && a.closed_roles == b.closed_roles &&
            a.program.text == b.program.text && a.is_received == b.is_received &&
-           a.retained == b.retained && a.file == b.file && a.doubtful == b.doubtful;
+           a.retained == b.retained && a.file == b.file && a.ports == b.ports &&
+           a.is_port_unknown == b.is_port_unknown && a.doubtful == b.doubtful;
 }
 
 ControllerSimulation::ControllerSimulation(std::uint64_t seed)
-    : chance_{seed, 2}, controller_{
-                            std::make_unique<ForkedController>(site_.file, site_.log().string())}
+    : chance_{seed, 2}, controller_{std::make_unique<ForkedController>(
+                            product::Configuration{.file = site_.file}, site_.log().string())}
 {
     chief_ = std::make_unique<ControllerAdministrator>(
-        site_.url, (site_.folder.path / "client").string(), ControllerSite::password);
+        site_.ports, (site_.folder.path / "client").string(), ControllerSite::password);
     Expectation first;
     read_files(first);
     expected_ = {first};
@@ -96,29 +97,16 @@ void ControllerSimulation::violation(const std::string& what)
 
 void ControllerSimulation::arm()
 {
-    failing_disk::Orders& orders = controller_->orders();
-    const std::uint64_t now = orders.calls;
     if (is_armed_) {
         return;
     }
-    if (chance_.one_in(3)) {
-        orders.killed_at = now + chance_.below(25);
-        note("is to be killed in the call " + std::to_string(orders.killed_at - now));
-    } else if (chance_.one_in(4)) {
-        orders.error = chance_.pick({ENOSPC, EIO, EROFS, EACCES});
-        orders.fails_until = now + 1'000'000;
-        orders.fails_from = now + chance_.below(20);
-        if (chance_.one_in(2)) {
-            orders.fails_until = orders.fails_from + chance_.pick<std::uint64_t>({1, 2, 5});
-        }
-        ++counts_.faults;
-        is_failing_ = true;
-        note("media fail with " + std::to_string(orders.error) + " from the call " +
-             std::to_string(orders.fails_from - now) + " to " +
-             std::to_string(orders.fails_until - now));
-    } else {
+    const auto fault = controller_->draw_fault(chance_);
+    if (!fault) {
         return;
     }
+    note(fault->text);
+    counts_.faults += fault->is_of_media ? 1 : 0;
+    is_failing_ = fault->is_of_media;
     is_armed_ = true;
     is_kept_ = false;
 }
@@ -186,6 +174,18 @@ void ControllerSimulation::start()
     }
     for (Expectation& each : expected_) {
         read_files(each);
+        listen(each);
+    }
+}
+
+/// On a port that is taken it cannot: it listens where it did last.
+void ControllerSimulation::listen(Expectation& all) const
+{
+    const std::string& told = all.file.at("port");
+    if (told == site_.occupied()) {
+        all.ports.erase(told);
+    } else {
+        all.ports = {told};
     }
 }
 

@@ -36,6 +36,10 @@ struct Expectation {
     std::map<std::string, std::optional<std::int64_t>> retained;
     /// What the configuration's file says of settings.
     std::map<std::string, std::string> file;
+    /// It listens on one of these ports.
+    std::set<std::string> ports;
+    /// Which of them may be a setting that was restored.
+    bool is_port_unknown{false};
 
     /// Variables and thumbprints of which nothing is known before the next start: media failed, and
     /// what was refused is there, or follows once they work, by the contracts of
@@ -92,8 +96,13 @@ private:
     void restart();
     void reload();
     void change_files();
+    void move_listener();
+    void listens_as_told_perhaps();
+    void reset();
     /// How often it has said what came of a change.
     [[nodiscard]] std::size_t said() const;
+    /// How often it has begun to serve.
+    [[nodiscard]] std::size_t started() const;
     /// Of what takes place after its answer: until it is said, or sessions end.
     void wait_for_effect(std::size_t before);
     void damage();
@@ -110,6 +119,8 @@ private:
     void perhaps(const Change& change);
     /// What is read at a start.
     void read_files(Expectation& all) const;
+    /// Where it listens after a start.
+    void listen(Expectation& all) const;
     [[nodiscard]] std::optional<ControllerReport> report_now();
     void check();
     /// All of it is what is expected from here on.
@@ -118,6 +129,7 @@ private:
     [[nodiscard]] std::string mismatch(const Expectation& expected, const ControllerReport& report);
     /// A list of roles that cannot be read opens no role that was closed.
     void check_closed(const Expectation& before, const ControllerReport& report);
+    [[nodiscard]] std::string wrong_port(const Expectation& expected) const;
     void check_consistent(const ControllerReport& report);
     void check_explained(const std::map<std::string, ControllerReport::SettingReport>& settings);
     [[nodiscard]] std::string wrong_login(const Expectation& expected);

@@ -24,21 +24,34 @@ namespace busbar::test {
 
 namespace {
 
-std::uint16_t free_port()
+/// A socket of this machine that listens at no port, and is at the given one, or any if that is 0;
+/// negative if it cannot be.
+int bound_socket(std::uint16_t& port)
 {
     const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     ::sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
     ::socklen_t size = sizeof address;
     auto* const any = reinterpret_cast<::sockaddr*>(&address);
-    const bool is_bound =
-        ::bind(descriptor, any, size) == 0 && ::getsockname(descriptor, any, &size) == 0;
-    ::close(descriptor);
-    if (!is_bound) {
+    if (::bind(descriptor, any, size) != 0 || ::getsockname(descriptor, any, &size) != 0) {
+        ::close(descriptor);
+        return -1;
+    }
+    port = ntohs(address.sin_port);
+    return descriptor;
+}
+
+std::string free_port()
+{
+    std::uint16_t port = 0;
+    const int descriptor = bound_socket(port);
+    if (descriptor < 0) {
         throw std::runtime_error{"there is no port"};
     }
-    return ntohs(address.sin_port);
+    ::close(descriptor);
+    return std::to_string(port);
 }
 
 /// What a simulation begins with, which takes long to make: keys.
@@ -111,8 +124,8 @@ std::string read_all(const fs::path& path)
     return {std::istreambuf_iterator<char>{file}, {}};
 }
 
-ControllerSite::ControllerSite(harness::Chance& chance)
-    : file{(folder.path / "controller.toml").string()}, chance_{chance}
+ControllerSite::ControllerSite(harness::Chance& chance, bool is_model)
+    : file{(folder.path / "controller.toml").string()}, chance_{chance}, is_model_{is_model}
 {
     const Installation& all = installation();
     fs::copy(all.folder.path / "client", folder.path / "client", fs::copy_options::recursive);
@@ -120,13 +133,12 @@ ControllerSite::ControllerSite(harness::Chance& chance)
     if (all.has_own) {
         fs::copy(all.folder.path / "own", folder.path / "pki/own", fs::copy_options::recursive);
     }
-    const std::uint16_t port = free_port();
-    url = "opc.tcp://127.0.0.1:" + std::to_string(port);
+    ports = {free_port(), free_port()};
     for (const DrawnSetting& setting : drawn_settings) {
         settings[setting.name] = setting.most == 0 ? "Press" : std::to_string(setting.least + 1);
     }
     settings[mode_setting] = chance_.one_in(3) ? in_run : in_program;
-    settings["port"] = std::to_string(port);
+    settings["port"] = ports.front();
     write_configuration();
     program = new_program(false);
     write_program();
@@ -163,14 +175,20 @@ password_iterations = 10000
 name = "chief"
 roles = ["SecurityAdmin", "ConfigureAdmin", "Operator"]
 password = ")" << installation().hash
-                        << "\"\n[machine]\nprogram = \"" << place << "/press.st\"\nstate = \""
-                        << place << "/state\"\nmedium = \"" << place << "/medium\"\nmode = \""
-                        << settings[mode_setting] << "\"\nexecution_log = true\n"
-                        << "execution_log_files = " << settings["machine.execution_log_files"]
-                        << "\nretained_ms = 200"
-                        << "\n[plc]\nrealtime_priority = 0\nscan_ms = " << settings["plc.scan_ms"]
+                        << (is_model_ ? "\"\n[labels]" : "\"\n[machine]") << "\nprogram = \""
+                        << place << "/press.st\"\n"
+                        << (is_model_ ? std::string{} : machine_lines())
+                        << "[plc]\nrealtime_priority = 0\nscan_ms = " << settings["plc.scan_ms"]
                         << "\nwaiting_writes = " << settings["plc.waiting_writes"] << "\n";
     is_file_good = true;
+}
+
+std::string ControllerSite::machine_lines()
+{
+    const std::string place = folder.path.string();
+    return "state = \"" + place + "/state\"\nmedium = \"" + place + "/medium\"\nmode = \"" +
+           settings[mode_setting] + "\"\nexecution_log = true\nexecution_log_files = " +
+           settings["machine.execution_log_files"] + "\nretained_ms = 200\n";
 }
 
 void ControllerSite::write_program()
@@ -213,6 +231,28 @@ void ControllerSite::damage_program()
 {
     std::ofstream{folder.path / "press.st", std::ios::app} << "VAR_GLOBAL\n";
     is_program_good = false;
+}
+
+std::string ControllerSite::other_port() const
+{
+    return settings.at("port") == ports.front() ? ports.back() : ports.front();
+}
+
+bool ControllerSite::occupy(const std::string& port)
+{
+    release();
+    auto number = static_cast<std::uint16_t>(std::stoul(port));
+    occupier_ = bound_socket(number);
+    occupied_ = occupier_ >= 0 ? port : std::string{};
+    return occupier_ >= 0;
+}
+
+void ControllerSite::release()
+{
+    if (occupier_ >= 0) {
+        ::close(std::exchange(occupier_, -1));
+    }
+    occupied_.clear();
 }
 
 void ControllerSite::forget_controller() const

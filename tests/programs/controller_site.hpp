@@ -54,7 +54,10 @@ class ControllerSite {
 public:
     static constexpr const char* password = "patience is all"; // of the user chief
 
-    explicit ControllerSite(harness::Chance& chance);
+    explicit ControllerSite(harness::Chance& chance, bool is_model = false);
+    ControllerSite(const ControllerSite&) = delete;
+    ControllerSite& operator=(const ControllerSite&) = delete;
+    ~ControllerSite() { release(); }
 
     void write_configuration();
     void write_program();
@@ -72,6 +75,14 @@ public:
     /// until somebody sends another one.
     [[nodiscard]] std::vector<fs::path> kept_files() const;
     [[nodiscard]] fs::path log() const { return folder.path / "log"; }
+    /// Of the two ports, the one that the file does not name.
+    [[nodiscard]] std::string other_port() const;
+    /// Takes the port, so that no controller can listen there, until release(). False if somebody
+    /// has it.
+    [[nodiscard]] bool occupy(const std::string& port);
+    void release();
+    /// The port that is taken; empty: none.
+    [[nodiscard]] const std::string& occupied() const { return occupied_; }
     /// Another one each time.
     [[nodiscard]] int next_number() { return ++number_; }
     /// Certificates of clients that a controller may trust.
@@ -79,7 +90,7 @@ public:
 
     TemporaryFolder folder;
     std::string file;
-    std::string url;
+    std::vector<std::string> ports;
     /// What the configuration's file says.
     std::map<std::string, std::string> settings;
     bool is_file_good{true};
@@ -87,8 +98,15 @@ public:
     bool is_program_good{true};
 
 private:
+    /// What [machine] has beside the program.
+    [[nodiscard]] std::string machine_lines();
+
     harness::Chance& chance_;
+    /// Of model mode: the program is that of the labels.
+    bool is_model_;
     int number_{0};
+    std::string occupied_;
+    int occupier_{-1};
 };
 
 /// All of it; empty if it is not there.

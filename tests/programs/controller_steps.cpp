@@ -1,8 +1,10 @@
 #include "programs/controller_simulation.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 namespace busbar::test {
@@ -23,7 +25,7 @@ std::size_t count_of(const std::string& text, std::string_view part)
 
 void ControllerSimulation::act()
 {
-    switch (chance_.below(22)) {
+    switch (chance_.below(26)) {
     case 0:
     case 1:
     case 2:
@@ -58,6 +60,12 @@ void ControllerSimulation::act()
     case 19:
     case 20:
         return change_roles();
+    case 21:
+    case 22:
+    case 23:
+        return move_listener();
+    case 24:
+        return chance_.one_in(2) ? reset() : set_settings();
     default:
         return chance_.one_in(2) ? clear() : back_up();
     }
@@ -216,8 +224,10 @@ void ControllerSimulation::send_program()
     if (outcome == Outcome::Done && verb == "download ") {
         wait_for_effect(before);
     }
-    if (is_failing_ && outcome == Outcome::Done && verb == "download ") {
-        // It takes place after the answer, and may be refused then, as the status says.
+    if ((is_failing_ || !site_.occupied().empty()) && outcome == Outcome::Done &&
+        verb == "download ") {
+        // It takes place after the answer, and may be refused then, as the status says; also
+        // because another port, of which the file has told, is taken since.
         outcome = Outcome::Unknown;
     }
     follow(outcome, verb + name, [&](Expectation& all) {
@@ -232,6 +242,12 @@ void ControllerSimulation::restore_program()
     const Outcome outcome = chief_->program("restore", {});
     if (outcome == Outcome::Done) {
         wait_for_effect(before);
+    }
+    if (!site_.occupied().empty() && outcome == Outcome::Done) {
+        return perhaps([&](Expectation& all) {
+            all.is_received = false;
+            all.take_program(site_.program);
+        });
     }
     follow(outcome, "restore the program", [&](Expectation& all) {
         all.is_received = false;
@@ -270,6 +286,7 @@ void ControllerSimulation::restart()
     chief_->disconnect();
     if (outcome != Outcome::Refused) {
         perhaps([this](Expectation& all) { read_files(all); });
+        listens_as_told_perhaps();
     }
 }
 
@@ -278,6 +295,11 @@ std::size_t ControllerSimulation::said() const
     const std::string log = read_all(site_.log());
     return count_of(log, "read again: ") + count_of(log, "nothing was changed") +
            count_of(log, "downloaded: ") + count_of(log, "edited online: ");
+}
+
+std::size_t ControllerSimulation::started() const
+{
+    return count_of(read_all(site_.log()), "the OPC UA server runs at ");
 }
 
 void ControllerSimulation::wait_for_effect(std::size_t before)
@@ -294,6 +316,39 @@ void ControllerSimulation::reload()
     controller_->hang_up();
     wait_for_effect(before);
     perhaps([this](Expectation& all) { read_files(all); });
+    listens_as_told_perhaps();
+}
+
+/// With a restart, or a program that is downloaded later.
+void ControllerSimulation::listens_as_told_perhaps()
+{
+    for (Expectation& each : expected_) {
+        each.ports.insert(each.file.at("port"));
+    }
+}
+
+/// The file names another port, which may be taken until the next time.
+void ControllerSimulation::move_listener()
+{
+    if (!site_.occupied().empty()) {
+        note("the port " + site_.occupied() + " is free again");
+        site_.release();
+        return listens_as_told_perhaps(); // where it looks every few seconds
+    }
+    const std::string other = site_.other_port();
+    const bool is_known = std::ranges::none_of(expected_, &Expectation::is_port_unknown);
+    const bool is_taken = is_known && chance_.one_in(3) && site_.occupy(other);
+    site_.settings["port"] = other;
+    site_.write_configuration();
+    note("the file names the port " + other + (is_taken ? ", which is taken" : ""));
+    switch (chance_.below(3)) {
+    case 0:
+        return reload();
+    case 1:
+        return restart();
+    default:
+        break;
+    }
 }
 
 void ControllerSimulation::change_files()
@@ -326,7 +381,8 @@ void ControllerSimulation::change_files()
 /// Of one of its own files, of which nobody knows then what is left. All else is as it was.
 void ControllerSimulation::damage()
 {
-    if (!is_kept_ || is_armed_ || !site_.is_file_good || !site_.is_program_good) {
+    if (!is_kept_ || is_armed_ || !site_.is_file_good || !site_.is_program_good ||
+        !site_.occupied().empty()) {
         return;
     }
     chief_->disconnect();
@@ -377,7 +433,7 @@ void ControllerSimulation::back_up()
 
 void ControllerSimulation::restore()
 {
-    if (!backup_ || !site_.is_file_good || !site_.is_program_good) {
+    if (!backup_ || !site_.is_file_good || !site_.is_program_good || !site_.occupied().empty()) {
         return;
     }
     const Outcome outcome = chief_->replace_memory("restore", *backup_);
@@ -394,6 +450,7 @@ void ControllerSimulation::restore()
             each.online[name] = was.setting(name);
         }
         each.is_online_unknown = true;
+        each.is_port_unknown = true;
         each.is_received = true;
         for (const auto& [name, password] : each.users) {
             touched_.insert(name);
@@ -415,6 +472,7 @@ void ControllerSimulation::clear()
     is_restart_due_ = outcome == Outcome::Done;
     follow(outcome, what, [&](Expectation& all) {
         all.online.clear();
+        all.is_port_unknown = false;
         all.is_received = false;
         all.take_program(site_.program);
         for (auto& [name, value] : all.retained) {
@@ -431,6 +489,36 @@ void ControllerSimulation::clear()
         controller_->kill();
         meet_again();
     }
+}
+
+/// All that was changed online is forgotten, but for what is not configuration. It starts again by
+/// itself, with another certificate; whatever its files are.
+void ControllerSimulation::reset()
+{
+    if (!site_.is_file_good || !site_.is_program_good || !site_.occupied().empty()) {
+        return; // what it ran with last may come back
+    }
+    const std::size_t starts = started();
+    const Outcome outcome = chief_->reset();
+    follow(outcome, "reset", [&](Expectation& all) {
+        all.online.clear();
+        all.is_port_unknown = false;
+        all.is_received = false;
+        all.take_program(site_.program);
+        all.users.clear();
+        all.trusted.clear();
+        all.closed_roles.clear();
+    });
+    if (outcome == Outcome::Refused) {
+        return;
+    }
+    chief_->disconnect();
+    while (outcome == Outcome::Done && controller_->is_running() && started() == starts) {
+        std::this_thread::sleep_for(std::chrono::milliseconds{20});
+    }
+    is_restart_due_ = true;
+    controller_->kill();
+    meet_again();
 }
 
 /// People at the machine have it trust the administrator, and he meets a controller with another

@@ -1,5 +1,6 @@
 #include "programs/forked_controller.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <new>
 #include <stdexcept>
@@ -49,11 +50,11 @@ void redirect(const std::string& log)
 }
 
 /// In the process of its own, which ends with it. Nothing of the test is destroyed there.
-[[noreturn]] void serve(const std::string& configuration, Orders& orders, int pipe)
+[[noreturn]] void serve(const product::Configuration& configuration, Orders& orders, int pipe)
 {
     failing_disk::obey(orders);
     product::SimulatedRuntime runtime;
-    auto controller = product::Controller::create({.file = configuration}, runtime, {});
+    auto controller = product::Controller::create(configuration, runtime, {});
     if (!controller) {
         say(pipe, text(controller.error()));
         ::_exit(1);
@@ -66,7 +67,7 @@ void redirect(const std::string& log)
 
 } // namespace
 
-ForkedController::ForkedController(std::string configuration, std::string log)
+ForkedController::ForkedController(product::Configuration configuration, std::string log)
     : configuration_{std::move(configuration)}, log_{std::move(log)}, orders_{shared_orders()}
 {
 }
@@ -142,6 +143,29 @@ bool ForkedController::is_running()
         process_ = -1;
     }
     return process_ > 0;
+}
+
+std::optional<ForkedController::Fault> ForkedController::draw_fault(harness::Chance& chance)
+{
+    Orders& orders = *orders_;
+    const std::uint64_t now = orders.calls;
+    if (chance.one_in(3)) {
+        orders.killed_at = now + chance.below(25);
+        return Fault{false,
+                     "is to be killed in the call " + std::to_string(orders.killed_at - now)};
+    }
+    if (!chance.one_in(4)) {
+        return std::nullopt;
+    }
+    orders.error = chance.pick({ENOSPC, EIO, EROFS, EACCES});
+    orders.fails_until = now + 1'000'000;
+    orders.fails_from = now + chance.below(20);
+    if (chance.one_in(2)) {
+        orders.fails_until = orders.fails_from + chance.pick<std::uint64_t>({1, 2, 5});
+    }
+    return Fault{true, "media fail with " + std::to_string(orders.error) + " from the call " +
+                           std::to_string(orders.fails_from - now) + " to " +
+                           std::to_string(orders.fails_until - now)};
 }
 
 void ForkedController::calm()

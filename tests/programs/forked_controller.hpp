@@ -1,9 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <sys/types.h>
+
+#include <busbar/harness/chance.hpp>
+#include <busbar/product/configuration.hpp>
 
 #include "support/failing_disk.hpp"
 
@@ -13,8 +17,8 @@ namespace busbar::test {
 /// fails when a test wants it to. One thread.
 class ForkedController {
 public:
-    /// `configuration` is its file, `log` where it says what it does. Starts nothing yet.
-    ForkedController(std::string configuration, std::string log);
+    /// `log` is where it says what it does. Starts nothing yet.
+    ForkedController(product::Configuration configuration, std::string log);
     ForkedController(const ForkedController&) = delete;
     ForkedController& operator=(const ForkedController&) = delete;
     ~ForkedController();
@@ -42,9 +46,17 @@ public:
     [[nodiscard]] failing_disk::Orders& orders() { return *orders_; }
     /// Nothing fails any more, and nothing kills it.
     void calm();
+    /// What its media are going to do.
+    struct Fault {
+        /// They fail, or else it is to be killed.
+        bool is_of_media;
+        std::string text;
+    };
+    /// Gives orders() for one of the next calls, or none.
+    [[nodiscard]] std::optional<Fault> draw_fault(harness::Chance& chance);
 
 private:
-    std::string configuration_;
+    product::Configuration configuration_;
     std::string log_;
     failing_disk::Orders* orders_; // in memory that is shared
     ::pid_t process_{-1};
