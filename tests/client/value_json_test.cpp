@@ -119,10 +119,17 @@ TEST_CASE("Texts that are no structure say where and why")
     CHECK(error_of(R"({"UaTypeId":"ns=1;i=4711","UaBody":"?"})", part) ==
           "expected a structure of a type that is known, found an object");
     CHECK(error_of("5", part) == "expected an object with the fields of Part, found \"5\"");
-    // Lists may be null, as they are when nobody names them.
-    const auto empty = parse_value("{}", part);
-    REQUIRE(empty);
-    CHECK(parse_value(R"({"Corners":null,"Grid":null,"Counts":null})", part) == *empty);
+    // Lists may be null, as they are in a new value.
+    const binary::DynamicValue fresh{*part.type};
+    const Variant empty{binary::to_extension_object(fresh).value()};
+    ValueType merged = part;
+    merged.base = &empty;
+    CHECK(parse_value(R"({"Corners":null,"Grid":null,"Counts":null})", merged) == empty);
+    const Variant filled =
+        parse_value(R"({"Counts":[1,2],"Corners":[{"X":1,"Y":2}]})", merged).value();
+    CHECK(filled != empty);
+    merged.base = &filled;
+    CHECK(parse_value(R"({"Counts":null,"Corners":null})", merged) == empty);
 }
 
 TEST_CASE("Texts that are nearly a value are none")

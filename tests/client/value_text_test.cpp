@@ -176,20 +176,108 @@ TEST_CASE("Structures survive JSON")
 
 TEST_CASE("Structures are read by their fields' names")
 {
-    const ValueType part{BuiltInType::ExtensionObject, -1, plant_type(test::types::Part), &plant()};
-    const Variant read = value_of(
-        R"({"Name":"x","Flags":"Read|Write","Shape":{"Corner":{"X":1}},"Grid":[[{"Y":2}]]})", part);
+    ValueType part{BuiltInType::ExtensionObject, -1, plant_type(test::types::Part), &plant()};
+    const Variant empty{
+        binary::to_extension_object(binary::DynamicValue{*plant_type(test::types::Part)}).value()};
+    part.base = &empty;
+    const Variant read =
+        value_of(R"({"Name":"x","Flags":"Read|Write","Shape":{"Corner":{"X":1,"Y":0}},)"
+                 R"("Grid":[[{"X":1,"Y":2}]]})",
+                 part);
     const auto value = binary::decode_dynamic(*read.get_if<ExtensionObject>(), plant());
     REQUIRE(value);
     CHECK(*value->get_if<std::uint16_t>("Flags") == 3);
     CHECK(*value->structure("Shape")->structure("Corner")->get_if<double>("X") == 1);
     CHECK(error_of(R"({"Nam":"x"})", part) == "Part has no field Nam");
-    CHECK(error_of(R"({"Corners":[{},{"X":"a"}]})", part) ==
+    CHECK(error_of(R"({"Corners":[{"X":1,"Y":1},{"X":"a"}]})", part) ==
           ".Corners[1].X: expected a value of type Double, found \"a\"");
     CHECK(error_of(R"({"Counts":[1,70000]})", part) ==
           ".Counts[1]: expected an Int16, -32768 to 32767, found 70000");
     CHECK(error_of(R"({"Shape":5})", part) ==
           ".Shape: expected an object with the fields of Shape, found 5");
+}
+
+TEST_CASE("A structure is refused if a field is missing")
+{
+    const ValueType point{BuiltInType::ExtensionObject, -1, plant_type(test::types::Point),
+                          &plant()};
+    CHECK(error_of(R"({"X":1})", point) == "Point is not complete, these fields are missing: Y");
+    CHECK(value_of(R"({"X":1,"Y":2})", point) ==
+          Variant{binary::to_extension_object(test::point(1, 2)).value()});
+    ValueType points = point;
+    points.value_rank = 1;
+    CHECK(error_of(R"([{"X":1,"Y":2},{"Y":2}])", points) ==
+          "[1]: Point is not complete, these fields are missing: X");
+}
+
+TEST_CASE("Fields that are not named are those of the base")
+{
+    ValueType point{BuiltInType::ExtensionObject, -1, plant_type(test::types::Point), &plant()};
+    const Variant base{binary::to_extension_object(test::point(1, 2)).value()};
+    point.base = &base;
+    CHECK(value_of(R"({"Y":5})", point) ==
+          Variant{binary::to_extension_object(test::point(1, 5)).value()});
+    // Elements of arrays have to be complete even so.
+    ValueType part{BuiltInType::ExtensionObject, -1, plant_type(test::types::Part), &plant()};
+    const Variant empty{
+        binary::to_extension_object(binary::DynamicValue{*plant_type(test::types::Part)}).value()};
+    part.base = &empty;
+    CHECK(error_of(R"({"Corners":[{"X":1}]})", part) ==
+          ".Corners[0]: Point is not complete, these fields are missing: Y");
+}
+
+TEST_CASE("Times of IEC 61131-3 are literals")
+{
+    std::vector<binary::DataTypeEntry> entries;
+    const auto add = [&entries](std::uint32_t id, const char* name, std::uint32_t base) {
+        binary::DataTypeEntry& entry = entries.emplace_back();
+        entry.id = NodeId{1, id};
+        entry.name = String{name};
+        entry.base = NodeId{0, base};
+    };
+    add(1, "TIME", id::Int64);
+    add(2, "TOD", id::UInt32);
+    add(3, "DATE", id::DateTime);
+    add(4, "DT", id::DateTime);
+    const auto types = binary::DynamicTypes::compile(std::move(entries));
+    const auto round = [&types](std::uint32_t id, const char* text, std::string_view shown) {
+        TextOptions options;
+        options.type = types.find(NodeId{1, id});
+        REQUIRE(options.type != nullptr);
+        const Variant value = value_of(text, {options.type->built_in, -1, options.type, &types});
+        CHECK(to_text(value, options) == shown);
+        CHECK(value_of(shown, {options.type->built_in, -1, options.type, &types}) == value);
+    };
+    round(1, "T#1h_30m", "T#1h30m");
+    round(1, "1500", "T#1s500ms");
+    round(1, "-1d2ms", "T#-1d2ms");
+    round(1, "0", "T#0s");
+    round(2, "21600500", "TOD#06:00:00.5");
+    round(2, "tod#23:59", "TOD#23:59:00");
+    round(3, "D#2026-11-29", "D#2026-11-29");
+    round(4, "DT#2026-11-29-06:00:01.25", "DT#2026-11-29-06:00:01.25");
+    CHECK(error_of("DT#2026-11-29-06:00:00",
+                   {BuiltInType::UInt32, -1, types.find(NodeId{1, 2U}), &types}) ==
+          "expected a time of day such as TOD#06:00:00, found \"DT#2026-11-29-06:00:00\"");
+    // What is no time of a day stays a number.
+    TextOptions tod;
+    tod.type = types.find(NodeId{1, 2U});
+    CHECK(to_text(Variant{std::uint32_t{86'400'000}}, tod) == "86400000");
+    CHECK(to_text(Variant{DateTime{}}) == "null");
+}
+
+TEST_CASE("Numbers are rounded if that is wanted")
+{
+    TextOptions options;
+    options.limits.max_digits = 6;
+    CHECK(to_text(Variant{6.113485122570561}, options) == "6.11349");
+    CHECK(to_text(Variant{12345678.9}, options) == "12345679");
+    CHECK(to_text(Variant{0.000123456789}, options) == "0.000123457");
+    CHECK(to_text(Variant{21.5F}, options) == "21.5");
+    CHECK(to_text(Variant{-0.0}, options) == "0");
+    CHECK(to_text(Variant{1e20}, options) == "1e+20");
+    CHECK(to_text(Variant{100.0}, options) == "100");
+    CHECK(to_text(Variant{INFINITY}, options) == "inf");
 }
 
 TEST_CASE("Values are JSON for scripts")

@@ -193,13 +193,16 @@ struct TextLimits {
     /// Bytes of each string.
     std::size_t max_string{256};
     std::size_t max_depth{16};
+    /// Digits to which Doubles and Floats are rounded; 0: as many as it takes to read them back.
+    int max_digits{0};
 };
 
 /// The known types of printed values. Must outlive the call.
 struct TextTypes {
     /// Structures with one of these encodings are printed with their fields.
     const DynamicTypes* types{nullptr};
-    /// The DataType of a Variant, for the names of an enumeration's values.
+    /// The DataType of a Variant, for the names of an enumeration's values and the times of IEC
+    /// 61131-3: those of TIME, TOD, DATE and DT are literals such as T#1s500ms.
     const DynamicType* type{nullptr};
 };
 

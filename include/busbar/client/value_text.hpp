@@ -38,8 +38,11 @@ struct ValueType {
     std::int32_t value_rank{-1};
     /// The names of an enumeration, or the fields of a structure; null for a built-in type.
     const binary::DynamicType* type{nullptr};
-    /// For structures that name their type, in the form of to_json.
+    /// For structures that name their type, in the form of to_json, and for `base`.
     const binary::DynamicTypes* types{nullptr};
+    /// A structure of this type whose fields count where the text does not name them; without it,
+    /// a text that leaves out a field that is not optional is refused.
+    const Variant* base{nullptr};
 };
 
 /// The reason why a text cannot be read as a value of a type.
@@ -52,10 +55,11 @@ struct ValueError {
 ///
 /// A scalar is the text itself: 42, true, NaN, any text for a String, 2026-11-21T06:00:00Z, base64
 /// or 0x00FF for a ByteString, ns=2;s=Pump, 2:Name, Bad_Timeout, and names or numbers for
-/// enumerations (A|B for an option set). Arrays are JSON lists, [1, 2], and matrices lists of
-/// lists; texts within are in quotes. Objects stand for a LocalizedText, {"Locale": "en", "Text":
-/// "x"}, and for structures by their fields' names. What to_json writes with types can be read as a
-/// Variant.
+/// enumerations (A|B for an option set). Types of IEC 61131-3 have its literals, T#1s500ms,
+/// TOD#06:00:00, D#2026-11-21 and DT#2026-11-21-06:00:00. Arrays are JSON lists, [1, 2], and
+/// matrices lists of lists; texts within are in quotes. Objects stand for a LocalizedText,
+/// {"Locale": "en", "Text": "x"}, and for structures by their fields' names. What to_json writes
+/// with types can be read as a Variant.
 [[nodiscard]] BUSBAR_API Expected<Variant, ValueError> parse_value(std::string_view text,
                                                                    const ValueType& type);
 

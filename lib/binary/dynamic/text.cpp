@@ -1,10 +1,13 @@
 #include <busbar/binary/dynamic_value.hpp>
 
 #include <charconv>
+#include <cmath>
+#include <cstdio>
 
 #include <busbar/core/types.hpp>
 
 #include "core/visit_built_in.hpp"
+#include "iec_type.hpp"
 
 namespace busbar::binary {
 
@@ -129,11 +132,43 @@ private:
             const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
             const std::string_view number{digits, static_cast<std::size_t>(end - digits)};
             if constexpr (std::is_integral_v<T>) {
-                named_number(static_cast<std::uint64_t>(value), number, type);
+                if (!add_iec(type, static_cast<std::int64_t>(value))) {
+                    named_number(static_cast<std::uint64_t>(value), number, type);
+                }
             } else {
-                add(number);
+                add(limits_.max_digits == 0 ? std::string{number}
+                                            : rounded(static_cast<double>(value)));
             }
         }
+    }
+    /// Returns false, with nothing added, if it is no time of IEC 61131-3.
+    template <typename T>
+    [[nodiscard]] bool add_iec(const DynamicType* type, T value)
+    {
+        const auto known = detail::iec_type(type);
+        const std::string text = known ? detail::iec_text(*known, value) : std::string{};
+        add(text);
+        return !text.empty();
+    }
+    [[nodiscard]] std::string rounded(double value) const
+    {
+        const int digits = limits_.max_digits;
+        const double size = std::abs(value);
+        // Of larger and smaller numbers the exponent says more than their digits.
+        const bool is_plain = size == 0 || (size >= 1e-4 && size < 1e15);
+        char text[64];
+        const int before =
+            is_plain && size > 0 ? static_cast<int>(std::floor(std::log10(size))) + 1 : 1;
+        std::snprintf(text, sizeof text, is_plain ? "%.*f" : "%.*g",
+                      is_plain ? std::max(0, digits - before) : digits, value);
+        std::string result{text};
+        if (is_plain && result.find('.') != std::string::npos) {
+            result.erase(result.find_last_not_of('0') + 1);
+            if (result.ends_with('.')) {
+                result.pop_back();
+            }
+        }
+        return result == "-0" ? "0" : result;
     }
     /// "Running (1)", "Read | Write (3)", or the number alone.
     void named_number(std::uint64_t value, std::string_view number, const DynamicType* type)
@@ -172,7 +207,12 @@ private:
         }
         add(text);
     }
-    void print(const DateTime& value, const DynamicType* /*type*/) { add(to_string(value)); }
+    void print(const DateTime& value, const DynamicType* type)
+    {
+        if (!add_iec(type, value)) {
+            add(value.is_null() ? "null" : to_string(value));
+        }
+    }
     void print(const Guid& value, const DynamicType* /*type*/) { add(to_string(value)); }
     void print(const NodeId& value, const DynamicType* /*type*/)
     {

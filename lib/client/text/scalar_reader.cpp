@@ -6,6 +6,7 @@
 
 #include <busbar/core/text_forms.hpp>
 
+#include "binary/dynamic/iec_type.hpp"
 #include "core/base64.hpp"
 #include "core/number_text.hpp"
 #include "core/visit_built_in.hpp"
@@ -63,6 +64,22 @@ std::string range_of()
 {
     return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " +
            std::to_string(std::numeric_limits<T>::max());
+}
+
+std::string iec_example(binary::detail::IecKind kind)
+{
+    using Kind = binary::detail::IecKind;
+    switch (kind) {
+    case Kind::Duration:
+        return "a time such as T#1s500ms, or milliseconds";
+    case Kind::TimeOfDay:
+        return "a time of day such as TOD#06:00:00";
+    case Kind::Date:
+        return "a date such as D#2026-11-21";
+    case Kind::DateAndTime:
+        break;
+    }
+    return "a date and time such as DT#2026-11-21-06:00:00";
 }
 
 } // namespace
@@ -220,8 +237,11 @@ std::optional<std::int64_t> number_of_name(std::string_view text, const binary::
     return static_cast<std::int64_t>(number);
 }
 
-std::string expectation(BuiltInType type)
+std::string expectation(BuiltInType type, const binary::DynamicType* named)
 {
+    if (const auto iec = binary::detail::iec_type(named)) {
+        return iec_example(iec->kind);
+    }
     switch (type) {
     case BuiltInType::Boolean:
         return "a Boolean, true or false";

@@ -40,8 +40,9 @@ using busbar::detail::Json;
 [[nodiscard]] std::optional<std::int64_t> number_of_name(std::string_view text,
                                                          const binary::DynamicType& type);
 
-/// Describes the values of a type for messages: "a Byte, 0 to 255".
-[[nodiscard]] std::string expectation(BuiltInType type);
+/// Describes the values of a type for messages: "a Byte, 0 to 255". `named`, which may be null, is
+/// the DataType, which may be a time of IEC 61131-3.
+[[nodiscard]] std::string expectation(BuiltInType type, const binary::DynamicType* named);
 /// Describes those of an enumeration: "a number or name of Mode: Off, Manual, ...".
 [[nodiscard]] std::string expectation(const binary::DynamicType& type);
 

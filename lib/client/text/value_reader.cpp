@@ -1,5 +1,8 @@
 #include "value_reader.hpp"
 
+#include <utility>
+
+#include "binary/dynamic/iec_type.hpp"
 #include "core/visit_built_in.hpp"
 #include "scalar_reader.hpp"
 
@@ -51,6 +54,42 @@ BuiltInType guessed_type(const std::vector<const Json*>& values)
     return type;
 }
 
+/// Reads a literal of IEC 61131-3 if the type, which may be null, is one that has them.
+template <typename T>
+bool read_iec(const Json& from, const DynamicType* type, T& to)
+{
+    const auto known =
+        from.kind == Json::Kind::String ? binary::detail::iec_type(type) : std::nullopt;
+    if (!known) {
+        return false;
+    }
+    if constexpr (std::is_same_v<T, DateTime>) {
+        const auto time = binary::detail::iec_time(*known, from.text);
+        to = time.value_or(to);
+        return time.has_value();
+    } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+        const auto number = binary::detail::iec_number(*known, from.text);
+        const bool fits = number && std::in_range<T>(*number);
+        to = fits ? static_cast<T>(*number) : to;
+        return fits;
+    } else {
+        return false;
+    }
+}
+
+/// Sets an array to what it is in a new value.
+bool set_default(std::size_t field, DynamicValue& to)
+{
+    const DynamicValue empty{to.type()};
+    if (const Variant* const content = empty.value(field)) {
+        return to.set(field, *content).has_value();
+    }
+    if (const auto* const structures = empty.structures(field)) {
+        return to.set(field, *structures).has_value();
+    }
+    return true;
+}
+
 } // namespace
 
 std::nullopt_t TextValueReader::fail(const Json& found, std::string_view expected)
@@ -98,9 +137,12 @@ bool TextValueReader::read_one(const Json& from, const ValueType& type, T& to)
                 return read_number(from, *type.type, to);
             }
         }
+        if (read_iec(from, type.type, to)) {
+            return true;
+        }
         const bool is_read = read_scalar(from, to);
         if (!is_read) {
-            static_cast<void>(fail(from, expectation(type.built_in)));
+            static_cast<void>(fail(from, expectation(type.built_in, type.type)));
         }
         return is_read;
     }
@@ -263,7 +305,8 @@ bool TextValueReader::read_object(const Json& from, const DynamicType* type, Ext
         static_cast<void>(fail(from, "a structure of a type that is known"));
         return false;
     }
-    const auto value = read_structure(from, *found);
+    const auto base = take_base(*found);
+    const auto value = read_structure(from, *found, base ? &*base : nullptr);
     auto object =
         value ? binary::to_extension_object(*value) : busbar::fail(status::Bad_EncodingError);
     if (value && !object) {
@@ -274,13 +317,38 @@ bool TextValueReader::read_object(const Json& from, const DynamicType* type, Ext
     return is_made;
 }
 
-std::optional<DynamicValue> TextValueReader::read_structure(const Json& from,
-                                                            const DynamicType& type)
+std::optional<DynamicValue> TextValueReader::take_base(const DynamicType& type)
+{
+    const Variant* const base = std::exchange(base_, nullptr);
+    const auto* const object = base == nullptr ? nullptr : base->get_if<ExtensionObject>();
+    auto value = object != nullptr && types_ != nullptr ? binary::decode_dynamic(*object, *types_)
+                                                        : busbar::fail(status::Bad_NotFound);
+    const bool fits = value && value->type().id == type.id;
+    return fits ? std::optional{*std::move(value)} : std::nullopt;
+}
+
+bool TextValueReader::names_all(const Json& from, const DynamicType& type)
+{
+    std::string missing;
+    for (const binary::DynamicField& field : type.fields) {
+        if (!field.is_optional && from.find(field.name) == nullptr && missing.size() < 256) {
+            missing += (missing.empty() ? "" : ", ") + printable(field.name, 64);
+        }
+    }
+    if (type.kind == DynamicType::Kind::Union || missing.empty()) {
+        return true;
+    }
+    error_ = printable(type.name) + " is not complete, these fields are missing: " + missing;
+    return false;
+}
+
+std::optional<DynamicValue>
+TextValueReader::read_structure(const Json& from, const DynamicType& type, const DynamicValue* base)
 {
     if (from.kind != Json::Kind::Object || !type.is_structure()) {
         return fail(from, "an object with the fields of " + printable(type.name));
     }
-    DynamicValue value{type};
+    DynamicValue value = base != nullptr ? *base : DynamicValue{type};
     for (std::size_t i = 0; i < from.items.size(); ++i) {
         const auto field = type.find_field(from.names[i]);
         if (from.names[i] == "UaTypeId" && !field) {
@@ -292,26 +360,31 @@ std::optional<DynamicValue> TextValueReader::read_structure(const Json& from,
         }
         const bool is_absent =
             from.items[i].kind == Json::Kind::Null && type.fields[*field].is_optional;
-        if (!is_absent && !read_field(from.items[i], *field, value)) {
+        if (is_absent) {
+            static_cast<void>(value.clear(*field));
+        } else if (!read_field(from.items[i], *field, base != nullptr, value)) {
             within("." + printable(from.names[i], 64));
             return std::nullopt;
         }
     }
-    return value;
+    return base != nullptr || names_all(from, type) ? std::optional{std::move(value)}
+                                                    : std::nullopt;
 }
 
-bool TextValueReader::read_field(const Json& from, std::size_t field, DynamicValue& to)
+bool TextValueReader::read_field(const Json& from, std::size_t field, bool keeps, DynamicValue& to)
 {
     const binary::DynamicField& known = to.type().fields[field];
     if (!known.is_scalar() && from.kind == Json::Kind::Null) {
-        return true; // the default is the same
+        return set_default(field, to);
     }
     if (known.is_structure && !known.is_scalar()) {
         return read_structures(from, field, to);
     }
     Result<void> is_set;
     if (known.is_structure) {
-        auto part = read_structure(from, *known.type);
+        // What is not named within it stays, too.
+        const DynamicValue* const before = keeps ? to.structure(field) : nullptr;
+        auto part = read_structure(from, *known.type, before);
         if (!part) {
             return false;
         }

@@ -15,8 +15,12 @@ using busbar::detail::Json;
 /// Creates values from the result of parse_json. The first failure stays in error().
 class TextValueReader {
 public:
-    /// `types`, which may be null, has the structures that objects name.
-    explicit TextValueReader(const binary::DynamicTypes* types) : types_{types} {}
+    /// `types`, which may be null, has the structures that objects name; `base`, which may be null,
+    /// the fields that they do not name.
+    TextValueReader(const binary::DynamicTypes* types, const Variant* base)
+        : types_{types}, base_{base}
+    {
+    }
 
     /// Returns nothing, with error(), if `from` is not a value of this type.
     [[nodiscard]] std::optional<Variant> read(const Json& from, const ValueType& type);
@@ -41,9 +45,17 @@ private:
     [[nodiscard]] bool read_number(const Json& from, const binary::DynamicType& type, T& to);
     [[nodiscard]] bool read_object(const Json& from, const binary::DynamicType* type,
                                    ExtensionObject& to);
-    [[nodiscard]] std::optional<binary::DynamicValue> read_structure(const Json& from,
-                                                                     const binary::DynamicType&);
-    [[nodiscard]] bool read_field(const Json& from, std::size_t field, binary::DynamicValue& to);
+    /// Fields that are not named are those of `base`, which may be null.
+    [[nodiscard]] std::optional<binary::DynamicValue>
+    read_structure(const Json& from, const binary::DynamicType& type,
+                   const binary::DynamicValue* base = nullptr);
+    /// Returns false if a field is missing that is not optional.
+    [[nodiscard]] bool names_all(const Json& from, const binary::DynamicType& type);
+    /// The value of `base_` if it is of this type; it counts for the outermost structure only.
+    [[nodiscard]] std::optional<binary::DynamicValue> take_base(const binary::DynamicType& type);
+    /// `keeps`: fields of a structure in it that are not named stay as they are.
+    [[nodiscard]] bool read_field(const Json& from, std::size_t field, bool keeps,
+                                  binary::DynamicValue& to);
     [[nodiscard]] bool read_structures(const Json& from, std::size_t field,
                                        binary::DynamicValue& to);
 
@@ -52,6 +64,7 @@ private:
     void within(const std::string& place);
 
     const binary::DynamicTypes* types_;
+    const Variant* base_;
     std::string error_;
 };
 

@@ -89,7 +89,7 @@ Expected<Variant, ValueError> parse_value(std::string_view text, const ValueType
     } else {
         json = {Json::Kind::String, std::string{text}, {}, {}};
     }
-    detail::TextValueReader reader{type.types};
+    detail::TextValueReader reader{type.types, type.base};
     auto value = reader.read(json, type);
     if (!value) {
         return refuse(reader.error());

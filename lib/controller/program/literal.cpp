@@ -7,6 +7,7 @@
 #include <busbar/core/text.hpp>
 
 #include "core/ascii_case.hpp"
+#include "core/iec_time.hpp"
 #include "core/number_text.hpp"
 #include "declaration_keywords.hpp"
 
@@ -14,6 +15,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
+using busbar::detail::without_underscores;
 using Notation = InitialValue::Notation;
 
 Unexpected<std::string> wrong_literal(std::string_view text, std::string_view expected)
@@ -108,15 +110,16 @@ LiteralResult typed_value(ElementaryType type, std::string_view text, std::strin
     case ElementaryType::Bool:
         return typed_bool(text, body);
     case ElementaryType::Time:
-        return or_wrong(read_duration(body), Notation::Duration, text, "a duration as T#1h2m3.5s");
+        return or_wrong(busbar::detail::read_duration(body), Notation::Duration, text,
+                        "a duration as T#1h2m3.5s");
     case ElementaryType::Date:
-        return or_wrong(read_date(body), Notation::Date, text,
+        return or_wrong(busbar::detail::read_date(body), Notation::Date, text,
                         "a date from 1601 on as D#2025-12-31");
     case ElementaryType::TimeOfDay:
-        return or_wrong(read_time_of_day(body), Notation::TimeOfDay, text,
+        return or_wrong(busbar::detail::read_time_of_day(body), Notation::TimeOfDay, text,
                         "a time of day as TOD#23:59:59.5");
     case ElementaryType::DateAndTime:
-        return or_wrong(read_date_and_time(body), Notation::DateAndTime, text,
+        return or_wrong(busbar::detail::read_date_and_time(body), Notation::DateAndTime, text,
                         "a date from 1601 on and a time as DT#2025-12-31-23:59:59");
     case ElementaryType::String:
         return body.starts_with('\'') || body.starts_with('"')
@@ -144,24 +147,6 @@ std::string found_expected(std::string_view text, std::string_view what)
 {
     constexpr std::size_t enough = 60;
     return "found '" + printable(text, enough) + "', expected " + std::string{what};
-}
-
-std::optional<std::string> without_underscores(std::string_view text)
-{
-    const auto is_digit = [](char c) {
-        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
-    };
-    std::string plain;
-    plain.reserve(text.size());
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] != '_') {
-            plain += text[i];
-        } else if (i == 0 || i + 1 == text.size() || !is_digit(text[i - 1]) ||
-                   !is_digit(text[i + 1])) {
-            return {};
-        }
-    }
-    return plain;
 }
 
 LiteralResult read_number_literal(std::string_view text, bool is_negative)

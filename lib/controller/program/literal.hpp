@@ -33,14 +33,4 @@ using LiteralResult = Expected<Literal, std::string>;
 /// perhaps an enumeration.
 [[nodiscard]] BUSBAR_API std::optional<LiteralResult> read_typed_literal(std::string_view text);
 
-/// What stands behind the `#` of T#, D#, TOD# and DT#. Times are milliseconds.
-[[nodiscard]] std::optional<double> read_duration(std::string_view text);
-[[nodiscard]] std::optional<DateTime> read_date(std::string_view text);
-[[nodiscard]] std::optional<DateTime> read_time_of_day(std::string_view text);
-[[nodiscard]] std::optional<DateTime> read_date_and_time(std::string_view text);
-
-/// The digits, without the underscores that may stand between two of them; nothing if one stands
-/// elsewhere.
-[[nodiscard]] std::optional<std::string> without_underscores(std::string_view text);
-
 } // namespace busbar::controller::detail

@@ -1,13 +1,15 @@
+#include "iec_time.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
+#include <cstdio>
 
-#include "core/ascii_case.hpp"
-#include "core/number_text.hpp"
-#include "literal.hpp"
+#include "ascii_case.hpp"
+#include "number_text.hpp"
 
-namespace busbar::controller::detail {
+namespace busbar::detail {
 
 namespace {
 
@@ -77,7 +79,7 @@ std::optional<double> decimal(std::string_view text)
     }
     double value = 0;
     const char* end = plain->data() + plain->size();
-    const auto [behind, error] = busbar::detail::read_number(plain->data(), end, value);
+    const auto [behind, error] = read_number(plain->data(), end, value);
     return error == std::errc{} && behind == end ? std::optional{value} : std::nullopt;
 }
 
@@ -98,7 +100,7 @@ std::optional<double> duration_part(TimeText& text, std::size_t& first, bool& is
     const std::string_view unit = text.take_while(is_letter);
     const auto number = decimal(digits);
     while (first < duration_units.size() &&
-           !busbar::detail::is_same_ignoring_case(duration_units[first].name, unit)) {
+           !is_same_ignoring_case(duration_units[first].name, unit)) {
         ++first;
     }
     if (!number || first == duration_units.size()) {
@@ -158,6 +160,16 @@ std::optional<std::int64_t> ticks_of_day(TimeText& text)
     return seconds * DateTime::ticks_per_second + ticks;
 }
 
+/// Leaves zeros at the end of a fraction out, and the point if nothing follows it.
+std::string without_zeros(std::string text)
+{
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) {
+        text.pop_back();
+    }
+    return text;
+}
+
 DateTime at_day(std::int64_t day, std::int64_t ticks)
 {
     constexpr std::int64_t seconds_per_day = 86'400;
@@ -212,4 +224,78 @@ std::optional<DateTime> read_date_and_time(std::string_view text)
     return ticks && rest.empty() ? std::optional{at_day(*day, *ticks)} : std::nullopt;
 }
 
-} // namespace busbar::controller::detail
+std::optional<std::string> without_underscores(std::string_view text)
+{
+    const auto is_digit = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+    };
+    std::string plain;
+    plain.reserve(text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '_') {
+            plain += text[i];
+        } else if (i == 0 || i + 1 == text.size() || !is_digit(text[i - 1]) ||
+                   !is_digit(text[i + 1])) {
+            return {};
+        }
+    }
+    return plain;
+}
+
+std::string duration_text(std::int64_t nanoseconds)
+{
+    struct Part {
+        const char* unit;
+        std::uint64_t size;
+    };
+    constexpr std::array parts{
+        Part{"d", 86'400'000'000'000},
+        Part{"h", 3'600'000'000'000},
+        Part{"m", 60'000'000'000},
+        Part{"s", 1'000'000'000},
+        Part{"ms", 1'000'000},
+        Part{"us", 1'000},
+        Part{"ns", 1},
+    };
+    const bool is_negative = nanoseconds < 0;
+    std::uint64_t left = static_cast<std::uint64_t>(nanoseconds);
+    left = is_negative ? 0 - left : left;
+    std::string text = is_negative ? "T#-" : "T#";
+    if (left == 0) {
+        return text + "0s";
+    }
+    for (const Part& part : parts) {
+        if (left >= part.size) {
+            text += std::to_string(left / part.size) + part.unit;
+            left %= part.size;
+        }
+    }
+    return text;
+}
+
+std::string time_of_day_text(std::int64_t nanoseconds)
+{
+    constexpr std::int64_t second = 1'000'000'000;
+    const std::int64_t seconds = nanoseconds / second;
+    char text[48];
+    std::snprintf(text, sizeof text, "TOD#%02d:%02d:%02d.%09d", static_cast<int>(seconds / 3'600),
+                  static_cast<int>(seconds / 60 % 60), static_cast<int>(seconds % 60),
+                  static_cast<int>(nanoseconds % second));
+    return without_zeros(text);
+}
+
+std::string date_text(DateTime time)
+{
+    return "D#" + to_string(time).substr(0, 10);
+}
+
+std::string date_and_time_text(DateTime time)
+{
+    std::string text = "DT#" + to_string(time);
+    text.pop_back(); // the Z
+    std::replace(text.begin(), text.end(), 'T', '-');
+    text[1] = 'T';
+    return text;
+}
+
+} // namespace busbar::detail
