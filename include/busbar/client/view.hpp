@@ -60,7 +60,7 @@ struct TreeNode {
 
 /// The result of browsing a tree.
 struct BrowsedTree {
-    /// Parents before their children, level by level; each node once.
+    /// Parents before their children; each node once, by HasEventSource or HasNotifier only last.
     std::vector<TreeNode> nodes;
     /// False if a limit or a failure left something out.
     bool is_complete{true};

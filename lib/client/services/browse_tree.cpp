@@ -1,6 +1,7 @@
 #include <set>
 
 #include <busbar/client/view.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "later.hpp"
 #include "steps.hpp"
@@ -8,6 +9,13 @@
 namespace busbar::client {
 
 namespace {
+
+/// References that say where events are from (Part 3, 7.17 and 7.18), not where a node belongs.
+bool is_of_events(const ReferenceDescription& reference)
+{
+    return reference.reference_type_id == NodeId{0, id::HasEventSource} ||
+           reference.reference_type_id == NodeId{0, id::HasNotifier};
+}
 
 /// Browses level by level; a node that was already found is not browsed again.
 class TreeOperation final : public detail::OperationState,
@@ -74,15 +82,29 @@ private:
             next_.push_back(tree_.nodes.size() - 1);
         }
     }
+    /// Adds the nodes that only a reference of events led to; false if there are none.
+    bool add_sources_of_events()
+    {
+        const std::size_t before = tree_.nodes.size();
+        for (auto& [parent, reference] : std::exchange(sources_, {})) {
+            add(parent, tree_.nodes[parent].depth + 1, std::move(reference));
+        }
+        return tree_.nodes.size() != before;
+    }
     /// Returns false if there is nothing to browse.
     bool browse_level()
     {
-        level_ = std::exchange(next_, {});
+        level_.clear();
+        do {
+            for (const std::size_t node : std::exchange(next_, {})) {
+                const bool is_browsed = tree_.nodes[node].depth < limits_.max_depth;
+                tree_.is_complete = tree_.is_complete && is_browsed; // the nodes below are unknown
+                if (is_browsed) {
+                    level_.push_back(node);
+                }
+            }
+        } while (level_.empty() && add_sources_of_events());
         if (level_.empty()) {
-            return false;
-        }
-        if (tree_.nodes[level_.front()].depth >= limits_.max_depth) {
-            tree_.is_complete = false; // the nodes below are unknown
             return false;
         }
         std::vector<BrowseDescription> items;
@@ -106,7 +128,11 @@ private:
             tree_.is_complete = tree_.is_complete && results[i].status_code.is_good();
             const std::size_t depth = tree_.nodes[parent].depth + 1;
             for (ReferenceDescription& reference : results[i].references) {
-                add(parent, depth, std::move(reference));
+                if (is_of_events(reference)) {
+                    sources_.emplace_back(parent, std::move(reference));
+                } else {
+                    add(parent, depth, std::move(reference));
+                }
             }
         }
         if (!browse_level()) {
@@ -129,6 +155,9 @@ private:
     std::set<ExpandedNodeId> seen_;
     std::vector<std::size_t> level_; // indices of nodes that are browsed now
     std::vector<std::size_t> next_;  // indices of nodes that are browsed next
+    /// Nodes that events come from, with the node at which they were found: they stand below it
+    /// only if no other reference leads to them.
+    std::vector<std::pair<std::size_t, ReferenceDescription>> sources_;
     Operation step_;
     RequestId later_{0};
     bool is_later_{false};
