@@ -17,6 +17,7 @@
 #include "core/json.hpp"
 #include "remote_files.hpp"
 #include "remote_transfer.hpp"
+#include "tool/printing/differences.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
@@ -215,28 +216,12 @@ Exit compare(Context& context, Connection& connection, const AdminArguments& arg
     send_file(context, transfer, "compare", arguments.words[0]);
     const Json report = answer_of(transfer, "report");
     const Json* const list = report.find("differences");
-    JsonLine json;
-    json.open_object().key("differences").open_array();
-    Table table{{{"WHAT", 24}, {"FILE", 16, false, true}, {"CONTROLLER", 16, false, true}}};
+    std::vector<Difference> differences;
     for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
-        const std::string what = text_in(each, "what");
-        const std::string file = text_in(each, "file");
-        const std::string controller = text_in(each, "controller");
-        json.open_object().member("what", what).member("file", file);
-        json.member("controller", controller).close_object();
-        table.add({{safe(what)},
-                   {file.empty() ? "not there" : safe(file)},
-                   {controller.empty() ? "not there" : safe(controller)}});
+        differences.push_back(
+            {text_in(each, "what"), text_in(each, "file"), text_in(each, "controller")});
     }
-    const bool is_same = table.row_count() == 0;
-    if (context.options.is_json) {
-        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
-    } else if (is_same) {
-        context.out.line("no differences");
-    } else {
-        table.print(context.out);
-    }
-    return is_same ? Exit::Good : Exit::Failed;
+    return print_differences(context, differences, {"WHAT", "FILE", "CONTROLLER", "not there"});
 }
 
 Exit edit(Context& context, Connection& connection, const AdminArguments& arguments)

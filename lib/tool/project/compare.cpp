@@ -1,22 +1,11 @@
 #include "commands.hpp"
 
-#include <algorithm>
-
-#include "core/ascii_case.hpp"
 #include "reports.hpp"
-#include "tool/printing/display_text.hpp"
-#include "tool/printing/json_writer.hpp"
-#include "tool/printing/table.hpp"
+#include "tool/printing/differences.hpp"
 
 namespace busbar::tool::project {
 
 namespace {
-
-std::string lower(std::string text)
-{
-    std::transform(text.begin(), text.end(), text.begin(), busbar::detail::to_ascii_lower);
-    return text;
-}
 
 Exit compare_projects(Context& context, const ProjectArguments& arguments)
 {
@@ -40,23 +29,11 @@ Exit print_differences(Context& context,
                        const std::vector<controller::ProjectDifference>& differences,
                        const char* first, const char* second)
 {
-    JsonLine json;
-    json.open_object().key("differences").open_array();
-    Table table{{{"WHERE", 24}, {first, 16}, {second, 16}}};
+    std::vector<Difference> rows;
     for (const controller::ProjectDifference& each : differences) {
-        json.open_object().member("where", each.where).member(lower(first), each.first);
-        json.member(lower(second), each.second).close_object();
-        table.add({{safe(each.where)}, {safe(each.first)}, {safe(each.second)}});
+        rows.push_back({each.where, each.first, each.second});
     }
-    const bool is_same = differences.empty();
-    if (context.options.is_json) {
-        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
-    } else if (is_same) {
-        context.out.line("no differences");
-    } else {
-        table.print(context.out);
-    }
-    return is_same ? Exit::Good : Exit::Failed;
+    return tool::print_differences(context, rows, {"WHERE", first, second});
 }
 
 void add_compare(CLI::App& project, Run& run)

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tool/connection/context.hpp"
+
+namespace busbar::tool {
+
+/// What is different, and what each side has of it; empty if it has nothing.
+struct Difference {
+    std::string what;
+    std::string first;
+    std::string second;
+};
+
+/// Titles of the table, which are the names of the members in JSON in small letters.
+struct DifferenceTitles {
+    const char* what;
+    const char* first;
+    const char* second;
+    /// Stands in the table for what a side does not have.
+    const char* nothing{""};
+};
+
+/// Prints a table, or in JSON {"differences": [...], "isSame": false}; Failed if there is one.
+Exit print_differences(Context& context, const std::vector<Difference>& differences,
+                       const DifferenceTitles& titles);
+
+} // namespace busbar::tool
