@@ -124,7 +124,7 @@ run 2 read "what is this" --insecure
 
 run 0 write "ns=2;s=Mode" 7 "ns=2;s=Offset" -5 "ns=2;s=Recipe" "two words" --insecure
 run 0 read --value "ns=2;s=Mode" "ns=2;s=Offset" "ns=2;s=Recipe" --insecure
-[ "$(tr '\n' ' ' < "$work/out")" = '7 -5 "two words" ' ] || fail "other values than written"
+[ "$(tr '\n' ' ' < "$work/out")" = '7 -5 two words ' ] || fail "other values than written"
 run 0 write "ns=2;s=Grid" "[[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]]" --insecure
 run 2 write "ns=2;s=Mode" 300 --insecure
 run 1 write "ns=2;s=SerialNumber" x --insecure

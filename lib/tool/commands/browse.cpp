@@ -5,7 +5,7 @@
 
 #include "commands.hpp"
 #include "tool/nodes/names.hpp"
-#include "tool/nodes/nodes.hpp"
+#include "tool/nodes/variable_facts.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/table.hpp"
 #include "tool/printing/value.hpp"
@@ -28,7 +28,8 @@ using client::TreeNode;
 struct Forest {
     BrowsedTree tree;
     std::vector<std::vector<std::size_t>> children;
-    std::vector<DataValue> values; // empty if they are not wanted
+    std::vector<DataValue> values;    // empty if they are not wanted
+    std::vector<VariableFacts> facts; // the same
     Types types;
 };
 
@@ -54,6 +55,7 @@ Forest browse_forest(Connection& connection, const NodeId& root, const BrowseArg
     }
     if (arguments.has_values) {
         forest.values = read_nodes(connection, variables);
+        forest.facts = facts_of(connection, variables, FactsWanted::DataType);
         forest.types = connection.types_of(forest.values);
     }
     return forest;
@@ -74,7 +76,7 @@ void append_json(JsonLine& json, const Forest& forest, std::size_t index)
         }
     }
     if (!forest.values.empty() && reference.node_class == NodeClass::Variable) {
-        append_json(json, forest.values[index], forest.types);
+        append_json(json, forest.values[index], forest.types, forest.facts[index].data_type);
     } else if (node.status.is_bad()) {
         json.member("status", node.status);
     }
@@ -118,8 +120,10 @@ private:
         if (!forest_->values.empty()) {
             const bool has_value = node.reference.node_class == NodeClass::Variable;
             const DataValue& value = forest_->values[index];
-            row.push_back(has_value ? Cell{text_of(value, forest_->types), style_of(value.status)}
-                                    : Cell{});
+            const ValueHints hints{forest_->facts[index].data_type};
+            row.push_back(has_value
+                              ? Cell{text_of(value, forest_->types, hints), style_of(value.status)}
+                              : Cell{});
         }
         table_.add(std::move(row));
         const auto& children = forest_->children[index];

@@ -3,8 +3,9 @@
 #include "commands.hpp"
 #include "tool/connection/usage.hpp"
 #include "tool/nodes/names.hpp"
-#include "tool/nodes/nodes.hpp"
+#include "tool/nodes/variable_facts.hpp"
 #include "tool/printing/display_text.hpp"
+#include "tool/printing/row_format.hpp"
 #include "tool/printing/table.hpp"
 #include "tool/printing/value_lines.hpp"
 
@@ -17,7 +18,7 @@ struct ReadArguments {
     std::string attribute{"Value"};
     std::string range;
     bool has_all{false};
-    bool is_plain{false};
+    RowFormat format;
     ValueLimits limits;
 };
 
@@ -33,7 +34,8 @@ Exit exit_of_all(const std::vector<DataValue>& values)
 }
 
 void print_json(Output& out, const std::vector<NamedNode>& nodes,
-                const std::vector<DataValue>& values, const Types& types)
+                const std::vector<DataValue>& values, const Types& types,
+                const std::vector<VariableFacts>& facts)
 {
     JsonLine json;
     json.open_array();
@@ -42,25 +44,78 @@ void print_json(Output& out, const std::vector<NamedNode>& nodes,
         if (nodes[i].id) {
             json.member("nodeId", to_string(*nodes[i].id));
         }
-        append_json(json, values[i], types);
+        append_json(json, values[i], types, facts[i].data_type);
         append_candidates(json, nodes[i]);
         json.close_object();
     }
     out.line(json.close_array().document());
 }
 
-void print(Output& out, const std::vector<NamedNode>& nodes, const std::vector<DataValue>& values,
-           const Types& types, const ValueLimits& limits)
+/// What helps to tell the values of an attribute of each node.
+std::vector<VariableFacts> facts_for(Connection& connection, const std::vector<NamedNode>& nodes,
+                                     AttributeId attribute)
+{
+    if (attribute == AttributeId::Value) {
+        return facts_of(connection, nodes, FactsWanted::All);
+    }
+    std::vector<VariableFacts> facts(nodes.size());
+    for (VariableFacts& fact : facts) {
+        fact.data_type = type_of(attribute);
+    }
+    return facts;
+}
+
+/// A DataType as people know it: "MachineMode (ns=4;s=Types/MachineMode)".
+void name_data_type(Connection& connection, const DataValue& value, ValueText& text)
+{
+    if (const auto* const type = value.value.get_if<NodeId>(); type != nullptr) {
+        const std::string name = type_names(connection, {*type}).front();
+        text.text = name == text.text ? text.text : name + " (" + text.text + ")";
+    }
+}
+
+std::string with_unit(std::string text, const std::string& unit)
+{
+    return unit.empty() ? text : text + " " + unit;
+}
+
+/// What was read of several nodes.
+struct ReadNodes {
+    const std::vector<NamedNode>& nodes;
+    const std::vector<DataValue>& values;
+    const Types& types;
+    const std::vector<VariableFacts>& facts;
+};
+
+void print(Context& context, Connection& connection, const ReadNodes& read, AttributeId attribute,
+           const ValueLimits& limits)
 {
     Table table{{{"NODE", 16, false, true}, {"VALUE", 20}, {"SOURCE TIME", 11}}};
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        ValueText text = lines_of(values[i], types, limits, out.columns());
-        table.add({{safe(nodes[i].text)},
-                   {std::move(text.text), style_of(values[i].status)},
-                   {time_of_day(values[i].source_timestamp), Style::Dim}},
+    for (std::size_t i = 0; i < read.nodes.size(); ++i) {
+        const DataValue& value = read.values[i];
+        ValueText text =
+            lines_of(value, read.types, limits, context.out.columns(), read.facts[i].data_type);
+        if (attribute == AttributeId::DataType) {
+            name_data_type(connection, value, text);
+        }
+        const bool is_bad = value.status.is_bad();
+        table.add({{safe(read.nodes[i].text)},
+                   {is_bad ? text.text : with_unit(text.text, read.facts[i].unit),
+                    style_of(value.status)},
+                   {time_of_day(value.source_timestamp), Style::Dim}},
                   std::move(text.lines));
     }
-    table.print(out);
+    table.print(context.out);
+}
+
+void print_rows(Context& context, const std::vector<NamedNode>& nodes,
+                const std::vector<DataValue>& values, const Types& types,
+                const std::vector<VariableFacts>& facts, const RowFormat& format)
+{
+    RowWriter writer{context.out, format};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        writer.write({nodes[i].text, &values[i], facts[i].data_type, facts[i].unit}, types);
+    }
 }
 
 Exit read_values(Context& context, Connection& connection, const ReadArguments& arguments)
@@ -68,7 +123,7 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
     const auto attribute = find_attribute(arguments.attribute);
     if (!attribute) {
         const std::string meant = nearest(arguments.attribute, attribute_names());
-        throw Failure{Exit::Usage, arguments.attribute + ": no attribute",
+        throw Failure{Exit::Usage, arguments.attribute + ": not an attribute",
                       meant.empty()
                           ? "attributes are Value, DataType, AccessLevel, DisplayName, ..."
                           : "perhaps " + meant + " is meant"};
@@ -78,20 +133,34 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
     if (nodes.size() == 1 && values.front().status.is_bad()) {
         throw failure_of(nodes.front(), values.front().status);
     }
+    const auto facts = facts_for(connection, nodes, *attribute);
     const Types types = connection.types_of(values);
     if (context.options.is_json) {
-        print_json(context.out, nodes, values, types);
+        print_json(context.out, nodes, values, types, facts);
         return exit_of_all(values);
     }
-    if (arguments.is_plain) {
-        for (const DataValue& value : values) {
-            context.out.line(text_of(value, types));
-        }
+    if (arguments.format.is_set()) {
+        print_rows(context, nodes, values, types, facts, arguments.format);
     } else {
-        print(context.out, nodes, values, types, arguments.limits);
+        print(context, connection, {nodes, values, types, facts}, *attribute, arguments.limits);
     }
     print_candidates(context.err, nodes);
     return exit_of_all(values);
+}
+
+/// One row of all attributes.
+void add_attribute(Context& context, Connection& connection, AttributeId attribute,
+                   const DataValue& value, const NodeId& data_type, const ValueLimits& limits,
+                   Table& table)
+{
+    const bool is_value = attribute == AttributeId::Value;
+    ValueText shown = lines_of(value, connection.types().types(), limits, context.out.columns(),
+                               is_value ? data_type : type_of(attribute));
+    if (attribute == AttributeId::DataType) {
+        name_data_type(connection, value, shown);
+    }
+    table.add({{std::string{name(attribute)}}, {std::move(shown.text), style_of(value.status)}},
+              std::move(shown.lines));
 }
 
 /// All attributes that the node has.
@@ -108,6 +177,7 @@ Exit read_all(Context& context, Connection& connection, const std::string& text,
         throw Failure{values.front().status, text};
     }
     const Types types = connection.types_of(values);
+    const VariableFacts facts = facts_of(connection, {{text, node}}, FactsWanted::DataType).front();
     JsonLine json;
     json.open_object().member("node", text).key("attributes").open_object();
     Table table{{{"ATTRIBUTE"}, {"VALUE", 20}}};
@@ -115,18 +185,12 @@ Exit read_all(Context& context, Connection& connection, const std::string& text,
         if (values[i].status == status::Bad_AttributeIdInvalid) {
             continue;
         }
-        const std::string attribute{name(attributes[i])};
-        json.key(attribute).open_object();
-        append_json(json, values[i], types);
+        json.key(name(attributes[i])).open_object();
+        append_json(json, values[i], types,
+                    attributes[i] == AttributeId::Value ? facts.data_type : type_of(attributes[i]));
         json.close_object();
-        const auto* class_number = values[i].value.get_if<std::int32_t>();
-        const bool is_class = attributes[i] == AttributeId::NodeClass && class_number != nullptr;
-        ValueText shown = lines_of(values[i], types, limits, context.out.columns());
-        if (is_class) {
-            shown.text = name(static_cast<NodeClass>(*class_number));
-        }
-        table.add({{attribute}, {std::move(shown.text), style_of(values[i].status)}},
-                  std::move(shown.lines));
+        add_attribute(context, connection, attributes[i], values[i], facts.data_type, limits,
+                      table);
     }
     if (context.options.is_json) {
         context.out.line(json.close_object().close_object().document());
@@ -148,7 +212,7 @@ void add_read(CLI::App& app, Run& run)
     command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
     command->add_flag("--all", arguments->has_all, "all attributes of the nodes");
     add_limit_option(*command, arguments->limits);
-    command->add_flag("--value", arguments->is_plain, "nothing but the values, one per line");
+    add_format_options(*command, arguments->format);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes, context.options);

@@ -15,6 +15,7 @@ struct SubscribeArguments {
     std::vector<std::string> nodes;
     FeedSettings feed;
     StreamEnd end;
+    RowFormat format;
 };
 
 /// A table that is drawn again at its place for as long as it runs.
@@ -69,7 +70,8 @@ private:
 
 Exit show(Context& context, Connection& connection, const SubscribeArguments& arguments)
 {
-    const bool is_live = context.out.is_terminal() && !context.options.is_json;
+    const bool is_live =
+        context.out.is_terminal() && !context.options.is_json && !arguments.format.is_set();
     LiveTable table{context.out};
     Stream stream{context, connection, arguments.end};
     WatchedValues values{context,
@@ -77,7 +79,8 @@ Exit show(Context& context, Connection& connection, const SubscribeArguments& ar
                          stream,
                          arguments.feed,
                          parse_feed(arguments.nodes),
-                         is_live ? WatchedValues::Printing::None : WatchedValues::Printing::Lines};
+                         is_live ? WatchedValues::Printing::None : WatchedValues::Printing::Lines,
+                         arguments.format};
     const auto draw = [&](bool is_forced) {
         if (is_live) {
             table.draw(values, is_forced);
@@ -102,6 +105,7 @@ void add_subscribe(CLI::App& app, Run& run)
     command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);
+    add_format_options(*command, arguments->format);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes, context.options);

@@ -26,6 +26,7 @@ struct WatchArguments {
     bool wants_lines{false};
     FeedSettings feed;
     StreamEnd end;
+    RowFormat format;
 };
 
 struct Selection {
@@ -61,9 +62,9 @@ Selection select(Connection& connection, const WatchArguments& arguments)
     return selection;
 }
 
-void print_event(Context& context, const Array<Variant>& fields)
+void print_event(Context& context, const RowFormat& format, const Array<Variant>& fields)
 {
-    if (fields.size() != standard_event_fields.size()) {
+    if (fields.size() != standard_event_fields.size() || format.is_set()) {
         return;
     }
     if (!context.options.is_json) {
@@ -92,12 +93,13 @@ Exit show_lines(Context& context, Connection& connection, const WatchArguments& 
         nodes.push_back(watched.node);
     }
     Stream stream{context, connection, arguments.end};
-    WatchedValues lines{context,        connection,       stream,
-                        arguments.feed, std::move(nodes), WatchedValues::Printing::Lines};
+    WatchedValues lines{context,         connection,       stream,
+                        arguments.feed,  std::move(nodes), WatchedValues::Printing::Lines,
+                        arguments.format};
     if (!arguments.has_no_events) {
         lines.feed().add_events(
             event_item(NodeId{0, id::Server}),
-            [&context](const Array<Variant>& fields) { print_event(context, fields); },
+            [&](const Array<Variant>& fields) { print_event(context, arguments.format, fields); },
             [](StatusCode) {}); // a server without events still has values
     }
     stream.run();
@@ -112,8 +114,8 @@ std::unique_ptr<watch::Terminal> open_terminal(const Context& context,
     const bool is_simple = type == nullptr || std::string_view{type} == "dumb";
     // What --verbose tells would stand across the picture.
     const bool is_disturbed = context.options.is_verbose && context.err.is_terminal();
-    if (arguments.wants_lines || context.options.is_json || is_simple || is_disturbed ||
-        !context.out.is_terminal() || ::isatty(STDIN_FILENO) != 1) {
+    if (arguments.wants_lines || context.options.is_json || arguments.format.is_set() ||
+        is_simple || is_disturbed || !context.out.is_terminal() || ::isatty(STDIN_FILENO) != 1) {
         return nullptr;
     }
     return watch::Terminal::open(context.out.has_colour());
@@ -158,6 +160,7 @@ void add_watch(CLI::App& app, Run& run)
     command->add_flag("--lines", arguments->wants_lines, "lines on a terminal, too");
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);
+    add_format_options(*command, arguments->format);
     command->footer(watch_footer);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {

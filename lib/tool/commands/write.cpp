@@ -17,7 +17,25 @@ struct WriteArguments {
     std::vector<std::string> nodes_and_values;
     std::string type;
     std::string range;
+    bool is_merged{false};
 };
+
+/// Reads a value from its text; a structure that is not complete has a hint of its own.
+Variant value_of(const std::string& text, const TypeOfValue& type, const std::string& node,
+                 const Variant* base)
+{
+    try {
+        return parse_value(text, type, node, base);
+    } catch (Failure& failure) {
+        const bool is_structure = type.type != nullptr && type.type->is_structure();
+        const std::string_view what{failure.what()};
+        if (is_structure && base == nullptr &&
+            what.find("not complete") != std::string_view::npos) {
+            failure.hint = "name all fields, or have the others stay as they are with --merge";
+        }
+        throw;
+    }
+}
 
 /// The values as the DataTypes of their nodes, or --type, have them.
 std::vector<WriteValue> values_of(Connection& connection, const std::vector<NamedNode>& nodes,
@@ -25,6 +43,10 @@ std::vector<WriteValue> values_of(Connection& connection, const std::vector<Name
 {
     const auto data_types = read_nodes(connection, nodes, AttributeId::DataType);
     const auto ranks = read_nodes(connection, nodes, AttributeId::ValueRank);
+    std::vector<DataValue> now;
+    if (arguments.is_merged) {
+        now = read_nodes(connection, nodes);
+    }
     std::vector<WriteValue> values;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].id) {
@@ -38,7 +60,11 @@ std::vector<WriteValue> values_of(Connection& connection, const std::vector<Name
                 ? value_type(connection, data_types[i].value.value_or<NodeId>({}), rank)
                 : value_type(arguments.type, -2);
         DataValue value;
-        value.value = parse_value(arguments.nodes_and_values[2 * i + 1], type, nodes[i].text);
+        if (arguments.is_merged && now[i].status.is_bad()) {
+            throw Failure{now[i].status, nodes[i].text + ": reading what it has now"};
+        }
+        value.value = value_of(arguments.nodes_and_values[2 * i + 1], type, nodes[i].text,
+                               arguments.is_merged ? &now[i].value : nullptr);
         values.push_back(
             client::value_for(*nodes[i].id, std::move(value), AttributeId::Value, arguments.range));
     }
@@ -130,7 +156,10 @@ Exit write_values(Context& context, Connection& connection, const WriteArguments
 
 constexpr const char* write_footer =
     "Values are 42, true, any text, 2026-11-21T06:00:00Z, base64 or 0x00FF for bytes;\n"
-    "arrays are [1, 2], with texts in quotes; structures {\"Name\": value, ...}.";
+    "arrays are [1, 2], with texts in quotes; structures {\"Name\": value, ...},\n"
+    "with all fields, or with --merge some of them. Enumerations take a name or\n"
+    "number, times of a PLC T#1s500ms, TOD#06:00:00, D#2026-11-21 or\n"
+    "DT#2026-11-21-06:00:00.";
 
 } // namespace
 
@@ -143,6 +172,8 @@ void add_write(CLI::App& app, Run& run)
     command->add_option("--type", arguments->type, "instead of the node's DataType: Int16, ...")
         ->type_name("NAME");
     command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
+    command->add_flag("--merge", arguments->is_merged,
+                      "read structures first: fields that are not given stay as they are");
     command->footer(write_footer);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {

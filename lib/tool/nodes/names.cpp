@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include <busbar/types/ids.hpp>
+
 namespace busbar::tool {
 
 namespace {
@@ -57,6 +59,28 @@ std::optional<AttributeId> find_attribute(std::string_view name)
         return std::nullopt;
     }
     return static_cast<AttributeId>(found - std::begin(attributes) + 1);
+}
+
+NodeId type_of(AttributeId attribute)
+{
+    switch (attribute) {
+    case AttributeId::NodeClass:
+        return {0, id::NodeClass};
+    case AttributeId::WriteMask:
+    case AttributeId::UserWriteMask:
+        return {0, id::AttributeWriteMask};
+    case AttributeId::EventNotifier:
+        return {0, id::EventNotifierType};
+    case AttributeId::AccessLevel:
+    case AttributeId::UserAccessLevel:
+        return {0, id::AccessLevelType};
+    case AttributeId::AccessLevelEx:
+        return {0, id::AccessLevelExType};
+    case AttributeId::AccessRestrictions:
+        return {0, id::AccessRestrictionType};
+    default:
+        return {};
+    }
 }
 
 } // namespace busbar::tool

@@ -16,5 +16,8 @@ namespace busbar::tool {
 [[nodiscard]] std::string_view name(AttributeId attribute);
 [[nodiscard]] std::vector<std::string> attribute_names();
 [[nodiscard]] std::optional<AttributeId> find_attribute(std::string_view name);
+/// The DataType of an attribute's values (Part 3, 5), which names its numbers; null for others and
+/// for the Value, whose DataType is the Variable's.
+[[nodiscard]] NodeId type_of(AttributeId attribute);
 
 } // namespace busbar::tool

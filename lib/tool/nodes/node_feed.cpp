@@ -29,6 +29,16 @@ std::vector<FeedNode> parse_feed(const std::vector<std::string>& texts)
     return nodes;
 }
 
+std::vector<std::string> texts_of(const std::vector<FeedNode>& nodes)
+{
+    std::vector<std::string> texts;
+    texts.reserve(nodes.size());
+    for (const FeedNode& node : nodes) {
+        texts.push_back(node.address.text());
+    }
+    return texts;
+}
+
 NodeFeed::NodeFeed(Connection& connection, Stream& stream, const FeedSettings& settings,
                    std::vector<FeedNode> nodes, FeedHandlers handlers)
     : connection_{&connection}, stream_{&stream}, nodes_{std::move(nodes)}, handlers_{

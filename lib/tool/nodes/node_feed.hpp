@@ -25,6 +25,8 @@ struct FeedNode {
     std::string text;
     client::NodeAddress address;
 };
+/// Their texts.
+[[nodiscard]] std::vector<std::string> texts_of(const std::vector<FeedNode>& nodes);
 /// Throws Failure for a text that is no address.
 [[nodiscard]] std::vector<FeedNode> parse_feed(const std::vector<std::string>& texts);
 

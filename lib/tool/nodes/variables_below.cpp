@@ -102,6 +102,13 @@ std::vector<Root> named_roots(Connection& connection, const std::vector<std::str
 
 } // namespace
 
+std::string path_below(const NodeId& root, const std::string& name, const BrowsedTree& tree,
+                       std::size_t index)
+{
+    const std::string path = path_to(tree, index);
+    return name == "/" ? path : text_below({root, parse_address(name)}, path);
+}
+
 VariablesBelow variables_below(Connection& connection, const std::vector<std::string>& nodes,
                                std::size_t limit)
 {

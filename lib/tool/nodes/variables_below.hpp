@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <busbar/client/view.hpp>
+
 #include "node_feed.hpp"
 
 namespace busbar::tool {
@@ -27,5 +29,10 @@ struct VariablesBelow {
 /// Throws Failure.
 [[nodiscard]] VariablesBelow
 variables_below(Connection& connection, const std::vector<std::string>& nodes, std::size_t limit);
+
+/// "/Objects/2:Machine/2:Speed": the address of a node of a tree that was browsed from one node,
+/// `root`, which the user calls `name`.
+[[nodiscard]] std::string path_below(const NodeId& root, const std::string& name,
+                                     const client::BrowsedTree& tree, std::size_t index);
 
 } // namespace busbar::tool

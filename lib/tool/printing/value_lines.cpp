@@ -154,21 +154,21 @@ void add_limit_option(CLI::App& command, ValueLimits& limits)
 }
 
 ValueText lines_of(const Variant& value, const Types& types, const ValueLimits& limits,
-                   std::size_t columns)
+                   std::size_t columns, const NodeId& data_type)
 {
-    const ValuePart part = parts_of(value, types, limits.count);
+    const ValuePart part = parts_of(value, types, limits.count, find_type(types, data_type));
     LineWriter writer{limits, columns};
     writer.write_below(part, indent_width);
     return {part.text, writer.take()};
 }
 
 ValueText lines_of(const DataValue& value, const Types& types, const ValueLimits& limits,
-                   std::size_t columns)
+                   std::size_t columns, const NodeId& data_type)
 {
     if (value.status.is_bad()) {
         return {text_of(value.status), {}};
     }
-    return lines_of(value.value, types, limits, columns);
+    return lines_of(value.value, types, limits, columns, data_type);
 }
 
 } // namespace busbar::tool

@@ -28,9 +28,11 @@ struct ValueText {
 /// elements of arrays in columns. Lines are at most `columns` wide, cut if they have to be and are
 /// limited at all; SIZE_MAX: arrays take 80 columns, and nothing is cut.
 [[nodiscard]] ValueText lines_of(const Variant& value, const Types& types,
-                                 const ValueLimits& limits, std::size_t columns);
+                                 const ValueLimits& limits, std::size_t columns,
+                                 const NodeId& data_type = {});
 /// The value, or the name of a bad status.
 [[nodiscard]] ValueText lines_of(const DataValue& value, const Types& types,
-                                 const ValueLimits& limits, std::size_t columns);
+                                 const ValueLimits& limits, std::size_t columns,
+                                 const NodeId& data_type = {});
 
 } // namespace busbar::tool

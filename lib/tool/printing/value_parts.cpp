@@ -192,9 +192,10 @@ private:
 
 } // namespace
 
-ValuePart parts_of(const Variant& value, const Types& types, std::size_t limit)
+ValuePart parts_of(const Variant& value, const Types& types, std::size_t limit,
+                   const DynamicType* type)
 {
-    return Dissector{types, limit}.part(value, nullptr);
+    return Dissector{types, limit}.part(value, type);
 }
 
 } // namespace busbar::tool

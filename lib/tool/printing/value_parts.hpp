@@ -25,6 +25,8 @@ struct ValuePart {
 };
 
 /// At most `limit` elements of each array are taken, and as many bytes of a ByteString; 0: all.
-[[nodiscard]] ValuePart parts_of(const Variant& value, const Types& types, std::size_t limit);
+/// `type`, which may be null, is the value's DataType.
+[[nodiscard]] ValuePart parts_of(const Variant& value, const Types& types, std::size_t limit,
+                                 const binary::DynamicType* type);
 
 } // namespace busbar::tool

@@ -41,9 +41,11 @@ TypeOfValue value_type(const std::string& name, std::int32_t value_rank)
                   "types are Boolean, Int32, Double, String, DateTime, ..."};
 }
 
-Variant parse_value(const std::string& text, const TypeOfValue& type, const std::string& what)
+Variant parse_value(const std::string& text, const TypeOfValue& type, const std::string& what,
+                    const Variant* base)
 {
-    auto value = client::parse_value(text, {type.built_in, type.value_rank, type.type});
+    auto value = client::parse_value(
+        text, {type.built_in, type.value_rank, type.type, type.types.get(), base});
     if (!value) {
         throw Failure{Exit::Usage, what + ": " + value.error().message};
     }

@@ -25,7 +25,8 @@ struct TypeOfValue {
 /// A built-in type by its name; throws Failure. `value_rank` as above.
 [[nodiscard]] TypeOfValue value_type(const std::string& name, std::int32_t value_rank);
 /// Reads `text`; throws Failure, which says that `what` is wrong.
+/// A structure has the fields of `base`, which may be null, where the text does not name them.
 [[nodiscard]] Variant parse_value(const std::string& text, const TypeOfValue& type,
-                                  const std::string& what);
+                                  const std::string& what, const Variant* base = nullptr);
 
 } // namespace busbar::tool

@@ -186,7 +186,8 @@ std::optional<std::string> NodePage::attribute_text(AttributeId id) const
         return std::string{text->text.view()}; // without the locale (9.4)
     }
     const auto* const browse_name = value->get_if<QualifiedName>();
-    return browse_name != nullptr ? to_string(*browse_name) : text_of(*value, types_);
+    return browse_name != nullptr ? to_string(*browse_name)
+                                  : text_of(*value, types_, {type_of(id)});
 }
 
 bool NodePage::has_value() const
@@ -311,7 +312,10 @@ void NodePage::print_attributes(Output& out, const char* title, AttributeIds ids
         }
     }
     if (has_value() && ids.front() != AttributeId::NodeId) {
-        const ValueText value = lines_of(space_.value(node_), types_, ValueLimits{}, out.columns());
+        const NodeIndex type = data_type();
+        const ValueText value =
+            lines_of(space_.value(node_), types_, ValueLimits{}, out.columns(),
+                     type == model::no_node ? NodeId{} : NodeId{space_.node_id(type)});
         table.add({{"Value"}, {value.text}}, value.lines);
     }
     if (table.row_count() > 0) {

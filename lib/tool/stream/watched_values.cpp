@@ -9,8 +9,10 @@ namespace busbar::tool {
 
 WatchedValues::WatchedValues(Context& context, Connection& connection, Stream& stream,
                              const FeedSettings& settings, std::vector<FeedNode> nodes,
-                             Printing printing)
+                             Printing printing, const RowFormat& format)
     : context_{&context}, connection_{&connection}, stream_{&stream}, printing_{printing},
+      format_{format}, writer_{context.out, format},
+      facts_{facts_of(connection, find_nodes(connection, texts_of(nodes)), FactsWanted::All)},
       rows_(nodes.size()),
       feed_{connection,
             stream,
@@ -29,22 +31,28 @@ void WatchedValues::show(std::size_t node, const DataValue& value)
     ValueRow& row = rows_[node];
     row.value = value;
     const Types types = connection_->types_of({row.value});
-    row.shown = full_text_of(row.value, types);
+    row.shown = full_text_of(row.value, types, {facts_[node].data_type});
+    if (!facts_[node].unit.empty() && !row.value.status.is_bad()) {
+        row.shown += " " + facts_[node].unit;
+    }
     ++row.changes;
     if (printing_ == Printing::Lines) {
-        print(feed_.nodes()[node].text, row, types);
+        print(node, row, types);
     }
 }
 
-void WatchedValues::print(const std::string& node, const ValueRow& row, const Types& types)
+void WatchedValues::print(std::size_t node, const ValueRow& row, const Types& types)
 {
-    if (context_->options.is_json) {
+    const std::string& text = feed_.nodes()[node].text;
+    if (format_.is_set()) {
+        writer_.write({text, &row.value, facts_[node].data_type, facts_[node].unit}, types);
+    } else if (context_->options.is_json) {
         JsonLine json;
-        json.open_object().member("node", node);
-        append_json(json, row.value, types);
+        json.open_object().member("node", text);
+        append_json(json, row.value, types, facts_[node].data_type);
         context_->out.line(json.close_object().document());
     } else {
-        context_->out.line(time_of_day(row.value.source_timestamp) + "  " + safe(node) + "  " +
+        context_->out.line(time_of_day(row.value.source_timestamp) + "  " + safe(text) + "  " +
                            row.shown);
     }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "tool/nodes/node_feed.hpp"
+#include "tool/nodes/variable_facts.hpp"
+#include "tool/printing/row_format.hpp"
 
 namespace busbar::tool {
 
@@ -19,9 +21,10 @@ public:
     /// None: only rows() change.
     enum class Printing : std::uint8_t { Lines, None };
 
-    /// Throws Failure.
+    /// Lines are for people, or in JSON, unless `format` is set. Throws Failure.
     WatchedValues(Context& context, Connection& connection, Stream& stream,
-                  const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing);
+                  const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing,
+                  const RowFormat& format);
 
     [[nodiscard]] NodeFeed& feed() { return feed_; }
     [[nodiscard]] const std::vector<FeedNode>& nodes() const { return feed_.nodes(); }
@@ -31,13 +34,16 @@ public:
 
 private:
     void show(std::size_t node, const DataValue& value);
-    void print(const std::string& node, const ValueRow& row, const Types& types);
+    void print(std::size_t node, const ValueRow& row, const Types& types);
     void set_status(std::size_t node, StatusCode status);
 
     Context* context_;
     Connection* connection_;
     Stream* stream_;
     Printing printing_;
+    RowFormat format_;
+    RowWriter writer_;
+    std::vector<VariableFacts> facts_;
     std::vector<ValueRow> rows_;
     NodeFeed feed_;
 };

@@ -14,7 +14,7 @@ gone() {
 mode_is() {
     chief 0 admin mode "$url"
     says "^$1\$"
-    value Controller/DeviceState/Mode "\"$1\""
+    value Controller/DeviceState/Mode "$1"
 }
 
 {

@@ -63,10 +63,10 @@ serve --config machine.toml
 run 0 --insecure write "$url" "$(node Count)" 1
 power_cycle
 is Count 1 "a number"
-is Recipe '"none"' "what nobody wrote"
+is Recipe 'none' "what nobody wrote"
 run 0 --insecure write "$url" "$(node Recipe)" 'cover plate'
 power_cycle
-is Recipe '"cover plate"' "a text"
+is Recipe 'cover plate' "a text"
 is Count 1 "a power cycle later"
 run 0 --insecure write "$url" "$(node Levels)" '[1,2,3,4]'
 power_cycle
@@ -135,7 +135,7 @@ printf 'X' | dd of="$(journal)" bs=1 seek=40 conv=notrunc 2> /dev/null
 serve --config machine.toml
 logged 'is damaged, and is left out' || fail "nobody learns of the damage"
 is Count "$before" "the write before the damaged one"
-is Recipe '"lid"' "the write after the damaged one"
+is Recipe 'lid' "the write after the damaged one"
 [ -e state/retained.journal-1.kept ] || [ -e state/retained.journal-2.kept ] ||
     fail "what was damaged is lost"
 for count in 1005 1015 1025 1035 1045; do
@@ -155,7 +155,7 @@ sed -i 's/Count : DINT/Count : LINT := 3/' line.st
 power_cycle
 logged 'retained: Count: has another type' || fail "nobody learns of the other type"
 is Count 3 "of another type"
-is Recipe '"cover"' "of the same type"
+is Recipe 'cover' "of the same type"
 
 # A restart by an online edit or a download keeps what was written.
 run 0 --insecure write "$url" "$(node Count)" 2000

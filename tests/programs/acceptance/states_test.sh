@@ -167,17 +167,17 @@ one_step
 for fault in "minor fault" "partial fault" "major fault"; do
     simulate "$fault"
     case "$fault" in
-        major*) value Controller/DeviceState/ErrorState '"MajorFault"' ;;
-        *) value Controller/DeviceState/ErrorState '"ContinuousError"' ;;
+        major*) value Controller/DeviceState/ErrorState 'MajorFault' ;;
+        *) value Controller/DeviceState/ErrorState 'ContinuousError' ;;
     esac
     status_is Running
 done
 restart
 step_ends
-value Controller/DeviceState/ErrorState '"NoError"'
+value Controller/DeviceState/ErrorState 'NoError'
 
 entry variables 4-1-4: states of the CPU
-value Controller/DeviceState/Mode '"PROGRAM"'
+value Controller/DeviceState/Mode 'PROGRAM'
 # Executed during a backup, an online edit and in RUN; stopped during a download and after a
 # restore, a clearing, a watchdog error and an error of the server.
 chief 0 admin backup "$url" whole.backup
@@ -193,7 +193,7 @@ await settled
 step_ends
 value Speed 18
 chief 0 admin mode "$url" run --yes
-value Controller/DeviceState/Mode '"RUN"'
+value Controller/DeviceState/Mode 'RUN'
 one_step
 await settled
 runs=$(count Run)

@@ -25,7 +25,7 @@ is_fine() {
 }
 property() {
     chief 0 read --value "$url" "nsu=urn:busbar:machine;s=Controller/DeviceState/$1"
-    says "^\"$2\"\$"
+    says "^$2\$"
 }
 # got CODE LEVEL: what the program got from GetPLCError.
 got() {

@@ -117,8 +117,8 @@ for name in DeviceState ErrorState Mode UnpublishedVariablesStatus NumberOfPubli
     NumberOfValueAttributes GlobalVars; do
     says "2:$name "
 done
-value Controller/DeviceState/ErrorState '"NoError"'
-value Controller/DeviceState/Mode '"RUN"'
+value Controller/DeviceState/ErrorState 'NoError'
+value Controller/DeviceState/Mode 'RUN'
 value Controller/DeviceState/UnpublishedVariablesStatus 8
 value Controller/DeviceState/NumberOfPublishedVariables 30
 value Controller/DeviceState/NumberOfValueAttributes 192
@@ -127,20 +127,20 @@ entry variables 6-2-2: name, type, constant, publish
 attributes fixed
 says '^BrowseName  *"2:fixed"$'
 says '^DisplayName  *"fixed"$'
-says '^DataType  *i=4$'
-says '^AccessLevel  *1$'
+says '^DataType  *Int16 (i=4)$'
+says '^AccessLevel .*(1)$'
 chief 1 write "$url" "$(node fixed)" 6
 says 'Bad_NotWritable'
 value fixed 5
 attributes anInt
-says '^AccessLevel  *3$'
+says '^AccessLevel .*(3)$'
 
 entry variables 6-2-2: types
 one_step
 # type NAME DATATYPE LARGEST [SHOWN]
 type() {
     attributes "$1"
-    says "^DataType  *i=$2\$"
+    says "^DataType .*(i=$2)\$"
     writes "$1" "$3" "${4:-$3}"
 }
 type aBool 1 true

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nodes.hpp"
+
+namespace busbar::tool {
+
+/// What a server says of a Variable beside its value.
+struct VariableFacts {
+    /// Null if it is not known.
+    NodeId data_type{};
+    /// The DataType's BrowseName and the EngineeringUnits (Part 8, 5.6.3), both `safe`; may be
+    /// empty.
+    std::string type_name{};
+    std::string unit{};
+};
+
+/// What of it is asked for; each costs a request or two more.
+enum class FactsWanted : std::uint8_t { DataType, TypeName, All };
+/// Asks for what is wanted of the nodes, and learns the DataTypes that name values. A node that was
+/// not found has none.
+[[nodiscard]] std::vector<VariableFacts>
+facts_of(Connection& connection, const std::vector<NamedNode>& nodes, FactsWanted wanted);
+/// The name of each DataType, or the NodeId of one that has none; `safe`.
+[[nodiscard]] std::vector<std::string> type_names(Connection& connection,
+                                                  const std::vector<NodeId>& types);
+
+} // namespace busbar::tool
