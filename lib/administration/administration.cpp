@@ -67,17 +67,17 @@ Administration::~Administration() = default;
 Configured<void> Administration::Impl::check() const
 {
     if (parts.users != nullptr && parts.certificates == nullptr) {
-        return misconfigured("users", "are managed by ServerConfiguration, which is not there");
+        return misconfigured("users", "need certificates: ServerConfiguration manages both");
     }
     if (parts.certificates != nullptr &&
         (parts.certificates->files == nullptr || parts.certificates->applications == nullptr)) {
         return misconfigured("certificates", "have no files or no store of applications");
     }
     if (parts.reset && (parts.certificates == nullptr || !parts.stop)) {
-        return misconfigured("reset", "is there without certificates or stop");
+        return misconfigured("reset", "needs certificates and stop");
     }
     if ((parts.settings != nullptr) != (parts.setting_owner != nullptr)) {
-        return misconfigured("settings", "are there without their owner, or it without them");
+        return misconfigured("settings", "and setting_owner need each other");
     }
     if ((parts.certificates != nullptr || !parts.file_transfers.empty()) &&
         parts.random == nullptr) {
@@ -91,14 +91,14 @@ Configured<void> Administration::Impl::check_files() const
     for (const FileSystem& files : parts.file_systems) {
         if (files.storage == nullptr || !detail::is_file_name(files.name)) {
             return misconfigured("files \"" + files.name + "\"",
-                                 "have no storage, or a name that is no part of a path");
+                                 "have no storage, or a name that is not a valid file name");
         }
     }
     for (const TemporaryFileTransfer& transfer : parts.file_transfers) {
         if (transfer.owner == nullptr || !detail::is_file_name(transfer.name) ||
             transfer.client_processing_timeout <= std::chrono::milliseconds{0}) {
             return misconfigured("transfer \"" + transfer.name + "\"",
-                                 "has no owner, no timeout, or a name that is no part of a path");
+                                 "has no owner, no timeout, or a name that is not a file name");
         }
     }
     return {};

@@ -26,21 +26,22 @@ std::string reason_of_file(StatusCode status)
         const char* reason;
     };
     static constexpr std::array rows{
-        Row{status::Bad_InvalidArgument,
-            "this session has the file not open by this handle, or the mode or length is none"},
+        Row{status::Bad_InvalidArgument, "this session has not opened a file with this handle, or "
+                                         "the mode or length is not valid"},
         Row{status::Bad_InvalidState,
-            "the file is in use, is not open for this, or has become another one meanwhile"},
+            "the file is in use, is not open for this access, or was replaced in the meantime"},
         Row{status::Bad_NotReadable, "another session has the file open for writing"},
         Row{status::Bad_NotWritable, "another session has the file open"},
         Row{status::Bad_TooManyOperations, "too many files are open; close others"},
         Row{status::Bad_EncodingLimitsExceeded, "the file is, or would be, too large"},
-        Row{status::Bad_OutOfMemory, "the files that are open have no more room together"},
+        Row{status::Bad_OutOfMemory,
+            "the open files together take all the memory that they may take"},
         Row{status::Bad_ResourceUnavailable,
-            "the folder cannot be written, or has as many files or levels as it may have"},
-        Row{status::Bad_BrowseNameDuplicated, "there is a file or folder of this name already"},
+            "the folder is not writable, or has the maximum number of files or levels"},
+        Row{status::Bad_BrowseNameDuplicated, "a file or folder of this name already exists"},
         Row{status::Bad_BrowseNameInvalid,
-            "a name is UTF-8 without / and \\, control characters, a point in front, and spaces at "
-            "its ends, of at most 255 bytes"},
+            "a name must be UTF-8 of at most 255 bytes, without / and \\, control characters, a "
+            "leading period and spaces at either end"},
         Row{status::Bad_NotFound, "there is no such file or folder here"},
         Row{status::Bad_UserAccessDenied, "the user may not write here"},
     };

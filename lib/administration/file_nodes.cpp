@@ -303,10 +303,10 @@ bool FileNodes::is_shown(const StorageEntry& entry)
     if (!is_name && !is_told_) {
         is_told_ = true;
         log_.write(LogLevel::Warning, "files",
-                   "clients do not see \"" + printable(entry.name) + "\" in " +
+                   "clients cannot see \"" + printable(entry.name) + "\" in " +
                        files_.storage->place("") +
-                       ": names are UTF-8 without control characters, backslashes, and spaces at "
-                       "their ends. Rename it; there may be others, which are not told of");
+                       ": names must be UTF-8 without control characters, backslashes, and spaces "
+                       "at either end. Rename it; more files like it are not reported");
     }
     return is_name;
 }

@@ -26,11 +26,11 @@ constexpr std::size_t min_nonce = 32;
 
 constexpr const char* no_such_slot =
     "expected the group DefaultApplicationGroup and the type RsaSha256ApplicationCertificateType";
-constexpr const char* makes_key = "a private key is being made; try again when it is done";
+constexpr const char* makes_key = "a private key is being generated; try again when it is done";
 constexpr const char* no_own = "this server has no certificate";
 constexpr const char* no_certificate =
-    "no certificate can be made of these values; expected names of at most 64 bytes, a country of "
-    "two letters, and host names and IP addresses that are some";
+    "these values cannot be put into a certificate; expected names of at most 64 bytes, a country "
+    "of two letters, and valid host names and IP addresses";
 
 /// Argument number `index`, an array of ByteStrings.
 std::vector<std::byte> concatenated(const MethodCall& call, std::size_t index)
@@ -97,14 +97,15 @@ Checked<crypto::OwnCertificate> OwnCertificateMethods::own_of(const MethodCall& 
     }
     if (format != private_key_format) {
         return refuse_certificate(status::Bad_NotSupported,
-                                  "a private key in the format " + printable(format),
+                                  "the format " + printable(format) +
+                                      " of the private key is not supported",
                                   "Send it as PEM");
     }
     auto key = crypto::PrivateKey::parse(bytes_input(call, 5));
     if (!key || !key->belongs_to(certificates->front())) {
-        return refuse_certificate(status::Bad_SecurityChecksFailed,
-                                  "the private key cannot be read or is that of another "
-                                  "certificate");
+        return refuse_certificate(
+            status::Bad_SecurityChecksFailed,
+            "the private key cannot be read or belongs to another certificate");
     }
     return crypto::OwnCertificate{*std::move(certificates), *std::move(key)};
 }
@@ -180,7 +181,7 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
     const auto& identity = needs_.server.config().identity;
     if (!identity || (needs_key && nonce.size() < min_nonce)) {
         return identity ? call.fail(status::Bad_InvalidArgument,
-                                    "a new private key wants a nonce of 32 bytes or more")
+                                    "a new private key requires a nonce of at least 32 bytes")
                         : call.fail(status::Bad_InvalidState, no_own);
     }
     auto subject =
@@ -222,11 +223,11 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
     }
     const auto& identity = needs_.server.config().identity;
     if (is_making_key() || !identity || !needs_.transaction.is_own_deleted()) {
-        return call.fail(status::Bad_InvalidState,
-                         is_making_key() ? makes_key
-                         : !identity     ? no_own
-                                     : "the certificate that there is has to be deleted before, "
-                                       "in the same transaction");
+        return call.fail(
+            status::Bad_InvalidState,
+            is_making_key() ? makes_key
+            : !identity     ? no_own
+                        : "the present certificate must be deleted first, in the same transaction");
     }
     crypto::CertificateSubject base;
     base.application_uri = needs_.server.config().application_uri;
@@ -268,7 +269,7 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
             if (!needs_.transaction.is_own_deleted() ||
                 *needs_.transaction.owner() != holder) { // it is over meanwhile
                 return shared->fail(status::Bad_InvalidState,
-                                    "the transaction ended while the key was made");
+                                    "the transaction ended while the key was being generated");
             }
             auto outputs = one_output(Variant{ByteString{(*made)->certificates.front().der()}});
             needs_.transaction.set_own_certificate(**made);

@@ -104,7 +104,7 @@ Checked<void> check_fixed(const RoleRules& role)
 {
     if (is_fixed(role)) {
         return refuse_role(status::Bad_RequestNotAllowed, role.name,
-                           "has the rule that its name says, and no other");
+                           "has the one rule that its name implies, which cannot change");
     }
     return {};
 }
@@ -235,12 +235,12 @@ Checked<void> RoleList::change(std::string_view name, Change change)
     if (is_of_administrators(*found) && had_rules && found->identities.empty() &&
         (configured_ == nullptr || !configured_->has_administrator())) {
         return refuse_role(status::Bad_RequestNotAllowed, name,
-                           "would have no rule, and nobody could administer the server by it");
+                           "would have no rule left, so that no user could administer the server");
     }
     if (is_of_administrators(*found) && !admitted_nobody && admits_nobody(*found)) {
         return refuse_role(status::Bad_RequestNotAllowed, name,
-                           "would be for applications or endpoints of a list that is empty, and "
-                           "nobody could administer the server; add to the list first");
+                           "would be limited to an empty list of applications or endpoints, so "
+                           "that no user could administer the server; add to the list first");
     }
     return replace(std::move(roles));
 }
@@ -252,16 +252,16 @@ Checked<void> RoleList::add(std::string name, std::string namespace_uri)
     }
     if (!busbar::detail::is_name(name) ||
         (!namespace_uri.empty() && !busbar::detail::is_name(namespace_uri))) {
-        return refuse_role(status::Bad_InvalidArgument, name,
-                           "has a name that is no UTF-8, or has control characters or spaces at "
-                           "its ends");
+        return refuse_role(
+            status::Bad_InvalidArgument, name,
+            "has a name that is not UTF-8, or has control characters or spaces at either end");
     }
     if (find(name) != nullptr) {
         return refuse_role(status::Bad_AlreadyExists, name, "is there already");
     }
     if (roles_.size() >= limits_.max_roles) {
         return refuse_role(status::Bad_ResourceUnavailable, name,
-                           "is one more than the limit of " + std::to_string(limits_.max_roles));
+                           "would exceed the limit of " + std::to_string(limits_.max_roles));
     }
     std::vector<RoleRules> roles = roles_;
     RoleRules role;
@@ -280,7 +280,8 @@ Checked<void> RoleList::remove(std::string_view name)
         return refuse_role(status::Bad_NodeIdUnknown, name, "is not there");
     }
     if (is_well_known(name)) {
-        return refuse_role(status::Bad_RequestNotAllowed, name, "is a well-known one, which stays");
+        return refuse_role(status::Bad_RequestNotAllowed, name,
+                           "is a well-known role, which cannot be removed");
     }
     roles.erase(found);
     return replace(std::move(roles));
@@ -292,14 +293,15 @@ Checked<void> RoleList::add_identity(std::string_view role, const IdentityMappin
         const std::string_view criteria = rule.criteria.view();
         if (!criteria.empty() && !busbar::detail::is_name(criteria)) {
             return refuse_role(status::Bad_InvalidArgument, role,
-                               "was to get a rule with control characters or spaces at its ends");
+                               "cannot get a rule with control characters or spaces at either end");
         }
         if (const StatusCode bad = detail::check_rule(rule, limits_.max_text); bad.is_bad()) {
-            return refuse_role(bad, role, "was to get a rule that cannot be used");
+            return refuse_role(bad, role,
+                               "cannot get this rule: its type or criteria are not valid");
         }
         if (is_configured(role, rule)) {
             return refuse_role(status::Bad_AlreadyExists, role,
-                               "has that rule by the configuration");
+                               "has that rule from the configuration");
         }
         return check_fixed(changed).and_then(
             [&] { return add_to(changed.identities, own_copy(rule), changed, limits_.max_rules); });
@@ -314,7 +316,7 @@ Checked<void> RoleList::remove_identity(std::string_view role, const IdentityMap
         if (!removed && removed.error().status == status::Bad_NotFound &&
             is_configured(role, rule)) {
             return refuse_role(status::Bad_RequestNotAllowed, role,
-                               "has that rule by the configuration, which is changed where it is");
+                               "has that rule from the configuration; change it there");
         }
         return removed;
     });
@@ -324,7 +326,8 @@ Checked<void> RoleList::add_application(std::string_view role, std::string_view 
 {
     return change(role, [&](RoleRules& changed) -> Checked<void> {
         if (uri.size() > limits_.max_text || !busbar::detail::is_name(uri)) {
-            return refuse_role(status::Bad_InvalidArgument, role, "was to get no ApplicationUri");
+            return refuse_role(status::Bad_InvalidArgument, role,
+                               "cannot get an ApplicationUri that is not valid");
         }
         return check_fixed(changed).and_then([&] {
             return add_to(changed.applications, std::string{uri}, changed, limits_.max_rules);
@@ -354,7 +357,7 @@ Checked<void> RoleList::add_endpoint(std::string_view role, const EndpointType& 
                              is_name_or_empty(endpoint.transport_profile_uri);
         if (size > limits_.max_text || !is_text || mode < 0 || mode > 3) {
             return refuse_role(status::Bad_InvalidArgument, role,
-                               "was to get an endpoint that makes no sense");
+                               "cannot get an endpoint that is not valid");
         }
         return check_fixed(changed).and_then([&] {
             return add_to(changed.endpoints, own_copy(endpoint), changed, limits_.max_rules);

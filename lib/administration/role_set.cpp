@@ -288,7 +288,7 @@ void RoleSet::remove_role(MethodCall call)
     if (node == model::no_node || name.empty()) {
         return refuse_call(call, {status::Bad_NodeIdUnknown,
                                   "role set",
-                                  printable(to_string(id)) + " is no role of this server",
+                                  printable(to_string(id)) + " is not a role of this server",
                                   "Part 18, 4.2.3",
                                   {}});
     }

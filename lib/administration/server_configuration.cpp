@@ -24,8 +24,8 @@ namespace {
 const char* reason_of_end(StatusCode state)
 {
     return state == status::Bad_NothingToDo
-               ? "no certificates or trust lists were changed that wait to be applied"
-               : "the changes are of another session, which applies or cancels them";
+               ? "no changes of certificates or trust lists are waiting to be applied"
+               : "the changes belong to another session, which must apply or cancel them";
 }
 
 using server::MethodCall;
@@ -308,7 +308,7 @@ void ServerConfiguration::apply_changes(MethodCall call)
     if (is_open || own_.is_making_key()) {
         return call.fail(status::Bad_InvalidState,
                          is_open ? "a trust list is open for writing; close it first"
-                                 : "a private key is being made; try again when it is done");
+                                 : "a private key is being generated; try again when it is done");
     }
     const auto own = std::make_shared<std::optional<crypto::OwnCertificate>>();
     auto put_in_force = std::make_unique<NodeTable::Task>();
@@ -385,7 +385,7 @@ void ServerConfiguration::renew(const crypto::OwnCertificate& own)
     const auto done = server::RunningServer{server_}.reconfigure(std::move(config));
     if (!done) {
         log_.write(LogLevel::Error, "administration",
-                   "the new certificate is in force after a restart only: " + text(done.error()));
+                   "the new certificate takes effect only after a restart: " + text(done.error()));
         return;
     }
     if (files_.renewed) {

@@ -67,9 +67,11 @@ Checked<void> ServerControl::check(const Wish& wish) const
     case ServerState::Suspended:
     case ServerState::Failed:
         if (wish.restarts || is_counting) {
-            return refuse_state(status::Bad_InvalidState,
-                                wish.restarts ? "a restart is for the states Running and Shutdown"
-                                              : "the server is about to stop");
+            return refuse_state(
+                status::Bad_InvalidState,
+                wish.restarts
+                    ? "a restart can only be requested with the states Running and Shutdown"
+                    : "the server is about to stop");
         }
         break;
     default:
@@ -116,7 +118,7 @@ void ServerControl::request(MethodCall call)
         Array<StatusCode> results;
         results.resize(call.inputs().size());
         results[0] = status::Bad_OutOfRange;
-        return call.refuse(std::move(results), "the state is none of ServerState");
+        return call.refuse(std::move(results), "the state is not a value of ServerState");
     }
     wish.return_time = call.input<DateTime>(1);
     wish.seconds_till_shutdown = call.input<std::uint32_t>(2);

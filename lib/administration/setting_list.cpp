@@ -161,7 +161,7 @@ Configured<void> check_setting(const Setting& setting, const Variant& value)
         return misconfigured(setting.name,
                              "found more than " + std::to_string(max_elements) +
                                  " elements, or a text of more than " + std::to_string(max_text) +
-                                 " bytes or that is no UTF-8",
+                                 " bytes or not UTF-8",
                              status::Bad_OutOfRange);
     }
     const auto& range = setting.range;

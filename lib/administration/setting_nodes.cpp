@@ -216,12 +216,13 @@ Result<void> SettingNodes::add_method()
     node.browse_name = QualifiedName{namespace_, "Set"};
     node.parent = root_;
     model::NewMethod method;
-    method.input_arguments.push_back(argument(
-        "Names", id::String, 1, "as the Variables' NodeIds have them behind \"Settings.\""));
     method.input_arguments.push_back(
-        argument("Values", id::BaseDataType, 1, "null: as it is without changes made online"));
-    method.output_arguments.push_back(argument("IsDone", id::Boolean, -1, "all of them, or none"));
-    method.output_arguments.push_back(argument("Reason", id::String, -1, "why not"));
+        argument("Names", id::String, 1, "the Variables' NodeIds without \"Settings.\""));
+    method.input_arguments.push_back(
+        argument("Values", id::BaseDataType, 1, "null takes back what was changed online"));
+    method.output_arguments.push_back(
+        argument("IsDone", id::Boolean, -1, "whether all were set; otherwise none was"));
+    method.output_arguments.push_back(argument("Reason", id::String, -1, "why none was set"));
     const auto added = space.add_method(node, method);
     if (!added) {
         return fail(added.error());
@@ -307,7 +308,7 @@ void SettingNodes::write_set(server::WriteBatch& batch)
     const auto done = needs_.list.change(set, needs_.owner, {.time = needs_.clock.now()});
     if (!done) {
         needs_.log.write(LogLevel::Warning, "administration",
-                         "settings are as they were: " + text(done.error()));
+                         "no setting was changed: " + text(done.error()));
     }
     batch.finish(done ? StatusCode{status::Good} : done.error().status,
                  done ? std::string{} : text(done.error()));

@@ -27,8 +27,8 @@ Unexpected<Refusal> refuse_files(StorageError error, bool is_decided = false)
 {
     return refuse({status::Bad_ResourceUnavailable, "transaction",
                    "the files cannot be written: " + std::string{text(error)} +
-                       (is_decided ? "; what is missing follows once they can" : ""),
-                   "", "Look after free space and rights of the folder"});
+                       (is_decided ? "; the rest is written as soon as they can" : ""),
+                   "", "Check the free space and the permissions of the folder"});
 }
 
 } // namespace
@@ -121,7 +121,7 @@ Checked<void> Transaction::write(FileTransaction& change, std::string_view appli
     }
     if (is_own_deleted_) {
         Refusal refusal{status::Bad_InvalidState, "transaction",
-                        "the server's certificate would be deleted and there is no other one",
+                        "the server's certificate would be deleted without a replacement",
                         "Part 12, 7.10.9", "Call CreateSelfSignedCertificate or UpdateCertificate"};
         errors_.push_back(
             {groups_.front().id, refusal.status, LocalizedText{"en", String{text(refusal)}}});
@@ -211,7 +211,7 @@ Configured<void> finish_changes(Storage& files)
         return {};
     }
     return misconfigured(files.place(detail::transaction_folder),
-                         "what was begun there cannot be finished: " +
+                         "an interrupted change cannot be finished: " +
                              std::string{text(finished.error())},
                          status_of(finished.error()));
 }

@@ -139,8 +139,7 @@ private:
 
 /// The reason of Bad_TransactionPending, for an administrator.
 inline constexpr const char* other_transaction =
-    "another session is changing certificates; its changes have to be applied or cancelled, or its "
-    "session to end";
+    "another session is changing certificates: it must apply or cancel its changes, or end";
 
 /// Finishes what an earlier change of the folder has decided; before anything is staged.
 [[nodiscard]] Checked<void> prepare_files(FileTransaction& change);

@@ -21,9 +21,9 @@ namespace {
 // Reasons, see CallResult::reason.
 
 constexpr const char* no_such_file =
-    "this session has no such file: it was closed, its time passed, or another user needed its "
-    "place";
-constexpr const char* no_room = "too many such files are under way; try again when they are done";
+    "this session has no such file: it was closed, timed out, or gave its place to another user";
+constexpr const char* no_room =
+    "too many file transfers are in progress; try again when they are done";
 
 } // namespace
 
@@ -117,15 +117,15 @@ void TransferNodes::close_and_commit(MethodCall& call)
     }
     if (!file->is_written || file->is_being_taken) {
         return call.fail(status::Bad_InvalidState, file->is_written
-                                                       ? "the file is being taken already"
-                                                       : "the file is one to read");
+                                                       ? "the file is already being processed"
+                                                       : "the file is for reading");
     }
     const administration::TransferRequest request{file->options, call.user(), call.session_id()};
     auto outputs = one_output(Variant{NodeId{}});
     const StatusCode may = transfer_.owner->may_take(request);
     if (may.is_good() && is_taking_) {
         return call.fail(status::Bad_TooManyOperations,
-                         "another file is being taken; try again when it is done");
+                         "another file is being processed; try again when it is done");
     }
     auto preparation = may.is_bad() ? std::function<void()>{}
                                     : transfer_.owner->preparation(request, *file->bytes);
@@ -175,7 +175,7 @@ void TransferNodes::end_taking(MethodCall& call, TransferFile* file, StatusCode 
 /// It is open already, for who asked for it (Part 20, 4.4.3).
 void TransferNodes::open(MethodCall& call)
 {
-    call.fail(status::Bad_InvalidState, "it is open already");
+    call.fail(status::Bad_InvalidState, "the file is already open");
 }
 
 /// Without CloseAndCommit nothing of it is kept.
@@ -213,7 +213,8 @@ void TransferNodes::write_file(MethodCall& call)
         return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
     if (const StatusCode written = files_.write(*file, bytes_input(call, 1)); written.is_bad()) {
-        return call.fail(written, "it is open for reading, is being taken, or would be too large");
+        return call.fail(written,
+                         "the file is open for reading, is being processed, or would be too large");
     }
     file->modified = clock_.now();
     call.succeed();

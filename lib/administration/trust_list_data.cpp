@@ -79,7 +79,7 @@ Checked<crypto::TrustList> merge(std::span<const std::byte> bytes, crypto::Trust
     decode(reader, data);
     if (!reader.ok() || reader.remaining() != 0 || (data.specified_lists & ~all_lists) != 0) {
         return refuse_list(status::Bad_InvalidArgument,
-                           "the bytes that were written are no TrustListDataType");
+                           "the written bytes are not a TrustListDataType");
     }
     const std::uint32_t masks = data.specified_lists;
     parts = {

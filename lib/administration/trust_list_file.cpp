@@ -350,8 +350,8 @@ void TrustListFile::add_certificate(MethodCall call)
     // CA certificates come with their revocation lists, which this Method has no place for.
     if (!certificate || !call.input<bool>(1)) {
         return call.fail(status::Bad_CertificateInvalid,
-                         certificate ? "this Method is for trusted certificates; issuers come with "
-                                       "their revocation lists, by writing the trust list"
+                         certificate ? "this Method adds trusted certificates only; add issuers "
+                                       "with their revocation lists by writing the trust list"
                                      : "the certificate cannot be read, expected DER");
     }
     crypto::CertificateStore& store = *group().store;

@@ -39,7 +39,7 @@ Checked<void> check_configuration(std::string_view name, std::uint32_t bits)
 {
     if ((bits & ~all_bits) != 0) {
         return refuse_user(status::Bad_NotSupported, name,
-                           "would have bits that no user has: " + std::to_string(bits));
+                           "would have unknown bits in its configuration: " + std::to_string(bits));
     }
     constexpr std::uint32_t both = user_bit::no_change_by_user | user_bit::must_change_password;
     if ((bits & both) == both) {
@@ -53,7 +53,7 @@ Checked<void> check_description(std::string_view name, std::string_view descript
 {
     if (description.size() > max_description_size || !detail::is_kept_whole(description)) {
         return refuse_user(status::Bad_InvalidArgument, name,
-                           "has a description that is too long or no text");
+                           "has a description that is too long or is not text");
     }
     return {};
 }
@@ -62,9 +62,8 @@ Checked<void> check_wanted(std::string_view name, const std::function<bool()>& i
 {
     return !is_wanted || is_wanted()
                ? Checked<void>{}
-               : Checked<void>{
-                     refuse_user(status::Bad_Timeout, name,
-                                 "stays as it was: nobody waits for the change any more")};
+               : Checked<void>{refuse_user(status::Bad_Timeout, name,
+                                           "was not changed: the request had timed out")};
 }
 
 std::vector<User>::iterator place_of(std::vector<User>& users, std::string_view name)
@@ -81,8 +80,8 @@ User* find_in(std::vector<User>& users, std::string_view name)
 
 Unexpected<Refusal> refuse_configured(std::string_view name)
 {
-    return refuse_user(status::Bad_NotSupported, name, "is not of those that are managed online",
-                       "Change the configuration that brings the user");
+    return refuse_user(status::Bad_NotSupported, name, "is not managed online",
+                       "Change the user in the configuration that defines it");
 }
 
 /// A configured user as one of the list.
@@ -378,7 +377,7 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     }
     if (users_.size() >= rules_.max_users) {
         return refuse_user(status::Bad_ResourceUnavailable, user.name,
-                           "is one more than the limit of " + std::to_string(rules_.max_users),
+                           "would exceed the limit of " + std::to_string(rules_.max_users),
                            "Remove users who are no longer needed");
     }
     std::vector<User> users = users_;
@@ -465,7 +464,7 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     };
     if (!known || has(*known, user_bit::disabled) || !is_right(*known)) {
         return refuse_user(status::Bad_IdentityTokenInvalid, name,
-                           "is not there or has another password");
+                           "does not exist or has another password");
     }
     if (is_of_program) {
         return refuse_configured(name);
@@ -489,7 +488,7 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     User* const user = find_in(users, name);
     // Somebody may have been faster.
     if (user == nullptr || user->password_hash != known->password_hash) {
-        return refuse_user(status::Bad_IdentityTokenInvalid, name, "has been changed meanwhile");
+        return refuse_user(status::Bad_IdentityTokenInvalid, name, "was changed in the meantime");
     }
     user->password_hash = *std::move(hashed);
     user->configuration &= ~user_bit::must_change_password;

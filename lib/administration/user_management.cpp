@@ -54,14 +54,14 @@ LocalizedText restrictions_of(const server::PasswordRules& rules)
     std::string text = "A user's name has " + std::to_string(rules.min_name_length) + " to " +
                        std::to_string(rules.max_name_length) + " characters";
     if (!rules.name_characters.empty()) {
-        text += ", none but these: " + rules.name_characters;
+        text += ", only these: " + rules.name_characters;
     }
     for (const std::string& name : rules.reserved_names) {
         text += (&name == rules.reserved_names.data() ? ", and is none of: " : ", ") + name;
     }
     text += ". A password is not the user's name";
     if (!rules.password_characters.empty()) {
-        text += "; none but these characters: " + rules.password_characters;
+        text += "; only these characters: " + rules.password_characters;
     }
     return LocalizedText{String{"en"}, String{text}};
 }
@@ -150,7 +150,7 @@ void UserManagement::modify(MethodCall call)
     if (is_disabled && call.user().token_type == UserTokenType::UserName &&
         call.user().name == name) {
         return call.fail(status::Bad_InvalidSelfReference,
-                         "users do not disable themselves; another administrator may");
+                         "users cannot disable themselves; another administrator can");
     }
     run(
         std::move(call),
@@ -176,7 +176,7 @@ void UserManagement::remove(MethodCall call)
     const std::string name = text_input(call, 0);
     if (call.user().token_type == UserTokenType::UserName && call.user().name == name) {
         return call.fail(status::Bad_InvalidSelfReference,
-                         "users do not remove themselves; another administrator may");
+                         "users cannot remove themselves; another administrator can");
     }
     run(
         std::move(call), [this](const MethodCall& c) { return users_.remove(text_view(c, 0)); },
@@ -310,7 +310,7 @@ bool UserManagement::may_start(Job& job)
     if (job.tries_password &&
         !server::RunningServer{server_}.may_try_password(job.holder.session)) {
         const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",
-                              "user \"" + printable(last_user_) + "\" after too many failures",
+                              "user \"" + printable(last_user_) + "\" has failed too often",
                               "Part 4, 5.7.3.1", "Wait, or restart the server"};
         tell_method(log_, RecordKind::UsersChanged, job.call, refusal.status, &refusal);
         answer_with(job.call, refusal);

@@ -95,7 +95,7 @@ private:
         const std::size_t length = busbar::detail::utf8_sequence(text_.substr(at_));
         const auto lead = static_cast<unsigned char>(text_[at_]);
         if (length == 0 || lead < 0x20U || lead == 0x7FU) {
-            return fail("a character of UTF-8 that is no control character");
+            return fail("a UTF-8 character that is not a control character");
         }
         at_ += length;
         return true;

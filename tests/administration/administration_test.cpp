@@ -277,7 +277,7 @@ TEST_CASE_METHOD(Parts, "administration: clients are told the rules of passwords
     CHECK(read(admin, id::UserManagement_PasswordRestrictions)
               .value.value_or<LocalizedText>({})
               .text.view()
-              .ends_with("none but these characters: abcABC123_"));
+              .ends_with("only these characters: abcABC123_"));
     CHECK(read(admin, id::UserManagement_Users).value.array_size() == 0);
 }
 

@@ -151,9 +151,9 @@ TEST_CASE_METHOD(FilesFixture,
     CHECK(make(client, "", "d") == "Good");
     CHECK(names(client) == Names{"a", "d"});
     CHECK(make(client, "", "e") == "Good");
-    const auto told = log.text.find("clients do not see \"");
+    const auto told = log.text.find("clients cannot see \"");
     CHECK(told != std::string::npos);
-    CHECK(log.text.find("clients do not see \"", told + 1) == std::string::npos); // once
+    CHECK(log.text.find("clients cannot see \"", told + 1) == std::string::npos); // once
     CHECK(log.text.find('\xff') == std::string::npos);
     CHECK(log.text.find(".hidden") == std::string::npos);
 }

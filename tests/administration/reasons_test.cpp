@@ -123,11 +123,12 @@ TEST_CASE_METHOD(Reasons, "reasons: a user's name, password and configuration")
         "password rules: it must have 12 to 64 characters. Choose another one that fits the rules");
     CHECK(add_user(admin, "admin", "patience is all") ==
           "user list: user \"admin\" is there already");
-    CHECK(has(add_user(admin, "pat", "patience is all", 64), "bits that no user has: 64"));
+    CHECK(has(add_user(admin, "pat", "patience is all", 64),
+              "unknown bits in its configuration: 64"));
     const NodeId users{0, id::UserManagement};
     CHECK(has(
         reason(admin, users, NodeId{0, id::UserManagement_RemoveUser}, {Variant{String{"admin"}}}),
-        "do not remove themselves"));
+        "cannot remove themselves"));
     hold = Problem{status::Bad_InvalidState, "users and roles", "cannot change while in RUN"};
     CHECK(add_user(admin, "pat", "patience is all") ==
           "users and roles: users and roles: cannot change while in RUN (Bad_InvalidState)");
@@ -137,12 +138,12 @@ TEST_CASE_METHOD(Reasons, "reasons: certificates, their names and their transact
 {
     auto admin = log_in();
     CHECK(on_server_why(admin, id::ServerConfiguration_ApplyChanges, {}) ==
-          "no certificates or trust lists were changed that wait to be applied");
+          "no changes of certificates or trust lists are waiting to be applied");
     CHECK(on_server_why(admin, id::ServerConfiguration_UpdateCertificate,
                         {Variant{NodeId{}}, Variant{rsa}, Variant{ByteString{}},
                          Variant{Array<ByteString>{}}, Variant{String{}}, Variant{ByteString{}}}) ==
           "own certificate: the certificates cannot be read, expected DER");
-    CHECK(has(self_signed(admin, "CN=X"), "has to be deleted before"));
+    CHECK(has(self_signed(admin, "CN=X"), "must be deleted first"));
     const NodeId list{0, trust_list};
     CHECK(
         has(reason(admin, list, NodeId{0, add_certificate}, {Variant{ByteString{}}, Variant{true}}),

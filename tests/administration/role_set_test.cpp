@@ -241,7 +241,7 @@ TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
          {NodeId{1, "RoleSet//Nobody"}, NodeId{0, id::Server}, NodeId{}}) { // Part 18, 4.2.3
         CHECK(name(call(admin, set, remove, {Variant{none}}).status_code) == "Bad_NodeIdUnknown");
     }
-    CHECK(log.text.find("is no role of this server") != std::string::npos);
+    CHECK(log.text.find("is not a role of this server") != std::string::npos);
     CHECK(call(admin, set, remove, {Variant{role}}).status_code == status::Good);
     CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
     CHECK(roles.find("Fitter") == nullptr);

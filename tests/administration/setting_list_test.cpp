@@ -162,8 +162,8 @@ TEST_CASE_METHOD(SettingFixture, "settings: what is wrong is refused with the re
         {"limits.overload", Variant{std::numeric_limits<double>::infinity()}, "expected a number"},
         {"server.auditing", Variant{"true"}, "found \"true\", expected true or false"},
         {"server.name", Variant{String{std::string(65'537, 'x')}}, "65536 bytes"},
-        {"server.host_names", Variant{Array<String>{String{std::string{"a\0b", 3}}}}, "no UTF-8"},
-        {"server.host_names", Variant{Array<String>{"a", "\xC3"}}, "no UTF-8"},
+        {"server.host_names", Variant{Array<String>{String{std::string{"a\0b", 3}}}}, "not UTF-8"},
+        {"server.host_names", Variant{Array<String>{"a", "\xC3"}}, "not UTF-8"},
         {"server.host_names", Variant{Array<String>(1'001)}, "1000 elements"},
         {"server.nam", Variant{"x"}, "server.nam: there is no such setting"},
     };

@@ -217,7 +217,8 @@ TEST_CASE_METHOD(Users, "user management: accounts of the configuration are show
     auto op = log_in("op", secret);
     CHECK(change_password(op, "guessed", patience) == "Bad_IdentityTokenInvalid");
     CHECK(change_password(op, secret, patience) == "Bad_NotSupported");
-    CHECK(log.text.find("Change the configuration that brings the user") != std::string::npos);
+    CHECK(log.text.find("Change the user in the configuration that defines it") !=
+          std::string::npos);
 
     constexpr std::uint32_t operators = 16225;       // Identities of Operator
     constexpr std::uint32_t remove_identity = 15686; // of Operator

@@ -105,11 +105,11 @@ TEST_CASE("what is no name of a label is refused with its place and what was exp
         {"Label[1,2,3,4]", "column 13: found '4]', expected at most three indices"},
         {"Label[1][2][3][4]", "column 16: found '4]', expected at most three indices"},
         {"\xE6\xB8\xA9.\xFF",
-         "column 3: found '\\xFF', expected a character of UTF-8 that is no control character"},
+         "column 3: found '\\xFF', expected a UTF-8 character that is not a control character"},
         {"a\tb",
-         "column 2: found '\\x09b', expected a character of UTF-8 that is no control character"},
+         "column 2: found '\\x09b', expected a UTF-8 character that is not a control character"},
         {"a\x7F",
-         "column 2: found '\\x7F', expected a character of UTF-8 that is no control character"},
+         "column 2: found '\\x7F', expected a UTF-8 character that is not a control character"},
     }));
     CHECK(canonical(row.name) == row.problem);
 }

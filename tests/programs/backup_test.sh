@@ -125,7 +125,7 @@ contents | cmp - before || fail "something was changed"
 # Restored, which counts after the restart.
 as chief 0 admin restore "$url" press.backup --yes
 says 'restored; .*a restart of the controller, which is due'
-logged 'restored from a backup; it counts after a restart' || fail "the log does not say so"
+logged 'restored from a backup; it takes effect after a restart' || fail "the log does not say so"
 restart
 as chief 0 admin verify "$url" press.backup
 as chief 0 admin setting list "$url" --changed
@@ -208,7 +208,7 @@ grep -q "$own" out && fail "the certificate of the server was not cleared"
 
 # And back, but for the certificate.
 as chief 0 admin restore "$url" press.backup --yes
-says 'follows in some seconds'
+says 'is due in a few seconds'
 # Nobody has to do anything for the restart.
 await logged '^starting again'
 new_url() { url=$(sed -n '/^starting again/,$s/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log); [ -n "$url" ]; }

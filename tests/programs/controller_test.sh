@@ -181,7 +181,7 @@ refused 'wrong.toml:9: password_hash: found ' --hash-password --config wrong.tom
 refused "/nowhere: the file cannot be read: No such file or directory" --config /nowhere
 refused "$work: found a directory, expected a file" --config "$work"
 echo '[server]' > nobody.toml
-refused "nobody.toml: nobody can log in, expected an account" --config nobody.toml
+refused "nobody.toml: no user can log in, expected an account" --config nobody.toml
 { cat plain.toml; printf '[[endpoint]]\npolicy = "None"\n'; } > twice.toml
 refused "twice.toml: endpoint None None: is there twice" --config twice.toml
 

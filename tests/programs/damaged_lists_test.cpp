@@ -107,7 +107,8 @@ TEST_CASE("a damaged list of roles: the last good copy counts, also after anothe
         CHECK(place.content("roles.json") == good);
         CHECK(place.content("roles.json.refused") == damage);
         CHECK(place.log.text.find("roles.json") != std::string::npos);
-        CHECK(place.log.text.find("which lies beside as .refused, and its last good copy counts") !=
+        CHECK(place.log.text.find(
+                  "which is kept beside it as .refused, and its last good copy is used") !=
               std::string::npos);
         CHECK(place.left_of({"Operator", "Engineer"}) == Names{"Engineer"});
     }
@@ -152,7 +153,7 @@ TEST_CASE("a damaged list of users: the last good copy counts, or none of them")
     place.put("taken-over/users.json", "damage");
     place.start();
     CHECK(place.content("users.json") == "none");
-    CHECK(place.log.text.find("which lies beside as .refused and does not count") !=
+    CHECK(place.log.text.find("which is kept beside it as .refused and is not used") !=
           std::string::npos);
 }
 

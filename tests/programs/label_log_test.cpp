@@ -55,7 +55,7 @@ TEST_CASE_METHOD(Fixture, "8.3 Error codes: one that goes on is told each minute
         fail("Line.W");
     }
     CHECK(take() == std::vector<std::string>{
-                        "error 1A01H: the label's value is none that the node can have: Line.W of "
+                        "error 1A01H: the label's value does not suit the node: Line.W of "
                         "ns=2;i=5"});
     clock.pass(59);
     fail("Line.W");

@@ -87,15 +87,15 @@ TEST_CASE("program change: tasks and instances are told by name, and take a down
             check_edit(editions, *controller::CheckedProgram::create(edited).value());
         return checked ? "" : text(checked.error());
     };
-    static const std::string end = "; that takes a download, no online edit";
+    static const std::string end = "; this requires a download instead of an online edit";
     CHECK(refusal([](auto& p) { p.tasks[1].interval = "T#50ms"; }) ==
-          "tasks (Slow): was another one" + end);
+          "tasks (Slow): was different" + end);
     CHECK(refusal([](auto& p) { p.tasks.pop_back(); }) == "tasks (Slow): is gone" + end);
     CHECK(refusal([](auto& p) {
               p.tasks.push_back({"More", 1, ""});
           }) == "tasks (More): is new" + end);
     CHECK(refusal([](auto& p) { p.instances[0].task = "Slow"; }) ==
-          "instances (Press): was another one" + end);
+          "instances (Press): was different" + end);
     CHECK(refusal([](auto& p) { std::swap(p.tasks[0], p.tasks[1]); }) == "");
 }
 

@@ -64,7 +64,7 @@ dimensions = [2, 3]
 };
 
 constexpr const char* insecure =
-    "busbar: insecure: no encryption, and nobody knows who the server is\n";
+    "busbar: insecure: no encryption, and the server is not authenticated\n";
 
 constexpr const char* server_status = R"(NODE    VALUE                 SOURCE TIME
 i=2256  ServerStatusDataType  <time>
@@ -106,10 +106,10 @@ TEST_CASE("a structure has a line for each field in every terminal")
     Plant plant;
     for (const TerminalSize& size : sizes) {
         INFO(size.columns << "x" << size.rows);
-        const std::string warning =
-            size.columns == 60 ? "busbar: insecure: no encryption, and nobody knows who the\n"
-                                 "  server is\n"
-                               : insecure;
+        const std::string warning = size.columns == 60
+                                        ? "busbar: insecure: no encryption, and the server is not\n"
+                                          "  authenticated\n"
+                                        : insecure;
         CHECK(plant.screen_of({"read", "i=2256"}, size) == warning + server_status);
     }
 }

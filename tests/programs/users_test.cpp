@@ -277,7 +277,7 @@ TEST_CASE("a broken file changes nothing, and its line is told")
     const Row rows[] = {
         {good + account("bert", "third password") + "acess = 1", "plant.toml:7: "},
         {"[users]\nanonymous = \"all\"", "plant.toml:2: anonymous: found "},
-        {good, "plant.toml: [users]: accounts came or went, expected "},
+        {good, "plant.toml: [users]: accounts were added or removed, expected "},
         {good + account("bert", "third password") + account("bert", "third password"), "again"},
     };
     for (const Row& row : rows) {

@@ -34,13 +34,13 @@ Configured<const MemoryItem*> item_for(const SavedItem& saved, const std::vector
         return item.name == saved.name && item.group == saved.group;
     });
     if (found == items.end()) {
-        return misconfigured("backup",
-                             "found " + printable(saved.name) + ", which this controller has not");
+        return misconfigured("backup", "found " + printable(saved.name) +
+                                           ", which this controller does not have");
     }
     for (const SavedFile& file : saved.files) {
         if (!detail::has_file(*found, file.name)) {
-            return misconfigured("backup", "found " + printable(file.name) + ", which is none of " +
-                                               printable(saved.name));
+            return misconfigured("backup", "found " + printable(file.name) +
+                                               ", which is not a file of " + printable(saved.name));
         }
         if (!found->check || found->part) {
             continue;

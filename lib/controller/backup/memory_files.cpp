@@ -111,7 +111,7 @@ Configured<SavedItem> read_item(Storage& storage, const MemoryItem& item,
     for (std::string& name : *names) {
         if (!is_saved_name(name)) {
             return misconfigured(storage.place(memory_folder_of(name)),
-                                 "found a file whose name is no text: " + printable(name));
+                                 "found a file whose name is not text: " + printable(name));
         }
         auto bytes = read_file(storage, name, limits.max_file_size);
         if (!bytes) {

@@ -44,8 +44,8 @@ Configured<void> check_names(const SavedItem& saved, const MemoryItem& item)
 {
     for (const SavedFile& file : saved.files) {
         if (file.name != item.files.front()) {
-            return misconfigured("backup", "found " + printable(file.name) + ", which is none of " +
-                                               printable(saved.name));
+            return misconfigured("backup", "found " + printable(file.name) +
+                                               ", which is not a file of " + printable(saved.name));
         }
     }
     return {};

@@ -40,7 +40,7 @@ public:
         }
         // An ExtensionObject that is no Structure: Decimal.
         if (built_in == BuiltInType::Null || built_in == BuiltInType::ExtensionObject) {
-            return refuse(ShapeError::OtherType, "is below no built-in type");
+            return refuse(ShapeError::OtherType, "is not a subtype of a built-in type");
         }
         return MappedType{{built_in, false}, nullptr};
     }
@@ -89,7 +89,7 @@ private:
     [[nodiscard]] Use enumeration() const
     {
         if (space_.supertype(node_) != space_.find(id::Enumeration)) {
-            return refuse(ShapeError::EnumerationParent, "is not right below Enumeration");
+            return refuse(ShapeError::EnumerationParent, "is not a direct subtype of Enumeration");
         }
         if (type_ != nullptr && std::any_of(type_->values.begin(), type_->values.end(),
                                             [](const auto& value) { return value.value == -1; })) {
@@ -111,7 +111,7 @@ private:
         }
         if (is_subtyped()) {
             return refuse(ShapeError::SubtypedStructure,
-                          "is a structure of its own above or below another one");
+                          "is a supertype or a subtype of another structure");
         }
         return MappedType{{BuiltInType::ExtensionObject, false}, type_};
     }

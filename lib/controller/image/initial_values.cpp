@@ -159,7 +159,7 @@ std::optional<Problem> InitialValues::apply_one(const Target& target,
     if (target.type.kind == ResolvedType::Kind::Enumeration) {
         const auto found = enumerator(*target.type.type, value.value);
         if (!found) {
-            return wrong_initial("has an initial value that is no name of the enumeration " +
+            return wrong_initial("has an initial value that is not a name of the enumeration " +
                                  printable(target.type.type->name));
         }
         std::memcpy(target.to, &*found, sizeof *found);
@@ -168,7 +168,7 @@ std::optional<Problem> InitialValues::apply_one(const Target& target,
     if (target.place.is_text()) {
         const String* const text = value.value.get_if<String>();
         if (text == nullptr || text->size() > target.place.capacity) {
-            return wrong_initial("has an initial value that is no text of at most " +
+            return wrong_initial("has an initial value that is not a text of at most " +
                                  std::to_string(target.place.capacity) + " bytes");
         }
         server::detail::put_text(target.to, text->view());
@@ -177,7 +177,7 @@ std::optional<Problem> InitialValues::apply_one(const Target& target,
     const bool is_allowed = is_in_subrange(value.value, target.type.subrange);
     const Variant published = as_published(target.type.elementary, target.place.type, value.value);
     if (!is_allowed || !put_initial_number(target.place.type, published, target.to)) {
-        return wrong_initial("has an initial value that is no " +
+        return wrong_initial("has an initial value that is not of type " +
                              std::string{name(target.type.elementary)} +
                              (is_allowed ? "" : " within its subrange"));
     }
@@ -198,7 +198,7 @@ std::optional<Problem> InitialValues::apply_members(const Target& target,
         });
         const std::string place = "." + printable(part.member);
         if (found == members.end()) {
-            return within(wrong_initial("has an initial value, and is no member of " +
+            return within(wrong_initial("has an initial value but is not a member of " +
                                         printable(target.type.type->name)),
                           place);
         }

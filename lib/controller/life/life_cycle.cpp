@@ -64,7 +64,7 @@ LifeCycle::LifeCycle(ServerOperator& server, const WallClock& clock, LogSink& lo
 
 void LifeCycle::power_on()
 {
-    handle(LifeEvent::Restart, "the controller starts anew");
+    handle(LifeEvent::Restart, "the controller starts again");
 }
 
 void LifeCycle::reset()
@@ -122,7 +122,7 @@ void LifeCycle::download_done(const Configured<ServerSettings>& settings)
     }
     settings_ = *settings;
     handle(settings_.is_used ? LifeEvent::Used : LifeEvent::Unused,
-           "the OPC UA server is not used any more");
+           "the OPC UA server is no longer used");
 }
 
 void LifeCycle::online_edit()

@@ -52,7 +52,7 @@ std::optional<Problem> problem_of_options(const ExecutionLogOptions& options)
     for (const LogOptionRange& range : ranges) {
         if (range.value < range.least || range.value > range.most) {
             return Problem{.where = std::string{range.name},
-                           .text = std::to_string(range.value) + " is not from " +
+                           .text = std::to_string(range.value) + " is out of range, expected " +
                                    std::to_string(range.least) + " to " +
                                    std::to_string(range.most)};
         }
@@ -60,7 +60,7 @@ std::optional<Problem> problem_of_options(const ExecutionLogOptions& options)
     for (const auto& [name, folder] : {std::pair{"folder", &options.folder},
                                        std::pair{"system_folder", &options.system_folder}}) {
         if (!is_storage_name(*folder)) {
-            return Problem{.where = name, .text = "is no name of a folder"};
+            return Problem{.where = name, .text = "is not a valid folder name"};
         }
     }
     return std::nullopt;

@@ -16,10 +16,11 @@ std::optional<Problem> problem_of_events(const MachineEventLogOptions& options)
     constexpr std::size_t most = 100'000;
     if (options.max_entries < least || options.max_entries > most) {
         return Problem{.where = "max_entries",
-                       .text = std::to_string(options.max_entries) + " is not from 16 to 100000"};
+                       .text = std::to_string(options.max_entries) +
+                               " is out of range, expected 16 to 100000"};
     }
     if (!is_storage_name(options.folder)) {
-        return Problem{.where = "folder", .text = "is no name of a folder"};
+        return Problem{.where = "folder", .text = "is not a valid folder name"};
     }
     for (std::size_t i = 0; i < options.levels.size(); ++i) {
         const EventLevelChoice& choice = options.levels[i];

@@ -12,9 +12,10 @@ namespace {
 
 Unexpected<Problem> changed_online(std::string where, const ProgramPlace& place, std::string what)
 {
-    return Unexpected<Problem>{problem_at(std::move(where), place,
-                                          "is there already and " + std::move(what) +
-                                              "; that takes a download, no online edit")};
+    return Unexpected<Problem>{
+        problem_at(std::move(where), place,
+                   "exists already and " + std::move(what) +
+                       "; this requires a download instead of an online edit")};
 }
 
 TypeUse use_of(const DerivedType& type)
@@ -34,7 +35,7 @@ Configured<void> check_same_types(const ProgramTypes& before, const ProgramTypes
         if (old != nullptr &&
             old_prints.print(use_of(*old)) != new_prints.print(use_of(types[i]))) {
             return changed_online(place_in("types", i, types[i].name), types[i].place,
-                                  "was another type");
+                                  "was a different type");
         }
     }
     return {};
@@ -53,7 +54,8 @@ Configured<void> check_same_variables(const CheckedProgram& before, const Checke
         const std::string where = place_in("variables", i, variables[i].name);
         if (old->is_constant != variables[i].is_constant) {
             return changed_online(where, variables[i].place,
-                                  variables[i].is_constant ? "was no constant" : "was a constant");
+                                  variables[i].is_constant ? "was not a constant"
+                                                           : "was a constant");
         }
         if (old_prints.print(old->type) != new_prints.print(variables[i].type)) {
             return changed_online(where, variables[i].place, "had another type");

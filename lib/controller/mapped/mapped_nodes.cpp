@@ -110,7 +110,7 @@ private:
         if (const auto whole = detail::scaling_of(space_, node, scaling)) {
             mapped.scaling = *whole;
         } else {
-            leave_out(mapped.node, "it has no EURange, by which it is to be scaled");
+            leave_out(mapped.node, "it has no EURange to scale by");
             mapped.shape = nullptr;
         }
     }

@@ -29,7 +29,7 @@ void ExtensionReader::read(const NodeId& node, NodeClass node_class, const std::
     pugi::xml_document document;
     if (!document.load_buffer(xml.data(), xml.size(), pugi::parse_default | pugi::parse_fragment,
                               pugi::encoding_utf8)) {
-        report(ModelCode::FormatInvalid, {}, "no well-formed XML");
+        report(ModelCode::FormatInvalid, {}, "not well-formed XML");
         return;
     }
     for (const pugi::xml_node& kept : document.children()) {
@@ -85,7 +85,7 @@ void ExtensionReader::read_additions(const pugi::xml_node& extension, Mapping& t
         } else if (method != to.methods.end()) {
             read_addition(child, method->second);
         } else {
-            report(ModelCode::FormatInvalid, {}, "an <Addition> to no mapping");
+            report(ModelCode::FormatInvalid, {}, "an <Addition> without a mapping");
         }
     }
 }

@@ -41,7 +41,7 @@ std::string_view reason(LabelError error)
 {
     switch (error) {
     case LabelError::Unknown:
-        return "the PLC has none of this name";
+        return "the PLC has no label of this name";
     case LabelError::NotAccessible:
         return "the PLC does not publish it";
     case LabelError::Constant:

@@ -35,7 +35,7 @@ public:
             const auto old_id = translate(each->first, after_, before_);
             const auto old_node = old_id ? before_.find(*old_id) : model::no_node;
             if (old_node != model::no_node && before_.node_class(old_node) != NodeClass::Method) {
-                report(ModelCode::MappingDropped, each->first, "it was no Method before");
+                report(ModelCode::MappingDropped, each->first, "it was not a Method before");
                 each = result_.methods.erase(each);
             } else {
                 ++each;

@@ -199,7 +199,7 @@ void TableReader::read_lines()
         case TableFields::Line::End:
             return;
         case TableFields::Line::Broken:
-            report(ModelCode::TableInvalid, "quotation marks that do not fit");
+            report(ModelCode::TableInvalid, "unbalanced quotation marks");
             return;
         case TableFields::Line::TooLarge:
             report(ModelCode::TableTooLarge, {});
@@ -236,7 +236,7 @@ void TableReader::read_line()
     } else if (node_class == NodeClass::Method) {
         read_method(space_.node_id(node), line);
     } else {
-        report(ModelCode::TableNode, "it is no Variable and no Method");
+        report(ModelCode::TableNode, "it is neither a Variable nor a Method");
     }
 }
 

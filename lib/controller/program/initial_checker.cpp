@@ -126,7 +126,7 @@ std::optional<Problem> InitialChecker::check_element(const ResolvedType& type, s
                                                      const InitialValue& part, bool is_of_lists)
 {
     if (part.repeat == 0) {
-        return problem(part, "is repeated no times, expected 1 or more");
+        return problem(part, "is repeated 0 times, expected 1 or more");
     }
     if (!part.member.empty()) {
         return problem(part, "is for the member " + quoted_name(part.member) +
@@ -167,7 +167,7 @@ std::optional<Problem> InitialChecker::check_member(const DerivedType& type, Nam
 {
     const auto index = names.index.find(fold_name(part.member));
     if (index == names.index.end()) {
-        return problem(part, "is no member of " + quoted_name(type.name));
+        return problem(part, "is not a member of " + quoted_name(type.name));
     }
     if (names.last_found[index->second] == aggregate) {
         return problem(part, "has a second value");

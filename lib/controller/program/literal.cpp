@@ -74,7 +74,7 @@ LiteralResult typed_number(ElementaryType type, std::string_view text, std::stri
     const bool is_negative = body.starts_with('-');
     const std::string_view digits = body.substr(is_negative || body.starts_with('+') ? 1 : 0);
     if (digits.empty() || digits.front() < '0' || digits.front() > '9') {
-        return wrong_literal(text, "a number behind the '#'");
+        return wrong_literal(text, "a number after the '#'");
     }
     auto number = read_number_literal(digits, is_negative);
     if (number && !number_fits(type, number->value)) {
@@ -124,7 +124,7 @@ LiteralResult typed_value(ElementaryType type, std::string_view text, std::strin
     case ElementaryType::String:
         return body.starts_with('\'') || body.starts_with('"')
                    ? read_text_literal(body)
-                   : wrong_literal(text, "a text in quotes behind the '#'");
+                   : wrong_literal(text, "a text in quotes after the '#'");
     default:
         return typed_number(type, text, body);
     }

@@ -72,7 +72,7 @@ std::optional<Problem> ProgramChecker::check_type(std::size_t index) const
         return found;
     }
     if (types_->find(type.name) != &type) {
-        return problem_at(where, type.place, "is the name of another type, too");
+        return problem_at(where, type.place, "is also the name of another type");
     }
     switch (type.kind) {
     case DerivedType::Kind::Alias:
@@ -99,7 +99,7 @@ std::optional<Problem> ProgramChecker::check_members(const DerivedType& type,
             return found;
         }
         if (!names.insert(fold_name(member.name)).second) {
-            return problem_at(place, member.place, "is the name of another member, too");
+            return problem_at(place, member.place, "is also the name of another member");
         }
         if (auto found = check_use(member.type, place, member.place)) {
             return found;
@@ -124,7 +124,7 @@ std::optional<Problem> ProgramChecker::check_enumerators(const DerivedType& type
             return found;
         }
         if (!names.insert(fold_name(one.name)).second) {
-            return problem_at(place, type.place, "is the name of another value, too");
+            return problem_at(place, type.place, "is also the name of another value");
         }
         if (!values.insert(one.value).second) {
             return problem_at(place, type.place,
@@ -248,7 +248,7 @@ std::optional<Problem> ProgramChecker::check_variables() const
             return found;
         }
         if (!names.insert(fold_name(variable.name)).second) {
-            return problem_at(where, variable.place, "is the name of another variable, too");
+            return problem_at(where, variable.place, "is also the name of another variable");
         }
         if (auto found = check_use(variable.type, where, variable.place)) {
             return found;

@@ -144,7 +144,7 @@ Configured<std::string_view> ProjectLines::take(std::size_t size)
     number_ += static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
     at_ += size;
     if (document_[at_] != '\n') {
-        return wrong("more bytes", "the end of the line behind the model's size");
+        return wrong("more bytes", "the end of the line after the model");
     }
     ++at_;
     return bytes;

@@ -226,7 +226,7 @@ Configured<Project> ProjectReader::read()
         return Unexpected{std::move(done.error())};
     }
     if (!has_ended_ || !lines_.is_at_end()) {
-        return lines_.wrong(has_ended_ ? "more behind [end]" : "the end of the file",
+        return lines_.wrong(has_ended_ ? "more text after [end]" : "the end of the file",
                             has_ended_ ? "nothing" : "[end]: the file is cut");
     }
     if (seen_.size() != detail::section_count) {

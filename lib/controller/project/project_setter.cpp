@@ -123,15 +123,16 @@ Configured<void> set_project_value(Project& project, std::string_view name, std:
     const std::string_view section =
         point == std::string_view::npos ? std::string_view{} : name.substr(0, point);
     if (!detail::is_project_text(value)) {
-        return misconfigured(printable(name),
-                             "found control characters or no UTF-8, expected text of one line");
+        return misconfigured(
+            printable(name),
+            "found control characters or bytes that are not UTF-8, expected text of one line");
     }
     ValueSetter setter{point == std::string_view::npos ? name : name.substr(point + 1), value};
     if (auto set = set_in_section(project, section, &setter); !set) {
         return set;
     }
     if (!setter.is_found()) {
-        return misconfigured(printable(name), "is no value of a project");
+        return misconfigured(printable(name), "is not a value of a project");
     }
     if (!setter.expected().empty()) {
         return misconfigured(printable(name), "found \"" + printable(value, 64) + "\", expected " +

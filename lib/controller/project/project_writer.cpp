@@ -56,8 +56,9 @@ Configured<void> check_text(const ProjectValue& value, std::size_t max_text)
                                                        std::to_string(max_text));
     }
     if (!detail::is_project_text(value.value)) {
-        return misconfigured(place_of(value.name),
-                             "found control characters or no UTF-8, expected text of one line");
+        return misconfigured(
+            place_of(value.name),
+            "found control characters or bytes that are not UTF-8, expected text of one line");
     }
     return {};
 }

@@ -58,9 +58,9 @@ RetainedReader::RetainedReader(std::span<const std::byte> file) : reader_{withou
     left_ = reader_.number<std::uint32_t>();
     binary::Reader end{file.last(std::min(file.size(), crc_size))};
     if (!reader_.ok() || found_magic != magic) {
-        problem_ = "is no file of retained values";
+        problem_ = "is not a file of retained values";
     } else if (end.number<std::uint32_t>() != checksum(without_crc(file))) {
-        problem_ = "is damaged: its checksum is another one";
+        problem_ = "is damaged: its checksum does not match";
     } else if (found_version != version && found_version != first_version) {
         problem_ = "has version " + std::to_string(found_version) + "; expected " +
                    std::to_string(version);

@@ -139,7 +139,7 @@ void RetainedJournal::read(File& file, Found& found) const
         return; // cut off before there was a record
     }
     if (found_magic != journal_magic || found_version != journal_version) {
-        return problem("is no journal of retained values", true);
+        return problem("is not a journal of retained values", true);
     }
     bool was_whole = true;
     for (std::size_t at = header.offset(); at < bytes.size();) {

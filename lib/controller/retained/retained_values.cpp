@@ -180,7 +180,8 @@ private:
         if (refused_.insert(variable.handle).second) {
             result_.problems.push_back(
                 {.where = owner_.options_.file + ": " + printable(variable.name),
-                 .text = "has another type than when its value was kept; it begins as declared"});
+                 .text = "has another type than when its value was saved; it starts with its "
+                         "declared value"});
         }
     }
 

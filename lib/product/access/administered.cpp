@@ -135,8 +135,8 @@ void Administered::keep_lists()
     for (const char* const file : {users_file, roles_file}) {
         if (const auto kept = copies_.keep_copy(file); !kept) {
             audit_.write(LogLevel::Warning, "controller",
-                         "there is no copy of " + std::string{file} +
-                             " for a start at which it is damaged: " + text(kept.error()));
+                         "no copy can be made of " + std::string{file} +
+                             ", to be used if it is damaged: " + text(kept.error()));
         }
     }
 }

@@ -81,7 +81,7 @@ void Admission::add_users()
                            {.access_level_mask = mask_of(account.access),
                             .roles = account.roles,
                             .administers_only = account.access == AccountAccess::None})) {
-            throw ConfigError{"account \"" + account.name + "\"", "the name must not be empty"};
+            throw ConfigError{"account \"" + account.name + "\"", "the name is empty"};
         }
     }
     if (config_.certified) {
@@ -106,9 +106,8 @@ void Admission::check_users(const UserConfig& users, const std::string& file) co
 {
     if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
         throw ConfigError{file + ": [users]",
-                          kind +
-                              " came or went, expected the kinds of user that there are since the "
-                              "start: restart the controller"};
+                          kind + " were added or removed, expected the kinds of user that the "
+                                 "controller started with: restart the controller"};
     }
 }
 

@@ -74,7 +74,7 @@ void take_over_first_version(const fs::path& own, const crypto::OwnCertificateSt
     }
     const auto key = crypto::PrivateKey::parse(read_file(key_file).span());
     if (!key) {
-        throw ConfigError{Problem{key.error(), key_file.string(), "is no private key"}};
+        throw ConfigError{Problem{key.error(), key_file.string(), "is not a private key"}};
     }
     auto certificates = expect_own(crypto::read_certificates(read_file(certificate_file).span()));
     expect_own(store.install({std::move(certificates), *key}, application_uri));

@@ -37,8 +37,8 @@ Result<std::vector<std::byte>> ReportingOwner::give_report(const TransferRequest
                                                            std::size_t max_size)
 {
     if (report_.text.empty() || report_.session != request.session) {
-        return fail(refuse(status::Bad_NotFound,
-                           "this session has sent no file here that there is a report of"));
+        return fail(
+            refuse(status::Bad_NotFound, "there is no report: this session has sent no file here"));
     }
     return give(report_.text, max_size);
 }

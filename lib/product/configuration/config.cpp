@@ -65,7 +65,7 @@ void check_name(const TomlTable& table, std::string_view key, std::string_view n
         table.refuse(key, "found a name of " + std::to_string(name.size()) +
                               " bytes, expected at most " +
                               std::to_string(busbar::detail::max_browse_name) +
-                              ", which a BrowseName can have");
+                              ", the limit of a BrowseName");
     }
 }
 
@@ -106,7 +106,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
     config.key_log = table.text("key_log", "");
 #ifndef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
-        table.fail("key_log", "nothing: this build does not give its keys away");
+        table.fail("key_log", "nothing: this build does not export its keys");
     }
 #endif
 }

@@ -236,11 +236,10 @@ void check_size(const TomlTable& entry, const controller::PlcVariable& variable,
         elements = std::min<std::uint64_t>(elements * size, most_elements + 1);
     }
     if (elements > limits.decode.max_array_length) {
-        entry.refuse("dimensions", "found " + std::to_string(elements) +
-                                       " elements, expected at most " +
-                                       std::to_string(limits.decode.max_array_length) +
-                                       ": raise array_length in [limits], or nobody could write "
-                                       "all of it");
+        entry.refuse("dimensions",
+                     "found " + std::to_string(elements) + " elements, expected at most " +
+                         std::to_string(limits.decode.max_array_length) +
+                         ": raise array_length in [limits], or no client could write all of it");
     }
     const std::uint64_t bytes = elements * encoded_size(variable) + headers;
     if (bytes > limits.transport.max_message_size) {

@@ -23,7 +23,7 @@ void read_types(const TomlTable& table, MachineConfig& machine)
 #ifdef BUSBAR_HAS_PLCOPEN
     constexpr const char* expected = "\"plcopen\" or \"built-in\"";
 #else
-    constexpr const char* expected = "\"built-in\", as PLCopen is no part of this build";
+    constexpr const char* expected = "\"built-in\", as this build does not include PLCopen";
 #endif
     const std::string name = table.text("types", "");
     if (name == "built-in") {

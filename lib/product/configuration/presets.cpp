@@ -56,7 +56,8 @@ constexpr Departure nj501_departures[] = {
     {"machine.use", "false", "3-2-2",
      "a controller that opens no port cannot be set up over the network; use = false in [machine] "
      "is the manual's"},
-    {"users.anonymous", "\"write\"", "3-2-6", "anybody in the network could write every variable"},
+    {"users.anonymous", "\"write\"", "3-2-6",
+     "every client on the network could write every variable"},
     {"endpoint",
      "None, and Basic128Rsa15, Basic256 and Basic256Sha256 with Sign and SignAndEncrypt", "3-2-6",
      "None protects nothing, as the manual says itself; Basic128Rsa15 and Basic256 need SHA-1 and "

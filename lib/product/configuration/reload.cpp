@@ -13,7 +13,8 @@ std::string reload(const std::string& path, Settings& settings, Admission& admis
         text += std::to_string(users.accounts.size()) + " accounts of " + path + ", ";
     }
     return text + admission.read_certificates(now) +
-           "; sessions that are open go on, what no setting changes at once counts after a restart";
+           "; open sessions continue, and settings that cannot change at once take effect after a "
+           "restart";
 }
 
 } // namespace busbar::product

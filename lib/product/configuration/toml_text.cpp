@@ -94,8 +94,9 @@ Expected<toml::table, TomlProblem> parse_toml(std::string_view text)
     } catch (const toml::parse_error& error) {
         return Unexpected{TomlProblem{error.source().begin.line, std::string{error.description()}}};
     } catch (const TomlFailure&) {
-        return Unexpected{TomlProblem{line_of_failure(text), "found no TOML, expected a key, a "
-                                                             "[table] or a comment"}};
+        return Unexpected{TomlProblem{line_of_failure(text),
+                                      "found text that is not TOML, expected a key, a "
+                                      "[table] or a comment"}};
     }
 }
 

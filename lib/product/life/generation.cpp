@@ -388,7 +388,7 @@ Configured<void> Generation::check_edit(const Reading& next,
 {
     const MachineConfig& machine = next.config.machine;
     if (next.settings->text() != settings_->text()) {
-        return misconfigured(configuration_.file, "is another one, too");
+        return misconfigured(configuration_.file, "has other settings, too");
     }
     const auto& editions = plant_.program()->editions();
     const bool is_known = prepared && prepared->edition == editions.back() &&
@@ -496,7 +496,7 @@ std::string Generation::reload()
     const std::vector<Account> before = admission_.user_config().accounts;
     std::string found = product::reload(configuration_.file, *settings_, admission_,
                                         around_.environment.wall_clock->now());
-    const char* separator = "; what was changed online counts instead of the file: ";
+    const char* separator = "; changed online, and used instead of the file: ";
     for (const std::string& name : settings_->overruled()) {
         found += separator + name;
         separator = ", ";

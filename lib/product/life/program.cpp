@@ -34,8 +34,8 @@ int regenerate_certificate(ControllerConfig config)
     const auto made =
         regenerate_certificate(config.certificates, server.application_name, server.application_uri,
                                server.host_names, net::SystemWallClock{}.now());
-    std::printf("certificate: %s\nclients have to trust it anew; a controller that runs uses it "
-                "after a restart\n",
+    std::printf("certificate: %s\nclients must trust the new certificate; a running controller "
+                "uses it after a restart\n",
                 made.thumbprint_text().c_str());
     return 0;
 }

@@ -17,7 +17,7 @@ namespace busbar::product {
 void RunningController::check_download(const ControllerConfig& next, const std::string& edit) const
 {
     if (next.machine.is_used != current_->config().machine.is_used) {
-        throw ConfigError{"machine.use", "changes with a restart of the controller only"};
+        throw ConfigError{"machine.use", "takes effect only after a restart of the controller"};
     }
     const auto is_in_run = [](const MachineConfig& machine) {
         return machine.mode == controller::MachineMode::Run;
@@ -26,7 +26,7 @@ void RunningController::check_download(const ControllerConfig& next, const std::
         throw ConfigError{
             "", edit + (edit.empty() ? "" : "; ") +
                     "a download waits until the machine is not in RUN: `busbar admin mode "
-                    "program`, or mode = \"PROGRAM\" in [machine], is for it"};
+                    "program` or mode = \"PROGRAM\" in [machine] sets that"};
     }
     expect(check_listeners(next)); // which may have changed in the file since
 }
@@ -70,9 +70,10 @@ void RunningController::tell_of_other_file()
 {
     const ProgramInForce now = current_->program();
     if (now.is_received && now.is_file_other) {
-        log_.write(LogLevel::Warning, "controller",
-                   now.file + " does not count: " + now.name +
-                       ", which was sent over OPC UA, does, until `busbar admin program restore`");
+        log_.write(
+            LogLevel::Warning, "controller",
+            now.file + " is not used: " + now.name +
+                ", which was sent over OPC UA, is used until `busbar admin program restore`");
     }
 }
 
@@ -90,8 +91,8 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
     using Step = ProgramChange::Step;
     if (next_ != nullptr && change.step != Step::Check) {
         return misconfigured("program",
-                             "the controller is taking over another one, or starts again; expected "
-                             "a controller that runs: send it again",
+                             "the controller is taking over another program or is restarting: send "
+                             "it again afterwards",
                              status::Bad_InvalidState);
     }
     try {

@@ -182,15 +182,14 @@ private:
         replaced_.push_back(name);
         const auto copy = times == 0 ? TakenOverFiles{folder_}.copy(name) : std::nullopt;
         if (copy) {
-            return put(name, *copy, ", and its last good copy counts");
+            return put(name, *copy, ", and its last good copy is used");
         }
         if (name == Administered::roles_file) {
             return put(name, administration::RoleList::closed_document(given_),
-                       " and does not count; every role but SecurityAdmin is closed until an "
+                       " and is not used; every role but SecurityAdmin is closed until an "
                        "administrator opens it");
         }
-        return folder_.remove(name) ? std::optional<std::string>{" and does not count"}
-                                    : std::nullopt;
+        return folder_.remove(name) ? std::optional<std::string>{" and is not used"} : std::nullopt;
     }
     std::optional<std::string> put(const std::string& name, std::string_view document,
                                    const char* done)
@@ -220,7 +219,7 @@ without_damaged(DamagedLists& lists,
                 throw;
             }
             damage += (damage.empty() ? "" : "; ") + std::string{error.what()} +
-                      ", which lies beside as .refused" + *done;
+                      ", which is kept beside it as .refused" + *done;
         }
     }
 }

@@ -87,7 +87,7 @@ void add_first_account(ControllerConfig& config)
     auto first = load_first_account(folder);
     if (!first && ::isatty(STDOUT_FILENO) == 0) {
         throw ConfigError{
-            folder, "nobody can log in yet, expected a first start on a terminal, which shows "
+            folder, "no user can log in yet, expected a first start on a terminal, which shows "
                     "a password once, or an account in a file: see --print-config"};
     }
     if (!first) {
@@ -110,7 +110,7 @@ Reading read(const Configuration& configuration, Substitutes substitutes)
         add_first_account(config);
     } else if (is_nobody(config.users) && !config.users.has_setup) {
         throw ConfigError{configuration.file,
-                          "nobody can log in, expected an account, anonymous, "
+                          "no user can log in, expected an account, anonymous, "
                           "certificates or tokens in [users]: see --print-config"};
     }
     return reading;

@@ -110,9 +110,9 @@ Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
     const auto* const found = std::find_if(wishes.begin(), wishes.end(), [&](const auto& each) {
         return text != nullptr && text->view() == each.first;
     });
-    return found != wishes.end()
-               ? Configured<Wish>{found->second}
-               : misconfigured("options", "found none of a backup's", status::Bad_InvalidArgument);
+    return found != wishes.end() ? Configured<Wish>{found->second}
+                                 : misconfigured("options", "found an unknown option of a backup",
+                                                 status::Bad_InvalidArgument);
 }
 
 MachineBackup::MachineBackup(Needs needs)
@@ -147,7 +147,7 @@ Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& re
                             : std::move(made);
     }
     if (what == nullptr || what->view() != "report") {
-        return fail(refuse(status::Bad_InvalidArgument, "found none of a backup's options"));
+        return fail(refuse(status::Bad_InvalidArgument, "found an unknown option of a backup"));
     }
     return give_report(request, max_size);
 }
@@ -253,7 +253,7 @@ Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::
                                           : "cleared: the backup is of a controller without OPC UA "
                                             "server"} +
                          (lacks_profile ? ", which has no security profile" : "") +
-                         "; it counts after a restart, which is due");
+                         "; it takes effect after a restart, which is due");
     wish.with_security = wish.with_security && !lacks_profile;
     return restore_report(has_data, lacks_profile);
 }
@@ -268,7 +268,7 @@ Configured<std::string> MachineBackup::clear(const Wish& wish)
 {
     return memory_.clear_all(wish.with_security, needs_.mode()).transform([&] {
         needs_.log.write(LogLevel::Info, source,
-                         "all memory was cleared; it counts after a restart, which is due");
+                         "all memory was cleared; it takes effect after a restart, which is due");
         return std::string{R"({"cleared":true})"};
     });
 }

@@ -32,7 +32,8 @@ Configured<void> check_same(std::string_view list, const std::vector<Part>& befo
 {
     const auto refuse = [list](const Part& part, std::string_view what) {
         return misconfigured(std::string{list} + " (" + printable(part.name) + ")",
-                             std::string{what} + "; that takes a download, no online edit");
+                             std::string{what} +
+                                 "; this requires a download instead of an online edit");
     };
     const auto in = [](const std::vector<Part>& all, const Part& wanted) {
         return std::ranges::find(all, wanted.name, &Part::name);
@@ -40,7 +41,7 @@ Configured<void> check_same(std::string_view list, const std::vector<Part>& befo
     for (const Part& each : edited) {
         const auto old = in(before, each);
         if (old == before.end() || !is_same(*old, each)) {
-            return refuse(each, old == before.end() ? "is new" : "was another one");
+            return refuse(each, old == before.end() ? "is new" : "was different");
         }
     }
     for (const Part& each : before) {

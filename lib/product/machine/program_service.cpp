@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* program_source = "program";
 constexpr const char* unknown_options =
-    "found none of a program's options; a file's name ends with .st or .xml";
+    "found an unknown option of a program; the name of a file ends with .st or .xml";
 
 std::string_view mode_name(controller::MachineMode mode)
 {

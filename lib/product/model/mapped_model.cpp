@@ -35,9 +35,9 @@ const char* text_of(MappedErrorCode code)
     case MappedErrorCode::Unavailable:
         return "there is no such label that can be used";
     case MappedErrorCode::WrongType:
-        return "the label's type is none that the node can have";
+        return "the label's type does not suit the node";
     case MappedErrorCode::OutOfRange:
-        return "the label's value is none that the node can have";
+        return "the label's value does not suit the node";
     case MappedErrorCode::TooManyPoints:
         return "there are too many points to sample in each scan";
     case MappedErrorCode::UnsampledDevice:
@@ -97,7 +97,7 @@ void LabelLog::label_update(LabelUpdate event)
         break;
     case LabelUpdate::Failed:
         log_.write(LogLevel::Error, label_source,
-                   code + "labels cannot be used, and no mapped node can");
+                   code + "labels cannot be used, nor can mapped nodes");
         break;
     }
 }

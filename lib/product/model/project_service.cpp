@@ -24,7 +24,7 @@ constexpr std::size_t max_project_size = 128U << 20U;
 constexpr const char* despite_labels = "update despite labels";
 constexpr std::size_t most_labels_logged = 20;
 
-constexpr const char* unknown_wish = "found none of a project's options";
+constexpr const char* unknown_wish = "found an unknown option of a project";
 
 struct Member {
     std::string_view name;

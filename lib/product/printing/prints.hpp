@@ -33,12 +33,13 @@ struct Prints {
         app.add_option("--print-preset", preset,
                        "print the limits of a product as JSON: nj501, nx102 or rd81opc96")
             ->type_name("NAME");
-        explanation = app.add_option("--explain", explained,
-                                     "print the value of a key of the configuration, what says so, "
-                                     "what it would be without that and when a change counts; "
-                                     "without a key or of \"all\" a line for each")
-                          ->expected(0, 1)
-                          ->type_name("[KEY]");
+        explanation =
+            app.add_option("--explain", explained,
+                           "print the value of a key of the configuration, where it comes from, "
+                           "what it would be otherwise and when a change takes effect; without a "
+                           "key or for \"all\", print a line for each")
+                ->expected(0, 1)
+                ->type_name("[KEY]");
         app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     }
     /// The program's end; nothing if none of them is wanted. `configuration` is what the rest of

@@ -27,7 +27,7 @@ using busbar::detail::Json;
 constexpr std::size_t max_backup = 256U << 20U;
 constexpr std::size_t max_command = 65'536;
 constexpr const char* restart_is_due =
-    "it counts after a restart of the controller, which is due and follows in some seconds";
+    "it takes effect after a restart of the controller, which is due in a few seconds";
 
 RemoteTransfer transfer_of(Connection& connection)
 {

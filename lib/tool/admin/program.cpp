@@ -133,11 +133,10 @@ std::string source_text(const Json& status)
     const bool is_other = is_true(status, "fileIsOther");
     if (text_in(status, "source") == "received") {
         return "sent over OPC UA by " + safe(text_in(status, "user")) + " at " +
-               safe(text_in(status, "received")) + "; it counts instead of " + file +
-               (is_other ? ", which is another one or not there" : ", which is the same");
+               safe(text_in(status, "received")) + "; it is used instead of " + file +
+               (is_other ? ", which is different or missing" : ", which is the same");
     }
-    return file +
-           (is_other ? ", which is another one by now: SIGHUP or a restart takes it up" : "");
+    return file + (is_other ? ", which has changed since: SIGHUP or a restart takes it up" : "");
 }
 
 Exit show(Context& context, Connection& connection, const AdminArguments& arguments)
@@ -256,7 +255,7 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
     static_cast<void>(wait_for(context, connection, [](const Json& status) {
         return text_in(status, "source") == "file";
     }));
-    return report(context, "the program of the controller's file counts again");
+    return report(context, "the program of the controller's file is used again");
 }
 
 } // namespace
@@ -269,7 +268,7 @@ Exit change(Context& context, Connection& connection, const AdminArguments& argu
 {
     const auto& words = arguments.words;
     if (words.size() > 1 || (words.size() == 1 && words[0] != "run" && words[0] != "program")) {
-        throw Failure{Exit::Usage, "the mode is not one", "expected run or program"};
+        throw Failure{Exit::Usage, "this is not a mode", "expected run or program"};
     }
     RemoteTransfer transfer = program::transfer_of(connection);
     if (words.empty()) {

@@ -132,7 +132,7 @@ std::string change(Connection& connection, const AdminArguments& arguments, cons
                                               String{arguments.words.front()}};
     call(connection, role, child_of(connection, role, method),
          {Variant{ExtensionObject::from(rule)}}, what);
-    return (is_everyone ? "everyone who logs in" : safe(arguments.words.front())) +
+    return (is_everyone ? "every user who logs in" : safe(arguments.words.front())) +
            " has the role " + safe(name);
 }
 
@@ -144,7 +144,7 @@ Exit grant(Context& context, Connection& connection, const AdminArguments& argum
 Exit revoke(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     return report(context, change(connection, arguments, "RemoveIdentity", "revoking the role") +
-                               " no more, unless another rule gives it");
+                               " no longer, unless another rule gives it");
 }
 
 } // namespace
@@ -156,7 +156,7 @@ void add_roles(CLI::App& admin, Run& run)
     Group group{admin, run, "role", "Which roles users have."};
     group.add("list", "Lists roles and the rules that assign them.", 0, "URL", list);
     auto& arguments = group.arguments();
-    constexpr const char* whose = "instead of one USER, all who do not log in as anonymous";
+    constexpr const char* whose = "instead of one USER, all users who do not log in as anonymous";
     group.add_any("grant", "Gives a user a role.", "USER ROLE", grant)
         ->add_flag("--everyone", arguments.is_everyone, whose);
     group.add_any("revoke", "Takes a role from a user.", "USER ROLE", revoke)

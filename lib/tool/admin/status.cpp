@@ -212,7 +212,7 @@ Exit shut_down(Context& context, Connection& connection, const AdminArguments& a
 void add_status(CLI::App& admin, Run& run)
 {
     Group group{admin, run, nullptr, ""};
-    group.add("status", "Says how the server is.", 0, "URL", status_of);
+    group.add("status", "Shows the state of the server.", 0, "URL", status_of);
 }
 
 void add_shutdown(CLI::App& admin, Run& run)
@@ -227,7 +227,7 @@ void add_shutdown(CLI::App& admin, Run& run)
         ->check(CLI::Range(0U, max_seconds))
         ->capture_default_str();
     command->add_option("--reason", arguments.reason, "what clients are told");
-    command->add_flag("--restart", arguments.restarts, "have it start again, with its settings");
+    command->add_flag("--restart", arguments.restarts, "start the server again, with its settings");
     command->add_flag("--yes", arguments.is_sure, "do not ask");
     group
         .add("reset", "Forgets certificates, users, roles and settings, and starts again.", 0,

@@ -104,7 +104,7 @@ Additions read_additions(const std::vector<std::string>& files)
         } else if (auto certificate = crypto::Certificate::parse_file(bytes)) {
             additions.certificates.emplace_back(file, *std::move(certificate));
         } else {
-            throw Failure{Exit::Usage, file + ": no certificate and no revocation list",
+            throw Failure{Exit::Usage, file + ": neither a certificate nor a revocation list",
                           "expected one, as DER or PEM"};
         }
     }
@@ -321,7 +321,7 @@ Exit remove(Context& context, Connection& connection, const AdminArguments& argu
         return report(context, "removed " + what);
     }
     make_sure(context, arguments,
-              "Its owner cannot connect any more. Remove " + what + " from " + row.list + "?");
+              "Its owner can no longer connect. Remove " + what + " from " + row.list + "?");
     const TrustListNodes nodes = trust_list(connection, arguments.is_of_users);
     call(connection, nodes.object, nodes.remove,
          {Variant{String{row.certificate.thumbprint_text()}}, Variant{row.list == "trusted"}},
@@ -390,7 +390,7 @@ void add_trust(CLI::App& admin, Run& run)
     auto* moved =
         group.add("move", "Trusts a certificate that the server rejected.", 1, "THUMBPRINT", move);
     moved->add_flag("--issuer", arguments.is_issuer,
-                    "it is that of a CA that issues others, and is not trusted itself");
+                    "it belongs to a CA that issues others, and is not trusted itself");
     auto* removed =
         group.add("remove", "Takes a certificate, also a rejected one, or a revocation list out.",
                   1, "THUMBPRINT", remove);

@@ -236,8 +236,8 @@ void add_users(CLI::App& admin, Run& run)
         command->add_option("--new-password-file", arguments.new_password_file,
                             "its first line is the password; asked for on a terminal otherwise");
     }
-    group.add("disable", "Lets a user in no more.", 1, "NAME", disable);
-    group.add("enable", "Lets a user in again.", 1, "NAME", enable);
+    group.add("disable", "Stops a user from logging in.", 1, "NAME", disable);
+    group.add("enable", "Lets a user log in again.", 1, "NAME", enable);
     group.add("remove", "Removes a user.", 1, "NAME", remove)
         ->add_flag("--yes", arguments.is_sure, "do not ask");
 }

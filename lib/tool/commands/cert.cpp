@@ -209,7 +209,7 @@ Exit show_file(Context& context, const std::string& path)
     const auto certificate = crypto::Certificate::parse_file(contents);
     const auto revocations = crypto::RevocationList::parse_file(contents);
     if (!certificate && !revocations) {
-        throw Failure{Exit::Usage, path + ": no certificate and no revocation list",
+        throw Failure{Exit::Usage, path + ": neither a certificate nor a revocation list",
                       "expected one, as DER or PEM"};
     }
     const std::string text = certificate ? crypto::certificate_text(*certificate)
@@ -296,8 +296,8 @@ void add_cert(CLI::App& app, Run& run)
     auto* trusted = add(*cert, run, arguments, "trust", "Trusts a certificate.", trust);
     name(trusted, true);
     trusted->add_flag("--issuer", arguments->is_issuer,
-                      "know it as an authority only: what it signed is not trusted for that");
-    name(add(*cert, run, arguments, "reject", "Trusts a certificate no more.", reject), true);
+                      "know it as an authority only, without trusting all that it signed");
+    name(add(*cert, run, arguments, "reject", "Stops trusting a certificate.", reject), true);
     name(add(*cert, run, arguments, "show", "Shows what a certificate, or ours, says.", show),
          false);
     auto* exported =

@@ -126,7 +126,7 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
         throw Failure{Exit::Usage, arguments.attribute + ": not an attribute",
                       meant.empty()
                           ? "attributes are Value, DataType, AccessLevel, DisplayName, ..."
-                          : "perhaps " + meant + " is meant"};
+                          : "did you mean " + meant + "?"};
     }
     const auto nodes = find_nodes(connection, arguments.nodes);
     const auto values = read_nodes(connection, nodes, *attribute, arguments.range);

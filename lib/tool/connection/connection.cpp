@@ -164,7 +164,7 @@ void Connection::warn_of_insecurity()
 {
     const EndpointDescription* endpoint = client().endpoint();
     if (endpoint != nullptr && endpoint->security_mode == MessageSecurityMode::None) {
-        context_->warn("insecure", "no encryption, and nobody knows who the server is");
+        context_->warn("insecure", "no encryption, and the server is not authenticated");
     }
 }
 
@@ -172,10 +172,9 @@ void Connection::fail_to_connect(StatusCode status) const
 {
     const std::string& url = context_->options.url;
     if (context_->options.user == "setup" && exit_of(status) == Exit::Refused) {
-        throw Failure{
-            status, url,
-            "the code is another one, or the setup is over, as is one that was cut at its "
-            "end: log in as the administrator whom it made, --user NAME"};
+        throw Failure{status, url,
+                      "the code is wrong, or the setup is over, even if it was interrupted at its "
+                      "end: log in as the administrator that it made, --user NAME"};
     }
     if (status == status::Bad_SecurityChecksFailed) {
         throw Failure{status, url,

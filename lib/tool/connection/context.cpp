@@ -54,7 +54,8 @@ void add_options(CLI::App& app, Options& options)
         ->type_name("URL")
         ->capture_default_str();
     app.add_option("--user", options.user, "log in by name")->type_name("NAME");
-    app.add_option("--password", options.password, "others can read it here: better one of these:")
+    app.add_option("--password", options.password,
+                   "visible to other users; better use one of these:")
         ->type_name("TEXT");
     app.add_option("--password-file", options.password_file, "password; or set BUSBAR_PASSWORD")
         ->type_name("FILE");
@@ -77,7 +78,7 @@ void add_options(CLI::App& app, Options& options)
     app.add_option("--pki", options.pki, "folder of certificates, see `busbar cert`")
         ->type_name("DIR");
     app.add_flag("--trust", options.trusts, "trust the server's certificate from now on");
-    app.add_option("--ignore", options.ignored, "let a server's certificate pass though it fails")
+    app.add_option("--ignore", options.ignored, "accept a certificate that fails this check")
         ->check(check_step)
         ->type_name("STEP")
         ->expected(1)

@@ -62,7 +62,7 @@ std::string found_in(std::string_view url)
         return "is not a URL";
     }
     return "its port is \"" + std::string{authority.substr(colon + 1)} +
-           "\" and no number from 1 to 65535";
+           "\", expected a number from 1 to 65535";
 }
 
 } // namespace
@@ -80,8 +80,7 @@ std::string complete_url(const std::string& text)
 {
     const std::size_t end = text.find("://");
     if (end != std::string::npos && !channel::is_same_host(text.substr(0, end + 3), scheme)) {
-        throw Failure{Exit::Usage, text + ": " + text.substr(0, end) + " is not spoken here",
-                      advice};
+        throw Failure{Exit::Usage, text + ": " + text.substr(0, end) + " is not supported", advice};
     }
     std::string url = end == std::string::npos ? std::string{scheme} + text : text;
     if (!channel::EndpointUrl::parse(url)) {

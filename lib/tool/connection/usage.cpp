@@ -41,20 +41,21 @@ Failure unknown_command(const CLI::App& level, const std::string& word)
     const std::vector<std::string> commands = commands_below(level);
     const std::string name = full_name(level);
     if (const std::string meant = nearest(word, commands); !meant.empty()) {
-        return {Exit::Usage, word + ": no command", "did you mean `" + name + " " + meant + "`?"};
+        return {Exit::Usage, word + ": not a command",
+                "did you mean `" + name + " " + meant + "`?"};
     }
     if (is_url(word)) {
-        return {Exit::Usage, word + ": a command is to come first",
+        return {Exit::Usage, word + ": a command must come first",
                 "`" + name + " browse " + word + "` shows what the server has"};
     }
-    return {Exit::Usage, word + ": no command", "there are " + joined(commands)};
+    return {Exit::Usage, word + ": not a command", "there are " + joined(commands)};
 }
 
 Failure unknown_option(const CLI::App& command, const std::string& word)
 {
     const std::string name = word.substr(0, word.find('='));
     const std::string meant = nearest(name, options_of(command));
-    return {Exit::Usage, name + ": no option of `" + full_name(command) + "`",
+    return {Exit::Usage, name + ": not an option of `" + full_name(command) + "`",
             meant.empty() ? "`" + full_name(command) +
                                 " --help` has its options; text that begins "
                                 "with - must come after --"

@@ -37,7 +37,7 @@ TypeOfValue value_type(const std::string& name, std::int32_t value_rank)
             return {type, value_rank, nullptr, nullptr};
         }
     }
-    throw Failure{Exit::Usage, name + ": no built-in type",
+    throw Failure{Exit::Usage, name + ": not a built-in type",
                   "types are Boolean, Int32, Double, String, DateTime, ..."};
 }
 

@@ -263,7 +263,7 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
         read_file(arguments.table, controller::MappingTableLimits{}.max_size), models.space());
     print_reports(context, read.reports);
     if (read.reports.has_errors()) {
-        throw Failure{Exit::Failed, arguments.table + ": not taken", "the project is as it was"};
+        throw Failure{Exit::Failed, arguments.table + ": not accepted", "the project is as it was"};
     }
     if (arguments.replaces) {
         make_sure_of_loss(context, arguments, models.mapping(), read.mapping);

@@ -94,7 +94,8 @@ Exit write(Context& context, Connection& connection, const RemoteArguments& argu
     RemoteTransfer transfer = transfer_of(connection);
     admin::make_sure(context, arguments, "Replace the project of the server?");
     send(context, transfer, "write", document);
-    return admin::report(context, "written; it counts after `busbar project update` or a restart");
+    return admin::report(context,
+                         "written; it takes effect after `busbar project update` or a restart");
 }
 
 Exit read(Context& context, Connection& connection, const RemoteArguments& arguments)
@@ -229,7 +230,7 @@ void add_online(CLI::App& project, Run& run)
     asks(
         group.add("write", "Writes a project to a server, whole or not at all.", 1, "FILE", write));
     asks(group.add("read", "Reads the project of a server.", 1, "FILE", read));
-    group.add("labels", "Lists labels of the written project that are not as the PLC has them.", 0,
+    group.add("labels", "Lists labels of the written project that differ from those of the PLC.", 0,
               "URL", list_labels);
     group.add("verify", "Lists what differs between a project and that of a server.", 1, "FILE",
               verify);
@@ -246,7 +247,7 @@ void add_online(CLI::App& project, Run& run)
             ->check(CLI::Range(0U, 86'400U));
         command->add_option("--reason", arguments.reason, "what clients are told");
     }
-    group.add("status", "Shows how a server and its project are.", 0, "URL", show_status);
+    group.add("status", "Shows the state of a server and its project.", 0, "URL", show_status);
 }
 
 } // namespace busbar::tool::project

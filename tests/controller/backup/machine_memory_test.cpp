@@ -219,7 +219,7 @@ TEST_CASE_METHOD(SecondMachine, "A backup with items that nobody knows is refuse
 {
     CHECK(refusal(controller::detail::write_backup(
               saved("Recipes", MemoryGroup::ServerSettings, "recipes.json", "{}"))) ==
-          "backup: found Recipes, which this controller has not");
+          "backup: found Recipes, which this controller does not have");
     // Nobody asked for these.
     CHECK(memory.restore(controller::detail::write_backup(
                              saved("Other logs", MemoryGroup::EventLog, "other.log", "x")),

@@ -172,7 +172,7 @@ TEST_CASE_METHOD(SharedFile, "No other item brings security settings (8-2-2)")
           "server 1\nlogin 3\n");
     CHECK(restored(backup_with(
               {saved("Login options", MemoryGroup::SecurityProfile, "options", "login 1\n")})) ==
-          "backup: found options, which is none of Login options");
+          "backup: found options, which is not a file of Login options");
 }
 
 TEST_CASE_METHOD(SharedFile, "Settings that do not go together are refused (8-2-2, 8-3)")

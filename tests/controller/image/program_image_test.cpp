@@ -254,7 +254,7 @@ TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
     };
     using E = ElementaryType;
     CHECK(refused(E::Sint, initial(std::int64_t{128})) ==
-          "variables[0] (v): has an initial value that is no SINT");
+          "variables[0] (v): has an initial value that is not of type SINT");
     CHECK(refused(E::Uint, initial(std::int64_t{-1})) != "");
     CHECK(refused(E::Int, initial(1.5)) != "");
     CHECK(refused(E::Bool, initial(std::int64_t{2})) != "");
@@ -265,16 +265,16 @@ TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
           "variables[0] (v): has a list of initial values; expected one");
     GlobalVariable variable{.name = "v", .type = of("Mode"), .initial = initial("Idle")};
     variable.place = {4, 2};
-    CHECK(refusal_of(variable) == "4:2: variables[0] (v): has an initial value that is no name of "
-                                  "the enumeration Mode");
+    CHECK(refusal_of(variable) ==
+          "4:2: variables[0] (v): has an initial value that is not a name of the enumeration Mode");
     TypeUse narrow = of(E::Int);
     narrow.subrange = Bounds{0, 10};
     CHECK(refusal_of({.name = "v", .type = narrow, .initial = initial(std::int64_t{11})}) ==
-          "variables[0] (v): has an initial value that is no INT within its subrange");
+          "variables[0] (v): has an initial value that is not of type INT within its subrange");
     CHECK(refusal_of({.name = "v",
                       .type = {.elementary = E::String, .string_length = 3},
                       .initial = initial("long")}) ==
-          "variables[0] (v): has an initial value that is no text of at most 3 bytes");
+          "variables[0] (v): has an initial value that is not a text of at most 3 bytes");
 }
 
 TEST_CASE("Lists of initial values have to fit (6-2-2)")
@@ -285,7 +285,8 @@ TEST_CASE("Lists of initial values have to fit (6-2-2)")
     variable.initial = list({list({list({initial(std::int64_t{1}, 2)}, 2)}, UINT32_MAX)});
     CHECK(refusal_of(variable) != "");
     variable.initial = list({initial(std::int64_t{1}), initial("x")});
-    CHECK(refusal_of(variable) == "variables[0] (v)[1]: has an initial value that is no INT");
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v)[1]: has an initial value that is not of type INT");
     variable.initial = initial(std::int64_t{1});
     CHECK(refusal_of(variable) ==
           "variables[0] (v): has one initial value; expected a list of elements");
@@ -294,10 +295,10 @@ TEST_CASE("Lists of initial values have to fit (6-2-2)")
           "variables[0] (v): has one initial value; expected a list of members");
     variable.initial = list({member("Speed", initial(1.0))});
     CHECK(refusal_of(variable) ==
-          "variables[0] (v).Speed: has an initial value, and is no member of Axis");
+          "variables[0] (v).Speed: has an initial value but is not a member of Axis");
     variable.initial = list({member("Limits", list({initial(1.0), initial(true)}))});
     CHECK(refusal_of(variable) ==
-          "variables[0] (v).Limits[1]: has an initial value that is no REAL");
+          "variables[0] (v).Limits[1]: has an initial value that is not of type REAL");
 }
 
 TEST_CASE("Variables take in the image what ProgramTypes says of it")

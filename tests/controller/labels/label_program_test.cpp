@@ -263,7 +263,7 @@ TEST_CASE("a program that cannot be is refused as others are")
     };
     CHECK(refusal(program_of("X : Nothing;")).find("Nothing") != std::string::npos);
     CHECK(refusal(program_of("X : INT;", "TYPE Timer : STRUCT A : INT; END_STRUCT; END_TYPE "))
-              .find("is the name of another type, too") != std::string::npos);
+              .find("is also the name of another type") != std::string::npos);
     CHECK(refusal(program_of("X : INT := 100000;")).find("INT") != std::string::npos);
 }
 

@@ -69,13 +69,14 @@ TEST_CASE_METHOD(Fixture, "Labels of a PLC: node, label, expected and found type
 TEST_CASE_METHOD(Fixture, "Labels of a PLC: why one cannot be used", "[8.3]")
 {
     const auto reason = [&](const std::string& label) { return difference("I16", label); };
-    CHECK(reason("None").find("the PLC has none of this name, expected INT") != std::string::npos);
+    CHECK(reason("None").find("the PLC has no label of this name, expected INT") !=
+          std::string::npos);
     CHECK(reason("Secret").find("the PLC does not publish it") != std::string::npos);
     CHECK(reason("Fixed").find("it is CONSTANT in the PLC") != std::string::npos);
     CHECK(reason("Row").find("it is an array, a structure or a bit as a whole") !=
           std::string::npos);
     CHECK(reason("Row[1]").empty());
-    CHECK(reason("Row[2]").find("the PLC has none of this name") != std::string::npos);
+    CHECK(reason("Row[2]").find("the PLC has no label of this name") != std::string::npos);
 }
 
 TEST_CASE_METHOD(Fixture, "Labels of a PLC: of a Handle, and as reports", "[8.3]")

@@ -171,9 +171,9 @@ TEST_CASE("Values that are written wrongly are told (6-2-2)")
           "found 'INT#32768', expected a value of the type before the '#'");
     CHECK(problem_of("USINT#-1") ==
           "found 'USINT#-1', expected a value of the type before the '#'");
-    CHECK(problem_of("INT#") == "found 'INT#', expected a number behind the '#'");
+    CHECK(problem_of("INT#") == "found 'INT#', expected a number after the '#'");
     CHECK(problem_of("BOOL#2") == "found 'BOOL#2', expected a value of the type before the '#'");
-    CHECK(problem_of("STRING#5") == "found 'STRING#5', expected a text in quotes behind the '#'");
+    CHECK(problem_of("STRING#5") == "found 'STRING#5', expected a text in quotes after the '#'");
     CHECK(problem_of("LTIME#5s") ==
           "found 'LTIME#5s', expected a value of a type that is known here");
     CHECK(problem_of("WSTRING#\"a\"") ==

@@ -173,7 +173,7 @@ TEST_CASE("Mistakes in PLCopen XML are told with place, found and expected (3-3-
     const auto in_variable = [](const std::string& type, const std::string& more = "") {
         return problem_of(globals_in("\n" + variable(type, more)));
     };
-    CHECK(problem_of("<a") == "m.xml:1:2: is no well-formed XML: Error parsing start element tag");
+    CHECK(problem_of("<a") == "m.xml:1:2: is not well-formed XML: Error parsing start element tag");
     CHECK(problem_of("<a/>") == "m.xml:1:1: found <a>, expected <project>");
     CHECK(problem_of("<p:project xmlns:p=\"urn:x\"/>") ==
           "m.xml:1:1: found the namespace 'urn:x', expected http://www.plcopen.org/xml/tc6_0201 or "

@@ -141,7 +141,7 @@ TEST_CASE("Initial values that are not of their types (6-2-2)")
          "7:25: variables[0] (x): has no members, expected those of Point as (X := 1)"},
         {"Point := [1, 2]",
          "7:25: variables[0] (x): has no members, expected those of Point as (X := 1)"},
-        {"Point := (Z := 1)", "7:31: variables[0] (x).Z: is no member of Point"},
+        {"Point := (Z := 1)", "7:31: variables[0] (x).Z: is not a member of Point"},
         {"Point := (X := 1, x := 2)", "7:39: variables[0] (x).x: has a second value"},
         {"Point := (Name := 'abcdef')",
          "7:34: variables[0] (x).Name: has a text of 6 bytes, expected a value of STRING[5]"},
@@ -172,7 +172,7 @@ TEST_CASE("Initial values of types and members are looked at, too (6-2-2)")
     CHECK(in_type("P : STRUCT X : INT := 1; Y : INT := 1.5; END_STRUCT;") ==
           "1:42: types[0] (P).Y: has 1.5, expected a value of INT");
     CHECK(in_type("P : STRUCT X : INT; END_STRUCT := (Y := 1);") ==
-          "1:46: types[0] (P).Y: is no member of P");
+          "1:46: types[0] (P).Y: is not a member of P");
 }
 
 TEST_CASE("Initial values of a vendor's table need no notation (6-2-2)")
@@ -203,7 +203,7 @@ TEST_CASE("Initial values of a vendor's table need no notation (6-2-2)")
     program.variables[0].type.dimensions = {{0, 3}};
     initial = {};
     initial.parts = {{.repeat = 0, .value = Variant{String{"a"}}}};
-    CHECK(check(program) == "variables[0] (x)[0]: is repeated no times, expected 1 or more");
+    CHECK(check(program) == "variables[0] (x)[0]: is repeated 0 times, expected 1 or more");
     initial.parts = {{.value = Variant{String{"a"}}}, {.member = "X"}};
     CHECK(check(program) ==
           "variables[0] (x)[1]: is for the member X, expected an element of an array");

@@ -158,10 +158,10 @@ TEST_CASE("A program that makes no sense is refused, with its place")
     SECTION("a name twice")
     {
         program.variables.push_back({.name = "X", .type = use("A")});
-        CHECK(problem_of(program) == "variables[1] (X): is the name of another variable, too");
+        CHECK(problem_of(program) == "variables[1] (X): is also the name of another variable");
         program.variables.pop_back();
         program.types.push_back(structure("a", {use(ElementaryType::Int)}));
-        CHECK(problem_of(program) == "types[1] (a): is the name of another type, too");
+        CHECK(problem_of(program) == "types[1] (a): is also the name of another type");
     }
     SECTION("a type within itself, at some remove")
     {

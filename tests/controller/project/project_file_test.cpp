@@ -194,8 +194,8 @@ TEST_CASE("9.3 Project file: values that no file can have are not written", "[9.
     project.certificate.unit = "a\nb = c";
     const auto document = document_of(project);
     REQUIRE_FALSE(document);
-    CHECK(text(document.error()) == "[certificate] unit: found control characters or no UTF-8, "
-                                    "expected text of one line");
+    CHECK(text(document.error()) == "[certificate] unit: found control characters or bytes that "
+                                    "are not UTF-8, expected text of one line");
     project = test::press_project();
     project.security.policies = {"Basic256Sha256, Basic256"};
     CHECK_FALSE(document_of(project));

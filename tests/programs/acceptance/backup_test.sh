@@ -143,7 +143,7 @@ chief 0 admin cert show "$url"
 own=$(sed -n 's/^own .* \([0-9A-F]*\)$/\1/p' out)
 one_step
 chief 0 admin clear "$url" --yes
-says 'all memory was cleared; it counts after a restart of the controller, which is due'
+says 'all memory was cleared; it takes effect after a restart of the controller, which is due'
 again() { [ "$(grep -c '^ready' log)" -ge "$1" ]; }
 await again 2 # it is reset in the same dialogue
 step_ends

@@ -1,6 +1,6 @@
 #!/bin/sh
 # A controller whose list of roles or of users is damaged starts, and nobody may do more than before:
-# the last good copy counts, and without one all roles but SecurityAdmin are closed.
+# the last good copy is used, and without one all roles but SecurityAdmin are closed.
 # usage: damaged_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -23,12 +23,12 @@ chief 0 admin user add "$url" pat --new-password-file password
 as pat 0 read "$url" i=2259
 
 # The list is cut short, the power goes: the copy counts, and it says so.
-# told '`users.json` or `roles.json`, "which lies beside as .refused, and its last good copy counts"'
+# told '`users.json` or `roles.json`, "which is kept beside it as .refused, and its last good copy is used"'
 is_as_before() {
-    logged "$1.*, which lies beside as .refused, and its last good copy counts" ||
+    logged "$1.*, which is kept beside it as .refused, and its last good copy is used" ||
         fail "$1: the log does not say so"
     chief 0 admin status "$url"
-    says "^Pending changes: .*$1.*last good copy counts"
+    says "^Pending changes: .*$1.*last good copy is used"
     as operator 1 admin log "$url"
     as pat 0 read "$url" i=2259
 }
@@ -45,7 +45,7 @@ is_as_before users.json
 [ "$(cat pki/users.json.refused)" = '{"version":1,"use' ] || fail "what was there is lost"
 step_ends
 power_cycle
-logged 'last good copy counts' && fail "the copy counts though nothing is wrong"
+logged 'last good copy is used' && fail "the copy counts though nothing is wrong"
 as operator 1 admin log "$url"
 
 # Without a copy all is closed to all but the administrator, who opens it.
@@ -54,7 +54,7 @@ one_step
 echo damage > pki/roles.json
 echo damage > pki/taken-over/roles.json
 power_cycle
-logged 'roles.json.* does not count; every role but SecurityAdmin is closed' || fail "no line"
+logged 'roles.json.* is not used; every role but SecurityAdmin is closed' || fail "no line"
 chief 0 admin status "$url"
 says '^Pending changes: .*every role but SecurityAdmin is closed until an administrator opens it'
 as operator 1 admin log "$url"
@@ -63,12 +63,12 @@ chief 0 write "$url" "$operator_endpoints" true
 as operator 0 admin log "$url"
 
 # Without a copy its users are gone, until an administrator adds them again.
-# told '`users.json`, "which lies beside as .refused and does not count"'
+# told '`users.json`, "which is kept beside it as .refused and is not used"'
 one_step
 echo damage > pki/users.json
 echo damage > pki/taken-over/users.json
 power_cycle
-logged 'users.json.* does not count' || fail "no line"
+logged 'users.json.* is not used' || fail "no line"
 as pat 4 read "$url" i=2259
 chief 0 admin user add "$url" pat --new-password-file password
 as pat 0 read "$url" i=2259

@@ -102,5 +102,5 @@ sed 's/^setup = .*//; /^\[\[users.account\]\]/,/^roles/d; s/^\[users\]$/&\nsetup
     controller.toml > setup.toml
 "$controller" --print-conformance setup.toml > out 2>&1 || fail "--print-conformance"
 last="--print-conformance"
-says_not 'nobody can log in'
+says_not 'no user can log in'
 finish

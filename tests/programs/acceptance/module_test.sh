@@ -121,7 +121,7 @@ run 0 project map unlike.busbar "ns=1;i=106" Line.UDW
 chief 0 project write "$url" unlike.busbar --yes
 chief 1 project labels "$url"
 says 'i=104  *Line.S  *INT.*  *STRING(7)  *refused'
-says 'i=105  *Line.Gone  *.*the PLC has none of this name  *refused'
+says 'i=105  *Line.Gone  *.*the PLC has no label of this name  *refused'
 says 'i=106  *Line.UDW  *DINT.*  *UDINT, DWORD  *converted'
 chief 1 project update "$url" --yes
 says '2 of its labels cannot be used'

@@ -283,7 +283,7 @@ END_STRUCT; END_TYPE
 VAR_GLOBAL Line : LineType; END_VAR
 END
 project 1 check cell.busbar --program line.st
-says 'M320 ns=1;i=105: .*Line.Count2: the PLC has none of this name, expected UINT'
+says 'M320 ns=1;i=105: .*Line.Count2: the PLC has no label of this name, expected UINT'
 says 'M321 ns=1;i=102: .*Line.Small: found LREAL, expected UINT, WORD'
 says_not 'ns=1;i=104'
 project 1 check cell.busbar --program part.csv

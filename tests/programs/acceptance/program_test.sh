@@ -96,13 +96,13 @@ value Fresh 21
 gone Width
 chief 0 admin program show "$url"
 says 'edited.st'
-says 'sent over OPC UA by designer at .*counts instead of press.st, which is another one'
+says 'sent over OPC UA by designer at .*it is used instead of press.st, which is different'
 chief 0 admin program show "$url" --save saved.st
 cmp -s saved.st edited.st || fail "the program that runs is not the one that was sent"
 
-# The file does not count, and whoever changes it learns so.
+# The file is not used, and a user who changes it is told so.
 program press.st 'INT := 18'
-hang_up 'press.st does not count: edited.st, which was sent over OPC UA, does'
+hang_up 'press.st is not used: edited.st, which was sent over OPC UA, is'
 value Speed 17
 
 # A download waits for PROGRAM, and the mode changes while sessions go on.
@@ -141,7 +141,7 @@ says '^from: *press.st$'
 
 # RUN after PROGRAM by SIGHUP: an administrator's word counts, and the log says so; without one the
 # file's does.
-hang_up 'what was changed online counts instead of the file: machine.mode'
+hang_up 'changed online, and used instead of the file: machine.mode'
 mode_is PROGRAM
 one_step
 as designer 0 admin mode "$url" run --yes

@@ -47,7 +47,7 @@ for i in $(seq 10 29); do
     chief 0 admin user add "$url" "user$i" --new-password-file good
 done
 chief 1 admin user add "$url" user30 --new-password-file good
-refused 'one more than the limit of 20'
+refused 'would exceed the limit of 20'
 chief 1 admin role grant "$url" user10 Nothing
 for i in $(seq 2 33); do
     run 0 --pki "pki$i" cert create
@@ -80,7 +80,7 @@ printf 'VAR_GLOBAL\n    Speed : WRONG;\nEND_VAR\n' > wrong.st
 chief 1 admin program download "$url" wrong.st --yes
 refused 'wrong.st:2:'
 chief 1 admin restore "$url" wrong.st --yes
-refused 'backup: is no backup file or too large'
+refused 'backup: is not a backup file or is too large'
 chief 1 admin shutdown "$url" --reason "$(printf '%300s' | tr ' ' x)" --yes
 refused 'a reason of 300 bytes, expected at most 256'
 

@@ -109,7 +109,7 @@ for list in users.json roles.json; do
     power_cut
     echo damaged > pki/$list
     serve --config controller.toml
-    logged "$list.*which lies beside as .*refused and does not count" || fail "$list: no line"
+    logged "$list.*which is kept beside it as .*refused and is not used" || fail "$list: no line"
     [ "$(cat pki/$list.refused)" = damaged ] || fail "$list is lost"
     in_events 00000004
     if [ $list = users.json ]; then

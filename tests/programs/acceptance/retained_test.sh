@@ -146,7 +146,7 @@ for count in 1005 1015 1025 1035 1045; do
 done
 echo damaged > state/retained
 serve --config machine.toml
-logged 'retained: is no file of retained values' || fail "nobody learns of the file's damage"
+logged 'retained: is not a file of retained values' || fail "nobody learns of the file's damage"
 is Count "$count" "the journal alone"
 
 # A value whose variable has another type begins as declared; the others are as they were.

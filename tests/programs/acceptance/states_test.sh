@@ -205,7 +205,7 @@ step_ends
 one_step
 stops=$(count Shutdown)
 chief 0 admin restore "$url" whole.backup --yes
-says 'it counts after a restart'
+says 'it takes effect after a restart'
 await counted Shutdown $((stops + 1))
 await is_running
 step_ends

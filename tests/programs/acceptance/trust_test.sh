@@ -106,7 +106,7 @@ says 'zeta.der: the server has it among the trusted ones already'
 chief 1 admin trust add "$url" third.pem zeta.der
 echo "no certificate" > nothing.der
 chief 2 admin trust add "$url" nothing.der
-says 'nothing.der: no certificate and no revocation list'
+says 'nothing.der: neither a certificate nor a revocation list'
 chief 1 admin trust add "$url" missing.der
 says 'missing.der'
 

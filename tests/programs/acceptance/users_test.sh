@@ -109,11 +109,11 @@ as_user2 0 write 8
 await has_record 'AUTH 0002 User Success 0x[0-9A-F]* user2$'
 run 0 --user user2 --password-file good --trust read --value "$url" "$(node Speed)"
 says '^8$'
-# The manual's "access to all, fixed": everyone who logs in writes, also who is added later.
+# The manual's "access to all, fixed": every user who logs in writes, also who is added later.
 chief 2 admin role grant "$url" user3 Operator --everyone
 says 'expected ROLE, as --everyone takes the place of USER'
 chief 0 admin role grant "$url" Operator --everyone
-says 'everyone who logs in has the role Operator'
+says 'every user who logs in has the role Operator'
 chief 0 admin user remove "$url" user18 --yes
 add 0 another good
 as_another() {

@@ -74,7 +74,7 @@ bool PlcopenReader::parse()
         text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
     if (!parsed) {
         return fail_at(static_cast<std::size_t>(std::max(parsed.offset, std::ptrdiff_t{0})),
-                       std::string{"is no well-formed XML: "} + parsed.description());
+                       std::string{"is not well-formed XML: "} + parsed.description());
     }
     for (const pugi::xml_node& node : document_.children()) {
         if (node.type() == pugi::node_doctype) {
