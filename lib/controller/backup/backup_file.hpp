@@ -30,14 +30,14 @@ struct SavedMemory {
     std::vector<SavedItem> items;
 };
 
-/// Names of files must have passed is_saved_name.
+/// Encodes a backup; every name of a file must have passed is_saved_name.
 [[nodiscard]] std::vector<std::byte> write_backup(const SavedMemory& memory);
-/// Within the limits, names are names of a storage, each once; nothing of it is compared with what
-/// a controller has. `created` is not read: it is for people.
+/// Decodes a backup within the limits. Checks that names are valid in a storage and unique, but
+/// compares nothing with what a controller has. `created` is not parsed: it is for people.
 [[nodiscard]] Configured<SavedMemory> read_backup(std::span<const std::byte> file,
                                                   const MemoryLimits& limits);
 
-/// Whether a name comes out of JSON as it went in.
+/// Tells whether a name survives a round trip through JSON.
 [[nodiscard]] bool is_saved_name(const std::string& name);
 
 } // namespace busbar::controller::detail

@@ -27,7 +27,7 @@ bool is_cleared(MemoryGroup group, bool with_security)
            (with_security && group != MemoryGroup::EventLog);
 }
 
-/// The controller's item that one of a backup is for.
+/// Finds the controller's item that an item of a backup is for.
 Configured<const MemoryItem*> item_for(const SavedItem& saved, const std::vector<MemoryItem>& items)
 {
     const auto found = std::find_if(items.begin(), items.end(), [&](const MemoryItem& item) {
@@ -92,7 +92,7 @@ Configured<void> MachineMemory::recover() const
 Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& label,
                                                          const BackupChoice& choice) const
 {
-    // What was decided and waits for the medium counts.
+    // Finish a change first that was decided but still waits for the medium.
     if (auto recovered = recover(); !recovered) {
         return Unexpected{std::move(recovered.error())};
     }
@@ -109,7 +109,7 @@ Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& labe
         memory.items.push_back(*std::move(saved));
     }
     auto file = detail::write_backup(memory);
-    // What is made can be restored.
+    // Never hand out a backup that could not be restored.
     if (const auto again = detail::read_backup(file, limits_); !again) {
         return Unexpected{again.error()};
     }
@@ -137,7 +137,7 @@ Configured<Restored> MachineMemory::restore(std::span<const std::byte> backup,
     return lacks_profile ? Restored::WithoutProfile : Restored::Data;
 }
 
-/// The file, with what each of this controller's items is to have.
+/// Reads the backup and gives each item of this controller the content that it is to have.
 Configured<SavedMemory> MachineMemory::read_for(std::span<const std::byte> backup,
                                                 const RestoreChoice& choice) const
 {

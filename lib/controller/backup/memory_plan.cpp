@@ -83,7 +83,7 @@ Configured<void> MemoryPlan::add_initial(const MemoryItem& item)
     return {};
 }
 
-/// What the journal of a transaction can hold; what is removed counts as much as what is new.
+/// Checks the limits of a transaction's journal; a removed file counts as much as a new one.
 Configured<void> MemoryPlan::check_limits() const
 {
     std::size_t names_size = 0;
@@ -120,7 +120,7 @@ Configured<void> MemoryPlan::carry_out(const std::string& transaction) const
         }
     }
     const auto done = change.commit();
-    // Once it is decided the next recover() finishes it.
+    // A change that is decided is finished by the next recover().
     if (!done && !change.is_decided()) {
         return storage_problem(storage_, transaction, done.error());
     }

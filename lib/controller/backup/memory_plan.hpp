@@ -17,18 +17,18 @@ namespace busbar::controller::detail {
 /// Changes of a controller's data, collected and then done together.
 class MemoryPlan {
 public:
-    /// All must outlive it, and so must what is given to it.
+    /// All arguments must outlive this object, and so must all that its functions are given.
     MemoryPlan(Storage& storage, const MemoryLimits& limits) : storage_{storage}, limits_{limits} {}
 
-    /// The item has these files and no other. They must be files of it, and of one that is a part
-    /// at most its one.
+    /// Gives the item these files and no others. They must be files of the item; an item that is
+    /// part of a file has at most one.
     [[nodiscard]] Configured<void> put(const MemoryItem& item, const std::vector<SavedFile>& files);
     [[nodiscard]] Configured<void> clear(const MemoryItem& item) { return put(item, {}); }
-    /// Whether what shared files will have makes sense.
+    /// Checks that the content planned for shared files is valid.
     [[nodiscard]] Configured<void> check_shared() const;
-    /// What would be missing of what a new controller has.
+    /// Adds those initial files of the item, as a new controller has them, that would be missing.
     [[nodiscard]] Configured<void> add_initial(const MemoryItem& item);
-    /// All of it or, with a problem, nothing.
+    /// Writes all changes or, with a problem, none.
     [[nodiscard]] Configured<void> carry_out(const std::string& transaction) const;
 
 private:
@@ -36,7 +36,7 @@ private:
         std::span<const std::byte> bytes;
         FileAccess access;
     };
-    /// Empty: there will be none.
+    /// Empty if the file will not exist.
     struct Shared {
         std::vector<std::byte> bytes;
         bool is_there;          // now
@@ -51,7 +51,7 @@ private:
     const MemoryLimits& limits_;
     std::map<std::string_view, NewFile> new_files_;
     std::set<std::string> removed_;
-    /// Shared files as they will be, by the items whose parts were put.
+    /// The planned content of shared files, by the items whose parts were put.
     std::map<std::string_view, Shared> shared_;
 };
 

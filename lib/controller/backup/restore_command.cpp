@@ -30,7 +30,7 @@ bool is_same_word(std::string_view left, std::string_view right)
                       [&](char a, char b) { return small(a) == small(b); });
 }
 
-/// One line of the section.
+/// Parses one line of the section.
 Configured<void> take_line(std::string_view line, const std::string& where, RestoreChoice& choice,
                            bool& is_chosen)
 {

@@ -26,7 +26,7 @@ SavedItem* saved_as(std::vector<SavedItem>& saved, const MemoryItem& item)
     return found != saved.end() ? &*found : nullptr;
 }
 
-/// The saved item that had `item`'s part in an earlier version.
+/// Finds the saved item that contained `item`'s part in an earlier version.
 const SavedItem* earlier_holder(std::vector<SavedItem>& saved, const MemoryItem& item,
                                 const std::vector<MemoryItem>& items)
 {

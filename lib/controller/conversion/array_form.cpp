@@ -24,7 +24,7 @@ std::size_t product(std::span<const std::uint32_t> dimensions, std::size_t limit
     return result;
 }
 
-/// What a MappingArray may say of a ValueRank that leaves the rank open.
+/// Tells whether a MappingArray may choose `rank` for a ValueRank that leaves the rank open.
 bool allows(std::int32_t value_rank, std::int32_t rank)
 {
     if (rank == scalar) {
@@ -34,7 +34,8 @@ bool allows(std::int32_t value_rank, std::int32_t rank)
            (rank > 1 && rank <= std::int32_t{max_rank} && value_rank != scalar_or_one_dimension);
 }
 
-/// The dimensions that were chosen: 1 where one is none, and all of them if they are too many.
+/// Takes over the chosen dimensions: 1 for one that is 0 or too large, and 1 for all of them if the
+/// array would have too many elements.
 void choose_dimensions(const MappingArray& chosen, const ShapeLimits& limits, ArrayForm& form)
 {
     for (std::size_t i = 0; i < form.rank; ++i) {

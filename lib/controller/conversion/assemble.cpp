@@ -10,7 +10,7 @@ namespace {
 using binary::DynamicArray;
 using binary::DynamicValue;
 
-/// Makes values of leaves, which it counts.
+/// Makes the values of leaves and counts them.
 class Assembler {
 public:
     Assembler(const binary::DynamicTypes& types, ValueShape::Fill fill) : types_{types}, fill_{fill}
@@ -96,7 +96,7 @@ private:
         return status.is_good() ? binary::to_extension_object(value) : fail(status);
     }
 
-    /// What a structure was, or zeros.
+    /// Decodes the structure's previous value; without one all its fields are zero.
     [[nodiscard]] DynamicValue before(const ShapeNode& node, const ExtensionObject* previous) const
     {
         if (previous != nullptr && !previous->is_null()) {

@@ -57,7 +57,7 @@ Assignability assignability(LeafType leaf, LabelType type, TimerPart part)
     if (is_timer != (part != TimerPart::None) || (is_timer && leaf.is_enumeration)) {
         return Assignability::No;
     }
-    // The columns of timers and counters are those of what their parts are.
+    // Timers and counters use the columns of the types of their parts.
     const auto column = static_cast<std::size_t>(backend::value_type(type, part));
     const std::string_view row =
         leaf.is_enumeration ? enumeration_row : rows[static_cast<std::size_t>(leaf.built_in)];

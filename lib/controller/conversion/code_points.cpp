@@ -7,8 +7,8 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// By the number of bytes: the least code point that needs them, the bits that the first byte has
-/// for its length, and the bits of it that belong to the code point.
+/// One form of UTF-8 by its number of bytes: the least code point that needs it, the bits of the
+/// first byte that tell the length, and the bits that belong to the code point.
 struct Form {
     char32_t least;
     unsigned mark;
@@ -27,7 +27,7 @@ unsigned byte_at(std::string_view text, std::size_t i)
     return static_cast<unsigned char>(text[i]);
 }
 
-/// Bytes by the first one; 0 if it is none.
+/// Tells the number of bytes from the first byte; 0 if no code point begins with it.
 std::size_t size_by(unsigned first)
 {
     for (std::size_t size = forms.size(); size > 0; --size) {

@@ -29,7 +29,7 @@ void store(T value, std::byte* label)
     binary::detail::copy_number<sizeof(T)>(label, &value);
 }
 
-/// From and to integers of any two types.
+/// Converts between any two integer types.
 template <typename To, typename From>
 StatusCode convert_integer(From from, To& to)
 {
@@ -101,8 +101,8 @@ constexpr std::int64_t seconds_per_day = 86'400;
 constexpr std::int64_t unsigned_seconds = (100 * 365 + 25) * seconds_per_day;
 constexpr std::int64_t signed_seconds = (68 * 365 + 17) * seconds_per_day;
 
-/// `L` is what the seconds lie in. What a label has is read whatever it is: the check is for the
-/// way to the PLC only.
+/// Converts seconds, which are of type `L` in the label. Every value of a label can be read; only
+/// values that are written to the PLC are checked.
 template <typename L>
 struct Seconds {
     static StatusCode read(const LabelConversion& conversion, const std::byte* label, void* value)
@@ -125,7 +125,7 @@ struct Seconds {
     }
 };
 
-/// The part of a label that counts, and the rest of it, which is zeros.
+/// Texts of labels: the valid characters, followed by zeros.
 template <bool is_unicode>
 struct Texts {
     template <typename Byte>
@@ -163,7 +163,7 @@ struct Strings {
     }
 };
 
-/// The text only: a label has no locale.
+/// Converts the text only: a label has no locale.
 template <bool is_unicode>
 struct LocalizedTexts {
     static StatusCode read(const LabelConversion& conversion, const std::byte* label, void* value)

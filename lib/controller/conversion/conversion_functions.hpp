@@ -4,12 +4,13 @@
 
 namespace busbar::controller::detail {
 
-/// What converts between a value and a label of value_type() `label`, which assignability() must
-/// not say No to.
+/// The functions that convert between a value and a label of value_type() `label`, a pair for which
+/// assignability() must not be No.
 [[nodiscard]] LabelConversion::Functions conversion_functions(BuiltInType leaf,
                                                               backend::LabelType label);
 
-/// What scales between them; is_scalable() must say so of both.
+/// The functions that scale between a value and a label, for both of which is_scalable() must be
+/// true.
 [[nodiscard]] LabelConversion::Functions scaled_functions(BuiltInType leaf,
                                                           backend::LabelType label);
 

@@ -5,8 +5,8 @@
 
 namespace busbar::controller::detail {
 
-/// What a field adds to a path: ".Name". What else parts paths has a backslash before it, so that a
-/// field "A.B" is not taken for B of a field "A".
+/// Returns the step that a field adds to a path: ".Name". Escapes separators in the name by
+/// backslashes, so that a field "A.B" is not taken for B of a field "A".
 [[nodiscard]] inline std::string field_step(std::string_view name)
 {
     std::string step{'.'};

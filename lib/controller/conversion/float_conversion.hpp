@@ -12,8 +12,8 @@
 /// precision themselves, so that all of a type's numbers are in its range.
 namespace busbar::controller::detail {
 
-/// What is closer to zero than a normal single is zero, with its sign; what is beyond the greatest
-/// one is infinite.
+/// Reads a double as a single: smaller than the least normal single becomes a zero with the same
+/// sign, beyond the greatest becomes infinite.
 [[nodiscard]] inline float read_float(double value)
 {
     using Limits = std::numeric_limits<float>;
@@ -33,8 +33,8 @@ namespace busbar::controller::detail {
                                                   : double{value};
 }
 
-/// Good if a client may write `value` to a label of its own type: neither negative zero nor
-/// denormalized, infinite or no number (note 1 of "Data types of labels").
+/// Good if a client may write `value` to a label of the same type: it must not be negative zero,
+/// denormalized, infinite or NaN (note 1 of "Data types of labels").
 template <typename T>
 [[nodiscard]] StatusCode check_same(T value)
 {
@@ -43,8 +43,8 @@ template <typename T>
     return kind == FP_NORMAL || is_positive_zero ? status::Good : status::Bad_OutOfRange;
 }
 
-/// As above to a label of the other precision: too small a number is zero there, and note 2 is for
-/// the result, so that only a positive one can be written.
+/// Writes to a label of the other precision: values that are too small become zero, and note 2
+/// applies to the result, so that of these only positive ones can be written.
 template <typename To, typename From>
 [[nodiscard]] StatusCode write_float(From value, To& label)
 {

@@ -32,12 +32,12 @@ namespace detail {
 
 namespace {
 
-/// A number as another type has it: integers are rounded. Bad_OutOfRange for what that has not.
+/// Converts a number to another type, rounding for integers. Bad_OutOfRange if it does not fit.
 template <typename T>
 StatusCode fit(double number, T& to)
 {
     if constexpr (std::is_integral_v<T>) {
-        // As doubles, of which the upper end of 64 bits is one that the type has not any more.
+        // Compare as doubles: the upper end of 64 bits becomes a double that the type cannot hold.
         constexpr double low = static_cast<double>(std::numeric_limits<T>::min());
         const double above = std::ldexp(1.0, std::numeric_limits<T>::digits);
         const double rounded = std::round(number);

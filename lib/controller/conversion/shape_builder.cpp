@@ -15,8 +15,8 @@ Unexpected<ShapeRefusal> refuse(ShapeError error, std::string path, std::string 
     return Unexpected<ShapeRefusal>{ShapeRefusal{error, std::move(path), std::move(text)}};
 }
 
-/// A field of what cannot be mapped keeps its value, and others can be mapped; but some things make
-/// all of a value unusable wherever they are in it (8.2, "Restrictions" and 8.1, Call).
+/// Tells whether a field that cannot be mapped makes the whole value unusable (8.2, "Restrictions"
+/// and 8.1, Call); otherwise the field keeps its value and the others can be mapped.
 bool spoils_all(ShapeError error)
 {
     switch (error) {
@@ -31,7 +31,7 @@ bool spoils_all(ShapeError error)
     }
 }
 
-/// Not more than `limit` each; false if the product is.
+/// Multiplies up to `limit`; false if the product exceeds it.
 bool multiply(std::size_t factor, std::size_t limit, std::size_t& leaves)
 {
     if (factor != 0 && leaves > limit / factor) {

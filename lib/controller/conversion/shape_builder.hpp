@@ -13,12 +13,12 @@ namespace busbar::controller::detail {
 /// Makes the nodes of one value.
 class ShapeBuilder {
 public:
-    /// All must outlive this object.
+    /// All arguments must outlive this object.
     ShapeBuilder(const model::SpaceReader& space, const binary::DynamicTypes& types,
                  std::span<const MappingArray> arrays, const ShapeLimits& limits);
 
     [[nodiscard]] Expected<ShapeNode, ShapeRefusal> build(const ValueDeclaration& declaration);
-    /// Fields that were left without leaves.
+    /// The fields that got no leaves, with the reasons.
     [[nodiscard]] std::vector<ShapeRefusal> take_kept() { return std::move(kept_); }
 
 private:
@@ -33,12 +33,12 @@ private:
     [[nodiscard]] Node field(const binary::DynamicField& field, const std::string& path,
                              std::size_t depth);
     [[nodiscard]] const MappingArray* chosen(std::string_view path) const;
-    /// Whether something was chosen for single elements of an array.
+    /// Tells whether dimensions were chosen for single elements of an array.
     [[nodiscard]] bool has_choices_in(std::string_view array_path) const;
 
     const model::SpaceReader& space_;
     const binary::DynamicTypes& types_;
-    /// By their paths.
+    /// Sorted by their paths.
     std::vector<const MappingArray*> arrays_;
     ShapeLimits limits_;
     bool is_argument_{false};

@@ -7,7 +7,7 @@
 
 namespace busbar::controller::detail {
 
-/// A value, or a field of a structure: one, or an array of its kind.
+/// A value or a field of a structure: a scalar or an array.
 struct ShapeNode {
     enum class Kind : std::uint8_t {
         Leaf,
@@ -17,13 +17,14 @@ struct ShapeNode {
     using Fields = std::vector<ShapeNode>;
 
     Kind kind{Kind::Leaf};
-    /// Of structures an ExtensionObject.
+    /// The type of the leaves; ExtensionObject for structures.
     LeafType leaf{};
     ArrayForm form{};
     const binary::DynamicType* type{nullptr};
-    /// Of all elements.
+    /// Number of leaves in all elements together.
     std::size_t leaves{0};
-    /// Of a structure, as many as its type has: those of each element, or one if all are alike.
+    /// The fields of a structure, as many as its type has: one list for each element, or a single
+    /// one if all elements are alike.
     std::vector<Fields> contents{};
 
     [[nodiscard]] const Fields& fields_of(std::size_t element) const
@@ -45,7 +46,7 @@ struct ShapeNode {
     return sum;
 }
 
-/// "[1][2]" for an element by its place in row-major order; empty for a scalar.
+/// Writes the place of an element in row-major order: "[1][2]", or nothing for a scalar.
 [[nodiscard]] std::string element_path(const ArrayForm& form, std::size_t element);
 
 /// See ValueShape::assemble and take_apart.

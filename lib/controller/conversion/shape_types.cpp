@@ -38,7 +38,7 @@ public:
         if (space_.is_subtype_of(node_, id::Structure)) {
             return structure();
         }
-        // An ExtensionObject that is no Structure: Decimal.
+        // Decimal is an ExtensionObject but not a Structure.
         if (built_in == BuiltInType::Null || built_in == BuiltInType::ExtensionObject) {
             return refuse(ShapeError::OtherType, "is not a subtype of a built-in type");
         }
@@ -59,7 +59,7 @@ private:
 
     [[nodiscard]] bool is_structure_itself() const { return node_ == space_.find(id::Structure); }
 
-    /// Types below one with OptionSetValues are some too.
+    /// Tells whether the type or one of its supertypes has OptionSetValues.
     [[nodiscard]] bool is_option_set() const
     {
         if (type_ != nullptr && type_->kind == binary::DynamicType::Kind::OptionSet) {
@@ -116,7 +116,8 @@ private:
         return MappedType{{BuiltInType::ExtensionObject, false}, type_};
     }
 
-    /// Structures of namespace 0 may have subtypes, others neither have nor be some of others.
+    /// Tells whether the structure derives from another or has subtypes, which is allowed in
+    /// namespace 0 only.
     [[nodiscard]] bool is_subtyped() const
     {
         if (id_.namespace_index() == 0) {

@@ -23,7 +23,7 @@ namespace busbar::controller::detail {
     return fits ? status::Good : status::Bad_WriteNotSupported;
 }
 
-/// An array, or with more dimensions a matrix.
+/// Makes an array or, with more dimensions, a matrix.
 template <typename T>
 [[nodiscard]] Variant shaped(const ShapeNode& node, Array<T> values)
 {

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t row_size = shift_jis_row_size;
 constexpr std::size_t cell_count = std::size(shift_jis_cells) - 1; // without the literal's zero
 
-/// Rows that follow each other, and where the first of them is among the cells.
+/// Consecutive rows, and the index of the first of them among the cells.
 struct Block {
     std::size_t first_row;
     std::size_t rows;
@@ -32,7 +32,8 @@ static_assert(cell_count == 87 * row_size);
 constexpr std::size_t selected_begin = blocks[3].first_cell;
 constexpr std::size_t selected_end = blocks[4].first_cell;
 
-/// Two rows share a lead byte: the first one has the trail bytes from 0x40 without 0x7F.
+/// Computes the code of a cell. Two rows share a lead byte: the first has the trail bytes from 0x40
+/// without 0x7F.
 constexpr std::uint16_t code_of(std::size_t cell)
 {
     std::size_t row = 0;
@@ -62,7 +63,7 @@ std::optional<std::size_t> cell_of(unsigned lead, unsigned trail)
 
 using CellOf = std::array<std::uint16_t, 0x10000>;
 
-/// The first cell of a character counts.
+/// Enters cells by their characters; the first cell of a character wins.
 constexpr void place_cells(std::size_t from, std::size_t to, CellOf& cells)
 {
     for (std::size_t cell = from; cell < to; ++cell) {
@@ -105,7 +106,7 @@ constexpr auto by_character = [] {
     return result;
 }();
 
-/// What JIS X 0208's other tables have where Windows has a character of its own.
+/// A character that other tables of JIS X 0208 have where Windows has a different one.
 struct Alternative {
     char16_t character;
     std::uint16_t code;

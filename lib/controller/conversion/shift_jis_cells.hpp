@@ -2,10 +2,10 @@
 
 #include <cstddef>
 
-/// The double-byte characters of Shift-JIS as Windows has it (code page 932), by rows of 94 cells:
-/// 1 to 8, 13 (NEC), 16 to 84 (JIS X 0208), 89 to 92 (IBM's as NEC selected them), 115 to 119
-/// (IBM's). A space is a cell without character. User-defined rows (95 to 114) are left out: what
-/// is in them is a matter of the machine.
+/// The double-byte characters of Shift-JIS as Windows defines it (code page 932), by rows of 94
+/// cells: 1 to 8, 13 (NEC), 16 to 84 (JIS X 0208), 89 to 92 (IBM's as NEC selected them), 115 to
+/// 119 (IBM's). A space is a cell without a character. User-defined rows (95 to 114) are left out:
+/// their content differs from machine to machine.
 namespace busbar::controller::detail {
 
 inline constexpr std::size_t shift_jis_row_size = 94;

@@ -10,7 +10,7 @@ namespace {
 using binary::DynamicArray;
 using binary::DynamicValue;
 
-/// Gives the leaves of values away, and counts them.
+/// Passes the leaves of values on, and counts them.
 class Dismantler {
 public:
     Dismantler(const binary::DynamicTypes& types, ValueShape::Take take)
@@ -69,7 +69,7 @@ public:
     }
 
 private:
-    /// A ByteString may be written to an array of Byte (Part 4, 5.11.4.2).
+    /// Accepts a ByteString for an array of Byte (Part 4, 5.11.4.2).
     StatusCode bytes(const ShapeNode& node, const ByteString& value)
     {
         if (node.form.rank != 1 || value.size() != node.form.elements()) {

@@ -13,13 +13,13 @@ namespace {
 
 using detail::ShapeNode;
 
-/// A leaf by its number: its node and which element of that it is.
+/// The place of a leaf: its node and the index of the element in it.
 struct Place {
     const ShapeNode* node;
     std::size_t element;
 };
 
-/// Goes down to a leaf; writes the way to `path` unless that is null.
+/// Descends to a leaf; writes its path to `path` unless that is null.
 Place place_of(const ShapeNode& root, std::size_t leaf, std::string* path)
 {
     const ShapeNode* node = &root;
@@ -27,7 +27,7 @@ Place place_of(const ShapeNode& root, std::size_t leaf, std::string* path)
         std::size_t element = 0;
         while (leaf >= detail::leaves_of(node->fields_of(element))) {
             const std::size_t leaves = detail::leaves_of(node->fields_of(element));
-            // Elements that are alike are passed at once.
+            // Skip all elements that are alike at once.
             const std::size_t passed = node->contents.size() == 1 ? leaf / leaves : 1;
             element += passed;
             leaf -= passed * leaves;
@@ -49,7 +49,7 @@ Place place_of(const ShapeNode& root, std::size_t leaf, std::string* path)
     return {node, leaf};
 }
 
-/// Takes "[1][2]" from the front of `path`, one for each dimension.
+/// Takes "[1][2]", one index for each dimension, from the front of `path`.
 std::optional<std::size_t> take_element(const ArrayForm& form, std::string_view& path)
 {
     std::size_t element = 0;

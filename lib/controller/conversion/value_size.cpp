@@ -7,10 +7,10 @@ namespace busbar::controller {
 
 namespace {
 
-/// What a text of any length counts as (2.1, note 4).
+/// The size that a text of any length counts as (2.1, note 4).
 constexpr std::size_t text_words = 256;
 
-/// By BuiltInType (8.1, CreateMonitoredItems).
+/// Sizes by BuiltInType (8.1, CreateMonitoredItems).
 constexpr std::array<std::uint16_t, last_built_in_type + 1> monitored{
     0,     // Null
     1,     // Boolean

@@ -26,7 +26,7 @@ std::optional<Problem> within(std::optional<Problem> problem, const std::string&
     return problem;
 }
 
-/// What a type is before anything is declared for it.
+/// The value that a variable of this type has without a declared one.
 std::int64_t first_value(const ResolvedType& type)
 {
     if (type.kind == ResolvedType::Kind::Enumeration) {
@@ -37,7 +37,7 @@ std::int64_t first_value(const ResolvedType& type)
     return has_zero ? 0 : type.subrange->lower;
 }
 
-/// The enumerator of that name, or with that value.
+/// Finds the enumerator of that name or with that value.
 std::optional<std::int32_t> enumerator(const DerivedType& type, const Variant& value)
 {
     const String* const named = value.get_if<String>();
@@ -118,7 +118,7 @@ std::optional<Problem> InitialValues::apply_list(const Target& array, const Init
     return {};
 }
 
-/// Lists within lists are one list, the last index counting fastest.
+/// Applies nested lists as one list, the last index counting fastest.
 std::optional<Problem> InitialValues::apply_repeated(const Target& array, const InitialValue& part,
                                                      std::uint64_t& next) const
 {
@@ -129,7 +129,7 @@ std::optional<Problem> InitialValues::apply_repeated(const Target& array, const 
             if (auto problem = apply_list(array, part, next)) {
                 return problem;
             }
-            if (next == before) { // of nothing, as often as it may be
+            if (next == before) { // the list is empty, however often it is repeated
                 return {};
             }
             continue;

@@ -11,19 +11,20 @@
 
 namespace busbar::controller::detail {
 
-/// Puts what a program declares variables to begin with into the memory of an image.
+/// Writes the declared initial values of a program's variables into the memory of an image.
 class InitialValues {
 public:
     explicit InitialValues(const ProgramTypes& types) : types_{&types} {}
 
     using Found = std::optional<Problem>;
 
-    /// A variable or member, which lies at `to`. The Problem's `where` begins behind its name.
+    /// Stores the value of a variable or member, which lies at `to`. The `where` of a Problem
+    /// begins after its name.
     [[nodiscard]] Found store(const TypeUse& use, const InitialValue& own,
                               const server::ImagePlace& place, std::byte* to) const;
 
 private:
-    /// What is being filled: of an array its first element.
+    /// The variable or member that is filled; of an array its first element.
     struct Target {
         const ResolvedType& type;
         const server::ImagePlace& place;
@@ -32,7 +33,7 @@ private:
 
     [[nodiscard]] Found store_default(const Target& target) const;
     [[nodiscard]] Found apply(const Target& target, const InitialValue& value) const;
-    /// From the element `next` on, which is counted on.
+    /// Fills elements from index `next` on, which it advances.
     [[nodiscard]] Found apply_list(const Target& array, const InitialValue& list,
                                    std::uint64_t& next) const;
     [[nodiscard]] Found apply_repeated(const Target& array, const InitialValue& part,

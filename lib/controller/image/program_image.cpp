@@ -45,7 +45,7 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
     return layout;
 }
 
-/// Gives variables what they begin with; `memory` has them alone.
+/// Writes the initial values of variables; no other thread may use `memory`.
 Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t> variables,
                          server::ImageMemory& memory)
 {
@@ -54,7 +54,7 @@ Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t>
         const GlobalVariable& variable = types.program().variables[variables[handle]];
         const server::ImagePlace& place = memory.layout()[handle];
         if (place.runtime != nullptr) {
-            continue; // it is in use there
+            continue; // the runtime already uses it
         }
         if (auto problem =
                 initial.store(variable.type, variable.initial, place, memory.bytes(place))) {
@@ -64,7 +64,7 @@ Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t>
     return {};
 }
 
-/// Why ProcessImage::add_variables refuses.
+/// Words for the refusals of ProcessImage::add_variables.
 std::string text_of_refused_addition(StatusCode status)
 {
     if (status == status::Bad_TooManyOperations) {

@@ -6,7 +6,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// What an ImageLayout or ImageStructure refuses, in words.
+/// Words for the refusals of ImageLayout and ImageStructure.
 std::string text_of_refusal(StatusCode status)
 {
     if (status == status::Bad_OutOfMemory) {

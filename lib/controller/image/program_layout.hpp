@@ -9,7 +9,7 @@
 
 namespace busbar::controller::detail {
 
-/// What an image has to have for a program's variables. Makes each structure once.
+/// Builds what an image needs for a program's variables. Makes each structure once.
 class ProgramLayout {
 public:
     ProgramLayout(const ProgramTypes& types, ProgramImage::EncodingOf encoding_of,
@@ -18,7 +18,7 @@ public:
     {
     }
 
-    /// The variable's text is why it cannot be in an image.
+    /// The text of the Problem tells why the variable cannot be in an image.
     [[nodiscard]] Configured<server::ImageVariable> variable(const TypeUse& use);
 
 private:
@@ -32,7 +32,7 @@ private:
     std::unordered_map<const DerivedType*, Structure> structures_;
 };
 
-/// "variables[7] (Speed)", as problems say it, with line and column if they are known.
+/// Names a variable as problems do: "variables[7] (Speed)", with line and column if they are known.
 [[nodiscard]] std::string place_of_variable(const Program& program, std::size_t index);
 
 } // namespace busbar::controller::detail
