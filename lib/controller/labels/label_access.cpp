@@ -20,7 +20,7 @@ using backend::LabelType;
 using binary::detail::copy_number;
 using binary::detail::copy_numbers;
 
-/// Both ways, since what is swapped twice is as before.
+/// Converts in both directions: swapping twice restores the bytes.
 void copy_plain(std::size_t size, void* to, const void* from)
 {
     switch (size) {
@@ -36,7 +36,7 @@ void copy_plain(std::size_t size, void* to, const void* from)
     }
 }
 
-/// A TIME is a Double in the image.
+/// The image stores a TIME as a Double.
 void load_time(const std::byte* memory, std::byte* wire)
 {
     double milliseconds = 0;
@@ -69,7 +69,7 @@ void store_text(std::uint32_t length, std::byte* memory, const std::byte* wire)
     server::detail::put_text(memory, room.substr(0, room.find('\0')));
 }
 
-/// What is behind the first zero is zero, as it is when the PLC's own program assigns.
+/// Writes zeros from the first zero on, as the PLC's own program does when it assigns.
 void store_utf16(std::uint32_t length, std::byte* memory, const std::byte* wire)
 {
     constexpr std::size_t unit = 2;

@@ -6,8 +6,9 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// Between these nobody else is done with taking the listener away. Sequentially consistent here
-/// and in set(): either the caller finds the listener gone, or set() finds the caller.
+/// Counts callers: set() returns only after all callers of the old listener are gone. Sequentially
+/// consistent here and in set(): either the caller finds the listener gone, or set() finds the
+/// caller.
 class Caller {
 public:
     explicit Caller(std::atomic<std::uint32_t>& callers) : callers_{&callers}

@@ -13,13 +13,13 @@
 
 namespace busbar::controller::detail {
 
-/// Who is told of answers. Whoever calls it does so between two steps of a counter, so that set()
-/// can wait for the end of what the listener before is being told.
+/// The listener that is told of answers. Calls to it are made between two steps of a counter, so
+/// that set() can wait until calls to the previous listener have returned.
 class LabelListenerSlot {
 public:
-    /// For the server's thread. From now on the listener has another number.
+    /// Replaces the listener and gives it a new number. Called by the server's thread.
     void set(backend::LabelListener* listener);
-    /// For the server's thread, too.
+    /// The listener's number. Called by the server's thread.
     [[nodiscard]] std::uint64_t number() const { return number_.load(std::memory_order_relaxed); }
 
     // For any thread.
@@ -28,7 +28,7 @@ public:
     {
         return number_.load(std::memory_order_relaxed) == number;
     }
-    /// Takes the request if the listener of that number is still there.
+    /// Passes the request on if the listener of that number is still attached.
     void done(std::unique_ptr<backend::LabelRequest>& request, std::uint64_t number);
     void labels_changed();
 
@@ -38,23 +38,23 @@ private:
     std::atomic<std::uint32_t> callers_{0};
 };
 
-/// What the threads of SimulatedLabels share.
+/// The state that the threads of SimulatedLabels share.
 struct LabelExchange {
     LabelHandover to_plc{};
-    /// What the PLC's thread needs no more; freed by all others.
+    /// Jobs that the PLC's thread no longer needs; the other threads free them.
     LabelHandover to_server{};
     /// Requests that the PLC has not answered.
     std::atomic<std::size_t> waiting{0};
     std::atomic<backend::LabelStatus> fault{backend::LabelStatus::Done};
     LabelListenerSlot listener{};
 
-    /// Held by who replaces the program, so that one after another does.
+    /// Locked while a program is replaced, so that replacements happen one after another.
     std::mutex replacing{};
-    /// Guards what follows, and that nothing is given to a PLC that has been halted. Never taken in
-    /// end_of_scan().
+    /// Guards the members below, and ensures that nothing is given to a PLC that has been halted.
+    /// Never locked in end_of_scan().
     std::mutex mutex{};
     std::shared_ptr<LabelProgram> program{};
-    /// Of the program; grows with each that takes the place of another.
+    /// Number of the program; grows with each replacement.
     std::uint64_t generation{1};
     std::atomic<bool> is_halted{false};
 };

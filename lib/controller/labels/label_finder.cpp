@@ -21,7 +21,7 @@ FoundLabel refused(LabelError error)
     return {.error = error};
 }
 
-/// Goes along the parts of a name, through types and memory side by side.
+/// Follows the parts of a name, through types and memory side by side.
 class LabelWalk {
 public:
     LabelWalk(const LabelProgram& program, const LabelName& name) : program_{&program}, name_{&name}
@@ -90,8 +90,7 @@ private:
         }
     }
 
-    /// Takes `at` to the element that is meant, of an array; of texts of UTF-16 to their first
-    /// unit.
+    /// Moves `at` to the chosen element of an array, or to the first unit of a UTF-16 text.
     [[nodiscard]] static LabelError enter(const LabelName::Part& part, const ResolvedType& type,
                                           bool is_text, const server::ImagePlace& place,
                                           std::byte*& at)
@@ -101,7 +100,7 @@ private:
             return is_text ? LabelError::NotAName : LabelError::Unknown;
         }
         if (part.indices.size() < dimensions) {
-            return LabelError::NotAName; // the whole array, or a part of it
+            return LabelError::NotAName; // the name means the whole array or a part of it
         }
         std::size_t element = 0;
         for (std::size_t i = 0; i < dimensions; ++i) {
@@ -161,7 +160,7 @@ private:
                                                std::byte* at)
     {
         const backend::TimerPart part = backend::timer_part(last);
-        return part == backend::TimerPart::None // an element of what is none
+        return part == backend::TimerPart::None // the name indexes something that is not an array
                    ? refused(LabelError::Unknown)
                    : FoundLabel{.error = LabelError::None, .kind = {timer, part}, .at = at};
     }

@@ -8,17 +8,17 @@
 
 namespace busbar::controller::detail {
 
-/// What a name stands for in a program.
+/// The label that a name denotes in a program.
 struct FoundLabel {
     backend::LabelError error{backend::LabelError::Unknown};
-    // Of those without error.
+    // Valid if there is no error.
     backend::LabelKind kind{};
-    /// In the program's memory, as label_access.hpp reads and writes it.
+    /// Points into the program's memory, which label_access.hpp reads and writes.
     std::byte* at{nullptr};
     bool is_unsampled{false};
 };
 
-/// Looks up a name as SH-082679, 8.3 writes it. What is no such name is NotAName.
+/// Looks up a name that is written as in SH-082679, 8.3. Other texts give NotAName.
 [[nodiscard]] FoundLabel find_label(const LabelProgram& program, std::string_view name);
 
 } // namespace busbar::controller::detail

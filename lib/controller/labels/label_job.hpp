@@ -15,40 +15,40 @@
 
 namespace busbar::controller::detail {
 
-/// What goes from the server's thread, or from who replaces a program, to the PLC's, and back for
-/// its memory to be freed. All that the PLC's thread needs is in it.
+/// A job for the PLC's thread, which returns it so that its memory is freed elsewhere. It comes
+/// from the server's thread or from the thread that replaces a program, and contains all that the
+/// PLC's thread needs.
 struct LabelJob {
-    /// Null if it is no request but a change of the program or, without either, the end of
-    /// sampling.
+    /// Null if the job changes the program or, without a program, ends sampling.
     std::unique_ptr<backend::LabelRequest> request{};
-    /// Of the program that `steps` lie in.
+    /// Generation of the program that `steps` point into.
     std::uint64_t generation{0};
-    /// Which listener asks.
+    /// Number of the listener that receives the answer.
     std::uint64_t listener{0};
-    /// Not Done: nothing is to be done, and this is the answer.
+    /// If this is not Done, the PLC does nothing and answers with it.
     backend::LabelStatus verdict{backend::LabelStatus::Done};
-    /// Of a Read or Write.
+    /// The values to read or write.
     std::vector<LabelStep> steps{};
     std::size_t next_step{0};
-    /// Of a Sample: the new one, null for none. Of a Write: the one that pauses.
+    /// For a Sample the new sampler, null for none; for a Write the sampler to pause.
     std::shared_ptr<LabelSampler> sampler{};
-    /// The one that has been sampled before, which the PLC's thread does not free.
+    /// The previous sampler, returned because the PLC's thread must not free it.
     std::shared_ptr<LabelSampler> ended_sampler{};
-    /// Steps of that which the Write writes to.
+    /// Steps of `sampler` that the Write writes to.
     std::vector<std::uint32_t> paused{};
-    /// Of a change.
+    /// The new program, if the job changes it.
     std::shared_ptr<LabelProgram> program{};
     std::vector<CarriedValue> carried{};
 
-    /// Whoever has it.
+    /// Next job in the list that contains this one.
     LabelJob* next{nullptr};
 };
 
-/// Jobs in a row, oldest first. For one thread; owns them and allocates nothing.
+/// A list of jobs, oldest first. Owned and used by one thread; never allocates.
 class LabelJobs {
 public:
     LabelJobs() = default;
-    /// `oldest` and what follows it.
+    /// Takes over `oldest` and the jobs that follow it.
     explicit LabelJobs(LabelJob* oldest) : front_{oldest}, back_{oldest}
     {
         while (back_ != nullptr && back_->next != nullptr) {
@@ -87,8 +87,8 @@ private:
     LabelJob* back_{nullptr};
 };
 
-/// Jobs from threads to another one. Taking them is one step; giving one is repeated only if
-/// another thread has given or taken in between. The taker looks without being woken.
+/// Hands jobs from several threads to another one. Taking them is one atomic step; giving one is
+/// repeated only if another thread gave or took in between. Does not wake the taker, which polls.
 class LabelHandover {
 public:
     LabelHandover() = default;
@@ -97,7 +97,7 @@ public:
     ~LabelHandover() { static_cast<void>(take_all()); }
 
     void give(std::unique_ptr<LabelJob> job) { static_cast<void>(given_.push(*job.release())); }
-    /// In the order in which they were given.
+    /// Returns the jobs in the order in which they were given.
     [[nodiscard]] LabelJobs take_all() { return LabelJobs{given_.take()}; }
 
 private:

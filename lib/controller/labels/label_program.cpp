@@ -6,7 +6,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// Whether an image can have it: no union in it, however deep.
+/// Tells whether an image can hold a type: unions are not allowed at any depth.
 class UnionSearch {
 public:
     explicit UnionSearch(const ProgramTypes& types) : types_{&types} {}
@@ -49,7 +49,7 @@ LabelProgram::~LabelProgram() = default;
 Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program,
                                                                const server::ImageOptions& options)
 {
-    // Behind the program's own, whose places in problems stay as they are.
+    // Append these after the program's own types, so that places in problems remain valid.
     for (DerivedType& type : label_types()) {
         program.types.push_back(std::move(type));
     }
@@ -78,7 +78,7 @@ std::optional<Problem> LabelProgram::make(const server::ImageOptions& options)
             variables.push_back(i);
         }
     }
-    // None of it is ever an ExtensionObject.
+    // No value here is ever an ExtensionObject.
     const auto no_encoding = [](const DerivedType&) { return NodeId{}; };
     auto image = ProgramImage::create(*types_, variables, no_encoding, {.image = options});
     if (!image) {

@@ -47,7 +47,7 @@ void LabelSampler::resume(std::span<const std::uint32_t> steps)
 void LabelSampler::sample(std::uint64_t scan, DateTime now)
 {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-        // What has never been sampled has nothing to keep.
+        // A step without a sample yet has nothing to keep.
         if (pauses_[i] == 0 || !has_sample_) {
             load_label(steps_[i].kind, steps_[i].memory, latest_.data() + steps_[i].offset);
         }

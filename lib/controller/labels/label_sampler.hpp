@@ -12,13 +12,13 @@
 
 namespace busbar::controller::detail {
 
-/// One value of a request and where it lies in a program's memory.
+/// A value of a request and its place in a program's memory.
 struct LabelStep {
     std::byte* memory;
     backend::LabelKind kind;
-    /// In the request's bytes.
+    /// Offset in the request's bytes.
     std::uint32_t offset;
-    /// Words, or one for a bit.
+    /// Number of words, or one for a bit.
     std::uint32_t points;
 };
 
@@ -26,17 +26,17 @@ struct LabelStep {
 /// PLC's thread always has one to fill and the server's one to read. Both sides are wait-free.
 class LabelSampler {
 public:
-    /// `bytes` is what the steps' offsets are in.
+    /// The offsets in `steps` are below `bytes`.
     LabelSampler(std::vector<LabelStep> steps, std::size_t bytes);
     LabelSampler(const LabelSampler&) = delete;
     LabelSampler& operator=(const LabelSampler&) = delete;
 
-    /// The indices of the steps for what lies there are added to `found`. For any thread.
+    /// Adds the indices of all steps for this memory to `found`. Any thread may call it.
     void find(const std::byte* memory, std::vector<std::uint32_t>& found) const;
 
     // For the PLC's thread.
 
-    /// The steps of these indices keep what was sampled last, until resume() was called as often.
+    /// Keeps the last sample of these steps until resume() has been called as often.
     void pause(std::span<const std::uint32_t> steps);
     void resume(std::span<const std::uint32_t> steps);
     void sample(std::uint64_t scan, DateTime now);
@@ -57,12 +57,12 @@ private:
     std::vector<LabelStep> steps_;
     /// Indices of steps by the memory that they are for.
     std::vector<std::uint32_t> by_memory_;
-    /// The PLC's: for each step, how many Writes it waits for.
+    /// Used by the PLC's thread: for each step, the number of Writes it waits for.
     std::vector<std::uint32_t> pauses_;
-    /// The PLC's.
+    /// Used by the PLC's thread.
     std::vector<std::byte> latest_;
     std::array<Sample, 3> samples_;
-    /// The one that neither side has, and whether it is newer than the server's.
+    /// The buffer that neither side holds, and whether it is newer than the server's.
     std::atomic<unsigned> middle_{1};
     unsigned plc_{0};
     unsigned server_{2};

@@ -9,7 +9,7 @@ namespace {
 using backend::LabelRequest;
 using backend::LabelStatus;
 
-/// What points of Sample are counted in (SH-082679, 8.3, error 1941H).
+/// The unit in which points of Sample are counted (SH-082679, 8.3, error 1941H).
 constexpr std::uint64_t sampling_unit = 8'192;
 
 std::uint64_t sampled_points(std::span<const LabelStep> steps)
@@ -57,7 +57,7 @@ void LabelServerSide::attach(backend::LabelListener* listener)
     static_cast<void>(exchange_->to_server.take_all());
     exchange_->listener.set(listener);
     sampler_ = nullptr;
-    // What the listener before had sampled ends.
+    // End the sampling of the previous listener.
     exchange_->to_plc.give(std::make_unique<LabelJob>());
 }
 

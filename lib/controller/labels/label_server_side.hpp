@@ -13,8 +13,8 @@
 
 namespace busbar::controller::detail {
 
-/// What the server's thread does: it checks requests and prepares them, so that nothing is left for
-/// the PLC's but to copy.
+/// The server thread's part: checks and prepares requests so that the PLC's thread only has to
+/// copy.
 class LabelServerSide {
 public:
     LabelServerSide(LabelExchange& exchange, const SimulatedLabelsOptions& options);
@@ -24,21 +24,21 @@ public:
     [[nodiscard]] std::uint64_t sampled(std::span<std::byte> bytes, DateTime& time);
 
 private:
-    /// Takes in a program that has been replaced.
+    /// Adopts a program that has replaced another.
     void follow_program();
     void prepare(LabelJob& job);
     void prepare_access(LabelJob& job);
     void prepare_sample(LabelJob& job);
     [[nodiscard]] backend::LabelStatus sample_refusal(const backend::LabelRequest& request,
                                                       std::span<const LabelStep> steps) const;
-    /// False if the PLC is halted; nothing was given then.
+    /// False, with nothing given, if the PLC is halted.
     [[nodiscard]] bool give(std::unique_ptr<LabelJob>& job);
     void answer(LabelJob& job, backend::LabelStatus status);
 
     LabelExchange* exchange_;
     SimulatedLabelsOptions options_;
     std::unique_ptr<LabelTable> table_;
-    /// What was asked for last; null if nothing is sampled.
+    /// The sampler requested last; null if nothing is sampled.
     std::shared_ptr<LabelSampler> sampler_{};
 };
 

@@ -8,7 +8,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-// An address is the generation and, behind it, the index of a leaf.
+// An address is the generation followed by the index of a leaf.
 constexpr unsigned index_bits = 32;
 
 } // namespace

@@ -14,8 +14,8 @@
 
 namespace busbar::controller::detail {
 
-/// The addresses that were given to labels of one program. An address of another generation, or
-/// one that was never given, means nothing here. For the server's thread.
+/// The addresses given to labels of one program. Addresses of another generation, and those that
+/// were never given, are not valid. Used by the server's thread.
 class LabelTable {
 public:
     LabelTable(std::shared_ptr<LabelProgram> program, std::uint64_t generation)
@@ -25,11 +25,11 @@ public:
 
     [[nodiscard]] std::uint64_t generation() const { return generation_; }
     [[nodiscard]] backend::ResolvedLabel resolve(std::string_view name);
-    /// Where the places lie. None if one of them has no such address, another size than its label,
-    /// or goes beyond `bytes`.
+    /// Finds the memory of the places. Nothing if one of them has an unknown address, a size that
+    /// differs from its label's, or exceeds `bytes`.
     [[nodiscard]] std::optional<std::vector<LabelStep>>
     steps(std::span<const backend::LabelPlace> places, std::size_t bytes) const;
-    /// Whether one of these, for which there must be steps, cannot be sampled.
+    /// Tells whether one of the places, all of which must have steps, cannot be sampled.
     [[nodiscard]] bool has_unsampled(std::span<const backend::LabelPlace> places) const;
 
 private:
@@ -43,7 +43,7 @@ private:
 
     std::shared_ptr<LabelProgram> program_;
     std::uint64_t generation_;
-    /// Each value once, however often it is resolved.
+    /// Contains each value once, however often it is resolved.
     std::vector<Leaf> leaves_{};
     std::unordered_map<const std::byte*, std::uint32_t> by_memory_{};
 };

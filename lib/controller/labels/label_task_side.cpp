@@ -58,7 +58,7 @@ void LabelTaskSide::accept()
     }
 }
 
-/// What has been taken out stays in the job, which others free.
+/// Moves replaced objects into the job, because other threads must free them.
 void LabelTaskSide::change(LabelJob& job)
 {
     job.ended_sampler = std::move(sampler_);
@@ -130,7 +130,7 @@ bool LabelTaskSide::access(LabelJob& job)
 
 bool LabelTaskSide::take_points(std::uint32_t points)
 {
-    // What is larger than the unit has a scan of its own.
+    // A value larger than the unit gets a scan of its own.
     if (access_unit_ != 0 && points_ != 0 && points_ + points > access_unit_) {
         return false;
     }

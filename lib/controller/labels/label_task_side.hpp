@@ -10,7 +10,7 @@
 
 namespace busbar::controller::detail {
 
-/// What the PLC's thread does at the end of a scan.
+/// The PLC thread's part, which runs at the end of a scan.
 class LabelTaskSide {
 public:
     LabelTaskSide(LabelExchange& exchange, const SimulatedLabelsOptions& options);
@@ -20,16 +20,16 @@ public:
     [[nodiscard]] LabelProgram& program() { return *program_; }
 
 private:
-    /// Takes in what has come: changes at once, requests behind those that wait.
+    /// Takes new jobs: carries out changes at once and queues requests after the waiting ones.
     void accept();
     void change(LabelJob& job);
     void serve(DateTime now);
-    /// Goes on with a request; false if there is more of it for the next scan.
+    /// Continues a request; false if a part of it is left for the next scan.
     [[nodiscard]] bool advance(LabelJob& job);
     [[nodiscard]] bool access(LabelJob& job);
-    /// Answers the first one that waits.
+    /// Answers the oldest waiting request.
     void finish(DateTime now);
-    /// Whether the access unit lets that many more points be accessed in this scan.
+    /// Tells whether the access unit has room for that many more points in this scan.
     [[nodiscard]] bool take_points(std::uint32_t points);
 
     LabelExchange* exchange_;
@@ -39,7 +39,7 @@ private:
     LabelJobs waiting_{};
     std::shared_ptr<LabelSampler> sampler_{};
     std::uint64_t scan_{0};
-    /// Accessed in this scan.
+    /// Number of points accessed in this scan.
     std::uint64_t points_{0};
 };
 

@@ -84,7 +84,7 @@ Configured<void> SimulatedLabels::replace_program(Program program)
     auto job = std::make_unique<detail::LabelJob>();
     job->program = *made;
     const std::lock_guard one_at_a_time{exchange_->replacing};
-    // Outside of the mutex that the server's thread needs.
+    // Do this without the mutex, which the server's thread needs.
     job->carried = detail::carried_values(*exchange_->program, **made);
     {
         const std::lock_guard lock{exchange_->mutex};

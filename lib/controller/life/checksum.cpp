@@ -6,7 +6,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// How many bytes are taken at a time.
+/// Number of bytes processed at a time.
 constexpr std::size_t slice = 8;
 
 /// The remainder of each byte, followed by 0 to 7 zeros.
@@ -40,7 +40,7 @@ std::uint32_t checksum(std::span<const std::byte> bytes)
     while (bytes.size() >= slice) {
         std::uint32_t next = 0;
         for (std::size_t i = 0; i < slice; ++i) {
-            // The first four bytes meet what is left of those before.
+            // The first four bytes are combined with the remainder so far.
             const std::uint32_t before = i < 4 ? rest >> (8U * i) : 0U;
             const std::uint32_t byte = std::to_integer<std::uint32_t>(bytes[i]);
             next ^= tables[slice - 1 - i][(before ^ byte) & 0xFFU];

@@ -127,7 +127,7 @@ void LifeCycle::download_done(const Configured<ServerSettings>& settings)
 
 void LifeCycle::online_edit()
 {
-    // The preparation may have read the program already.
+    // The preparation may already have read the program.
     is_edited_ = phase_ == LifePhase::Preparing;
     handle(LifeEvent::Edited);
 }
@@ -372,7 +372,7 @@ void LifeCycle::tell_cause(LifeEvent event, std::string_view where)
     tell(*log_, record);
 }
 
-/// The last thing that is done of an event: the operator may answer at once.
+/// Does the last step of an event: the operator may answer at once.
 void LifeCycle::act(LifeAction action, LifeEvent event, std::string_view why)
 {
     switch (action) {

@@ -9,8 +9,8 @@
 #include <busbar/controller/machine_status.hpp>
 #include <busbar/core/record.hpp>
 
-/// The life of a controller and its server as tables (W588, 4-1, 4-2-4 and 9-1-2): what each
-/// state is, where each cause leads, and what the logs are told of it. A log is told nothing else.
+/// The life of a controller and its server as tables (W588, 4-1, 4-2-4 and 9-1-2): the states,
+/// where each cause leads, and the records written to the logs, which get no others.
 namespace busbar::controller::detail {
 
 enum class LifePhase : std::uint8_t {
@@ -19,10 +19,10 @@ enum class LifePhase : std::uint8_t {
     Preparing,
     Waiting, // for the end of a download, a restore or a clearing
     Running,
-    Halted,    // a download mends it
-    Broken,    // it takes a restart
-    Stopping,  // stop() is to be answered
-    Resetting, // the same, and then all begins again
+    Halted,    // a download repairs it
+    Broken,    // only a restart repairs it
+    Stopping,  // waits for the answer to stop()
+    Resetting, // the same, followed by a new start
     Stopped,
 };
 
@@ -34,7 +34,7 @@ enum class LifeEvent : std::uint8_t {
     Begins, // a download, a restore, a clearing
     Replaced,
     Kept,
-    Changed, // what the server is made of
+    Changed, // the contents of the server
     Edited,  // online
     Prepared,
     StartFailed,
@@ -84,16 +84,16 @@ inline constexpr std::array phase_facts{
     return phase_facts[static_cast<std::size_t>(phase)];
 }
 
-/// What a cause does to the controller besides its server, whatever the state.
+/// The effect of a cause on the controller besides its server, in any state.
 struct CauseFacts {
     LifeEvent event;
-    /// The user program: goes on, stops, or starts.
+    /// Whether the user program continues, stops or starts.
     enum class Program : std::uint8_t { GoesOn, Stops, Starts } program;
-    /// The level of the event that is told; empty: none.
+    /// The level of the event to record; empty for none.
     std::string_view fault{};
 };
 
-/// What is not here has no effect but that of its step.
+/// Causes that are not listed have no effect besides their step.
 inline constexpr std::array cause_facts{
     CauseFacts{LifeEvent::Restart, CauseFacts::Program::Starts},
     CauseFacts{LifeEvent::Watchdog, CauseFacts::Program::Stops, "Major fault"},
@@ -112,7 +112,7 @@ inline constexpr std::array cause_facts{
     return {event, CauseFacts::Program::GoesOn};
 }
 
-/// The records of one step, as bits; told in this order.
+/// The records that a step writes, as bits, in this order.
 namespace told {
 inline constexpr std::uint8_t nothing = 0;
 inline constexpr std::uint8_t shut_down = 1;
@@ -144,7 +144,7 @@ struct LifeStep {
     std::uint8_t records{told::nothing};
 };
 
-/// What is not here changes nothing of the server.
+/// Combinations that are not listed leave the server as it is.
 inline constexpr std::array life_steps{
     LifeStep{LifePhase::NotStarted, LifeEvent::Restart, LifePhase::Initializing,
              LifeAction::Initialize},
@@ -227,7 +227,7 @@ inline constexpr std::array life_steps{
              LifeAction::Initialize},
 };
 
-/// Null if nothing is to be done.
+/// Null if nothing has to be done.
 [[nodiscard]] constexpr const LifeStep* life_step(LifePhase phase, LifeEvent event)
 {
     for (const LifeStep& step : life_steps) {

@@ -210,7 +210,7 @@ Configured<void> MachineSettings::write(const Document& changed, const Document&
     if (done) {
         done = change.commit();
     }
-    // Once it is decided nothing takes it back.
+    // A change that is decided cannot be taken back.
     if (!done && !change.is_decided()) {
         return not_kept(*storage_, changed.file, done.error());
     }

@@ -64,12 +64,12 @@ void InstructionDesk::serve(LifeCycle& life, LogSink& log)
         const auto code = static_cast<std::uint16_t>(answer);
         std::uint32_t expected = Requested;
         const std::uint32_t next = answer == ShutdownAnswer::Begun ? Accepted : Failed + code;
-        // An instance that went away meanwhile is not told.
+        // An instance that is gone by now gets no answer.
         if (state.compare_exchange_strong(expected, next) && next != Accepted) {
             tell_failed(log, code);
         }
     }
-    // Also if a reset came between: it was shut down for that.
+    // Also after a reset in between: the server was shut down for it.
     if (life.has_stopped() || life.operating_status() != OperatingStatus::Shutdown) {
         for (std::atomic<std::uint32_t>& state : states_) {
             std::uint32_t expected = Accepted;

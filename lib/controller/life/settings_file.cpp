@@ -11,8 +11,8 @@
 
 #include "checksum.hpp"
 
-// A file of settings: {"version": 1, "settings": {...}, "checksum": "..."}, the checksum over the
-// settings as they are written here, so that blanks do not matter and everything else does.
+// A file of settings: {"version": 1, "settings": {...}, "checksum": "..."}. The checksum covers the
+// settings as they are written here, so that white space does not matter but everything else does.
 
 namespace busbar::controller {
 
@@ -139,7 +139,7 @@ Maybe<MessageSecurity> security_in(const Json& json)
     return std::nullopt;
 }
 
-/// Nothing: it has not the members that it should have.
+/// Nothing if a member is missing, unknown or of another type.
 Maybe<ServerSettings> server_settings_in(const Json& json)
 {
     const Json* const log = json.find("execution_log");

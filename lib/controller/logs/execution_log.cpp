@@ -12,7 +12,7 @@ namespace busbar::controller {
 
 namespace {
 
-// Why records are not saved (W588, 9-2-2, 15000000).
+// The reasons why records cannot be saved (W588, 9-2-2, 15000000).
 constexpr std::uint16_t code_away = 0x0001;
 constexpr std::uint16_t code_unusable = 0x0002;
 constexpr std::uint16_t code_protected = 0x0003;
@@ -142,13 +142,13 @@ Stored<void> ExecutionLog::write_pending()
         const std::lock_guard queue_lock{queue_mutex_};
         has_overflowed = std::exchange(has_overflowed_, false);
     }
-    // What waits for a medium that is out is not lost yet (W588, 7-4-3).
+    // Records that wait for a removed medium are not lost yet (W588, 7-4-3).
     const bool is_useless = fault == code_unusable && waiting() != 0;
     if (fault && (has_overflowed || is_useless)) {
         tell_lost(*fault);
     } else if (!fault && !saved) {
         tell_lost(code_of(saved.error()));
-    } else if (!fault && has_overflowed) { // they came faster than they were saved
+    } else if (!fault && has_overflowed) { // records arrived faster than they could be saved
         tell_lost(code_other);
     }
     if (saved) {

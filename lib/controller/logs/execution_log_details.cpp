@@ -14,7 +14,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// An IPv4 address as people write it, also where the socket is one of IPv6.
+/// Returns an IPv4 address as people write it, even if the socket is an IPv6 one.
 std::string_view plain_address(std::string_view address)
 {
     constexpr std::string_view mapped = "::ffff:";
@@ -33,7 +33,7 @@ std::string tabbed(std::initializer_list<std::string_view> parts)
     for (const std::string_view part : parts) {
         result.append(part).append("\t");
     }
-    result.pop_back(); // of one part at least
+    result.pop_back(); // `result` has at least one part
     return result;
 }
 
@@ -47,7 +47,7 @@ std::string byte_text(std::uint64_t size)
     return std::to_string(size) + "Byte";
 }
 
-/// 32 bits of an id. Those of a Guid, which is random, tell sessions apart.
+/// Takes 32 bits from an id; those of a Guid are random and tell sessions apart.
 std::uint32_t number_of(const NodeId& id)
 {
     if (id.is_numeric()) {
@@ -77,7 +77,7 @@ std::string user_text(const Record& record)
     return record.actor.user.empty() ? "Anonymous" : logged_name(record.actor.user);
 }
 
-/// What a client says of itself: the examples of 7-1-7 have its certificate's common name.
+/// Returns the client's name: the examples of 7-1-7 show the common name of its certificate.
 std::string host_text(const Record& record)
 {
     const auto facts = facts_of(record.certificate);
@@ -90,7 +90,7 @@ std::string certificate_columns(const Record& record)
     return facts ? tabbed({logged_name(facts->common_name), utc_text(facts->valid_to)}) : "\t";
 }
 
-/// "TRUSTED" of a list that a field names.
+/// Returns the list that a field names, for example "TRUSTED".
 std::string store_text(const Record& record, std::string_view field_name)
 {
     const std::string_view list = text_field(record, field_name);
@@ -161,7 +161,7 @@ Items log_published(const Record& record, DateTime)
 
 // Of the category AUTH.
 
-/// The message of the list in W588, 7-1-6 *2 that means the same.
+/// Returns the message with the same meaning from the list in W588, 7-1-6 *2.
 StatusCode application_error(StatusCode status)
 {
     if (status == status::Bad_CertificateChainIncomplete) {
@@ -177,8 +177,8 @@ Items log_application_error(const Record& record, DateTime)
     return {{"Application", tabbed({"ERROR", status_text(application_error(record.status))})}};
 }
 
-/// The application is who it claims to be when the session is its own, which the first activation
-/// proves; the examples of 7-1-7 have it behind the user.
+/// Records an activated session. The first activation proves that the session belongs to the
+/// application; the examples of 7-1-7 record that after the user.
 Items log_activated(const Record& record, DateTime)
 {
     const std::string session = session_text(record);
@@ -212,7 +212,8 @@ Items log_security_settings(const Record& record, DateTime)
     return record.status.is_bad() ? Items{} : Items{{"Update", ""}};
 }
 
-/// Users and roles are told as such; of settings those of security are meant (W588, 3-2-6).
+/// Users and roles have records of their own; of the settings only those of security are recorded
+/// here (W588, 3-2-6).
 Items log_settings(const Record& record, DateTime now)
 {
     return flag_field(record, "IsSecurity", false) ? log_security_settings(record, now) : Items{};
@@ -228,7 +229,7 @@ Items log_own_updated(const Record& record, DateTime)
 Items log_expiring(const Record& record, DateTime now)
 {
     const auto facts = facts_of(record.certificate);
-    // The kind is also told of one that is not valid yet, for which there is no code.
+    // This kind also reports a certificate that is not valid yet, for which there is no code.
     return facts && now < facts->valid_from ? Items{}
                                             : Items{{"Notify_Server", certificate_columns(record)}};
 }

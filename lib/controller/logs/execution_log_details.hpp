@@ -9,10 +9,10 @@
 
 namespace busbar::controller::detail {
 
-/// A record of the execution log on its way: names are unique over all categories.
+/// A record for the execution log; names are unique over all categories.
 struct LogDetails {
     std::string_view log_name;
-    std::string details; // may still be too long
+    std::string details; // may exceed the limit
 };
 
 [[nodiscard]] bool has_log_rule(RecordKind kind);

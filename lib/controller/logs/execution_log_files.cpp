@@ -15,16 +15,16 @@ namespace {
 constexpr std::string_view full_log_prefix = "OPCUA_ExecutionLog_";
 constexpr std::string_view log_ending = ".log";
 constexpr std::size_t digits_of_time = 17;
-/// Names that are looked at in the folder, ours or not.
+/// Maximum number of names looked at in the folder, whether they are log files or not.
 constexpr std::size_t max_listed = 10'000;
-/// Lines that were mended and count beside the records.
+/// Number of repaired lines that a file may have in addition to its records.
 constexpr std::size_t spare_lines = 1'000;
 constexpr std::size_t batch_records = 256;
 constexpr std::string_view control_header = "busbar execution log 1\r\n";
 constexpr std::string_view control_serial = "next ";
 constexpr std::string_view control_records = "records ";
 
-/// The number at the front, at most 65,535.
+/// Reads the number at the front, at most 65,535.
 std::optional<std::uint16_t> leading_serial(std::string_view line, char end)
 {
     std::uint16_t serial = 0;
@@ -34,8 +34,8 @@ std::optional<std::uint16_t> leading_serial(std::string_view line, char end)
     return is_good ? std::optional{serial} : std::nullopt;
 }
 
-/// In the time of a place. Nothing if it is not the name of a full file; those of the year 9999 are
-/// not of our making, and nothing comes behind them.
+/// Reads the local time in the name of a full file. Nothing for other names, and for the year 9999:
+/// the log never writes that, and no later name would exist.
 std::optional<DateTime> time_of_name(std::string_view name)
 {
     if (name.size() != full_log_prefix.size() + digits_of_time + log_ending.size() ||
@@ -50,7 +50,7 @@ std::optional<DateTime> time_of_name(std::string_view name)
                            digits.substr(14) + "Z");
 }
 
-/// The name of a millisecond later.
+/// Returns the name for the following millisecond.
 std::string name_behind(std::string_view path)
 {
     const DateTime time = time_of_name(path.substr(path.rfind('/') + 1)).value_or(DateTime{});
@@ -59,7 +59,7 @@ std::string name_behind(std::string_view path)
 
 std::uint16_t after(std::uint16_t serial, std::size_t count = 1)
 {
-    return static_cast<std::uint16_t>(serial + count); // 0 comes after 65,535
+    return static_cast<std::uint16_t>(serial + count); // 65,535 is followed by 0
 }
 
 } // namespace
@@ -110,7 +110,7 @@ Stored<void> ExecutionLogFiles::open()
 {
     auto opened = file_.refresh();
     if (!opened && opened.error() == StorageError::TooLarge) {
-        // Not of our making, or of other settings: it is kept as a full one.
+        // A file of another program or other settings is kept as a full one.
         opened = begin_new_file();
     }
     if (opened && file_.size() == 0) {
@@ -126,7 +126,7 @@ Stored<void> ExecutionLogFiles::open()
     return opened;
 }
 
-/// Numbers go on across files and restarts (W588, 7-1-6).
+/// Finds the next serial number, which continues across files and restarts (W588, 7-1-6).
 Stored<void> ExecutionLogFiles::find_serial()
 {
     if (const auto last = leading_serial(file_.last_line(), '\t')) {
@@ -138,7 +138,7 @@ Stored<void> ExecutionLogFiles::find_serial()
         return not_stored(of_full.error());
     }
     const auto noted = read_control();
-    // The one that is further on; numbers go round.
+    // Take the later one; numbers wrap around.
     const bool is_noted = noted && (!*of_full || static_cast<std::int16_t>(*noted - **of_full) > 0);
     next_serial_ = is_noted ? *noted : of_full->value_or(0);
     return {};
@@ -153,7 +153,7 @@ Stored<std::optional<std::uint16_t>> ExecutionLogFiles::serial_of_full_logs()
     std::optional<std::uint16_t> serial;
     if (!names->empty()) {
         LineFile newest{*storage_, names->back(), max_log_size(options_.max_records)};
-        // If it is none of ours there is no number to be had.
+        // A file of another program has no usable number.
         if (newest.open()) {
             serial = leading_serial(newest.last_line(), '\t');
         }
@@ -202,8 +202,8 @@ Stored<void> ExecutionLogFiles::write_control()
     return written;
 }
 
-/// The current file gets a name by the time (W588, 7-1-5), behind all others: the first by name
-/// is the oldest, also if the clock was set back.
+/// Renames the current file by the time (W588, 7-1-5), but after all others: the first by name must
+/// be the oldest even if the clock was set back.
 Stored<void> ExecutionLogFiles::begin_new_file()
 {
     const auto names = full_logs(*storage_, options_.folder);
@@ -218,7 +218,7 @@ Stored<void> ExecutionLogFiles::begin_new_file()
     if (auto moved = file_.move_to(name, WhenThere::Refuse); !moved) {
         return moved;
     }
-    // Only after a restart without any file is it asked for.
+    // It is needed only after a restart without any log file.
     static_cast<void>(write_control());
     if (auto removed = remove_oldest(); !removed) {
         return removed;
@@ -232,7 +232,7 @@ Stored<void> ExecutionLogFiles::remove_oldest()
     if (!names) {
         return not_stored(names.error());
     }
-    const std::size_t most = options_.max_files - 1; // beside the current one
+    const std::size_t most = options_.max_files - 1; // besides the current one
     for (std::size_t i = 0; i + most < names->size(); ++i) {
         if (auto removed = storage_->remove((*names)[i]); !removed) {
             return removed;
@@ -280,7 +280,7 @@ Stored<void> ExecutionLogFiles::clear()
     if (auto opened = open(); !opened) {
         return opened;
     }
-    // First, so that numbers go on if the power is cut between.
+    // Write this first, so that numbers continue if power fails in between.
     if (auto written = write_control(); !written) {
         return written;
     }

@@ -21,29 +21,29 @@ inline constexpr std::string_view log_control_name = "OPCUA_ExecutionLog.fjc";
 /// "OPCUA_ExecutionLog_20170724220915040.log".
 [[nodiscard]] std::string full_log_name(DateTime time, TimeZone zone);
 [[nodiscard]] bool is_full_log_name(std::string_view name);
-/// The names of full files in a folder, the oldest first; none if there is no folder.
+/// Names of the full files in a folder, oldest first; none if the folder does not exist.
 [[nodiscard]] Stored<std::vector<std::string>> full_logs(Storage& storage, std::string_view folder);
 
-/// Bytes that a file of so many records may have, with some for lines that were mended.
+/// Maximum size of a file with so many records, with room for repaired lines.
 [[nodiscard]] std::size_t max_log_size(std::size_t max_records);
 
-/// The files of an execution log. Files tell where it stands; the control file is asked only for
-/// what they do not say. One thread at a time; blocks on the medium.
+/// The files of an execution log. Their contents tell where the log stands; the control file is
+/// read only for what they do not tell. Not thread-safe; blocks on the medium.
 class ExecutionLogFiles {
 public:
     ExecutionLogFiles(Storage& storage, const WallClock& clock, const ExecutionLogOptions& options);
 
     struct Outcome {
-        std::size_t saved{0}; // of the first ones
+        std::size_t saved{0}; // number of items saved, from the first on
         std::optional<StorageError> error;
     };
-    /// Saves at least one of `items`, which are not none, or fails. Those that were in a call that
-    /// failed must be the first ones of the next call.
+    /// Saves at least one of `items`, which must not be empty, or fails. After a failure the same
+    /// items must be the first ones of the next call.
     [[nodiscard]] Outcome save(std::span<const WaitingLogItem> items);
-    /// Writes down where the log stands.
+    /// Writes the position of the log to the control file.
     [[nodiscard]] Stored<void> write_control();
     [[nodiscard]] Stored<void> clear();
-    /// Another medium may be there the next time.
+    /// Closes the files: the next time another medium may be present.
     void close()
     {
         file_.close();
@@ -63,8 +63,8 @@ private:
     const WallClock* clock_;
     ExecutionLogOptions options_;
     LineFile file_;
-    std::optional<std::uint16_t> next_serial_; // nothing: the medium has not been seen yet
-    std::string control_; // what the control file is known to say; empty: not known
+    std::optional<std::uint16_t> next_serial_; // empty until the medium has been read
+    std::string control_; // last known content of the control file; empty if unknown
 };
 
 } // namespace busbar::controller::detail

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t max_records_of_file = 65'536;
 
-/// What stands before the next tab, which goes too.
+/// Takes the text before the next tab, and the tab.
 std::string_view take_column(std::string_view& line)
 {
     const std::size_t end = line.find('\t');
@@ -24,7 +24,7 @@ std::string_view take_column(std::string_view& line)
     return column;
 }
 
-/// Decimal digits only, so many at least and at most.
+/// Parses between `least` and `most` decimal digits.
 std::optional<std::uint16_t> digits_of(std::string_view text, std::size_t least, std::size_t most)
 {
     std::uint16_t number = 0;
@@ -35,7 +35,7 @@ std::optional<std::uint16_t> digits_of(std::string_view text, std::size_t least,
     return is_good ? std::optional{number} : std::nullopt;
 }
 
-/// A time that the log could have written.
+/// Parses a time that the log could have written.
 std::optional<DateTime> time_of_columns(std::string_view date, std::string_view time_of_day,
                                         std::string_view millisecond)
 {
@@ -84,7 +84,7 @@ bool contains_text(std::string_view text, std::string_view part)
            part.empty();
 }
 
-/// Of two parts, the second younger, the last ones.
+/// Appends younger contents and keeps the last entries of both.
 void add_contents(ExecutionLogContents& all, ExecutionLogContents more, std::size_t max_entries)
 {
     all.entries.insert(all.entries.end(), std::make_move_iterator(more.entries.begin()),
@@ -130,8 +130,8 @@ ExecutionLogContents read_execution_log(std::string_view text, const ExecutionLo
                                         std::size_t max_entries)
 {
     ExecutionLogContents contents;
-    // From the end, since the last ones count.
-    text = text.substr(0, text.rfind('\n') + 1); // npos + 1: none
+    // Start at the end, because the last entries are wanted.
+    text = text.substr(0, text.rfind('\n') + 1); // npos + 1: no line
     while (!text.empty()) {
         text.remove_suffix(1);
         const std::size_t begin = text.rfind('\n') + 1;
@@ -172,7 +172,7 @@ Stored<ExecutionLogContents> read_execution_log(Storage& storage, std::string_vi
             add_contents(all, read_execution_log(text, filter, max_entries), max_entries);
         } else if (bytes.error() == StorageError::TooLarge) {
             ++all.damaged;
-        } else if (bytes.error() != StorageError::NotFound) { // gone since it was listed
+        } else if (bytes.error() != StorageError::NotFound) { // a file removed after it was listed
             return not_stored(bytes.error());
         }
     }

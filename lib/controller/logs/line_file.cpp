@@ -10,7 +10,7 @@ namespace busbar::controller::detail {
 namespace {
 
 constexpr std::size_t scan_size = 65'536;
-/// More than any log writes in one line.
+/// Longer than any line of a log.
 constexpr std::size_t max_line = 4'096;
 
 std::string_view text_of(std::span<const std::byte> bytes)
@@ -70,7 +70,7 @@ Stored<void> LineFile::refresh()
 Stored<void> LineFile::scan(std::uint64_t size)
 {
     std::vector<std::byte> buffer(scan_size);
-    std::string tail; // what is where the last append() failed
+    std::string tail; // the bytes where the last append() failed
     while (size_ < size) {
         const auto count = storage_->read(name_, size_, buffer);
         if (!count) {
@@ -112,15 +112,16 @@ void LineFile::scan_bytes(std::string_view bytes)
     }
 }
 
-/// On another medium something else is there. What was found is not looked for again, also if the
-/// file cannot be mended yet.
+/// Counts the lines of the failed append() that the file contains after all; the bytes must match,
+/// since another medium may be present. Counted lines are not looked for again, even if the file
+/// cannot be repaired yet.
 void LineFile::find_failed(std::string_view tail)
 {
     if (failed_.empty() || size_ < failed_at_ ||
         std::string_view{failed_}.substr(0, tail.size()) != tail) {
         return;
     }
-    const std::size_t whole = tail.rfind('\n') + 1; // npos + 1: none
+    const std::size_t whole = tail.rfind('\n') + 1; // npos + 1: no line
     found_ += static_cast<std::size_t>(
         std::count(failed_.begin(), failed_.begin() + static_cast<std::ptrdiff_t>(whole), '\n'));
     failed_.erase(0, whole);
@@ -137,7 +138,7 @@ Stored<void> LineFile::mend()
         return not_stored(bytes.error());
     }
     const auto whole = static_cast<std::size_t>(size_) - unfinished_size_;
-    if (bytes->size() != size_) { // somebody is at it
+    if (bytes->size() != size_) { // another program is writing to it
         return not_stored(StorageError::Failed);
     }
     bytes->resize(whole);

@@ -10,39 +10,40 @@
 
 namespace busbar::controller::detail {
 
-/// A file of lines that only grows, on a medium that may fail, go and come back. Whatever happened
-/// to it, once it is open it ends with a whole line. Lines end with CR and LF. One thread at a
-/// time; blocks on the medium.
+/// A file of lines that only grows, on a medium that may fail, be removed and return. Once it is
+/// open it ends with a whole line, whatever happened before. Lines end with CR and LF. Not
+/// thread-safe; blocks on the medium.
 class LineFile {
 public:
-    /// `storage` must outlive it. A file of more than `max_size` bytes is not ours.
+    /// `storage` must outlive this object. A file of more than `max_size` bytes belongs to another
+    /// program.
     LineFile(Storage& storage, std::string name, std::size_t max_size)
         : storage_{&storage}, name_{std::move(name)}, max_size_{max_size}
     {
     }
 
-    /// Looks at what is there, which may be nothing. A line that is not whole is cut off; if there
-    /// is no room for that, it is ended. TooLarge: see above.
+    /// Opens the file, which need not exist. Cuts an incomplete line off or, without room for that,
+    /// completes it. TooLarge: see the constructor.
     [[nodiscard]] Stored<void> open();
-    /// Opens it anew if somebody changed or removed it, or if it is not open.
+    /// Opens the file again if it is closed, was removed or was changed by another program.
     [[nodiscard]] Stored<void> refresh();
     void close() { is_open_ = false; }
 
-    /// Whole lines. After an error the file is closed, and some of them may be in it.
+    /// Appends whole lines. An error closes the file, which may then contain some of them.
     [[nodiscard]] Stored<void> append(std::string_view lines);
-    /// Of the lines that the last `append` failed with, how many open() found in the file. They are
-    /// told once.
+    /// Number of lines of the last failed `append` that open() found in the file. Returned once.
     [[nodiscard]] std::size_t take_found();
 
-    /// The file gets another name, and an empty one is in its place.
+    /// Renames the file and continues with an empty one.
     [[nodiscard]] Stored<void> move_to(std::string_view name, WhenThere when_there);
-    /// It is gone. Success if it was not there.
+    /// Removes the file; succeeds if it does not exist.
     [[nodiscard]] Stored<void> remove();
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
     [[nodiscard]] std::size_t lines() const { return lines_; }
-    /// Without its end; empty if there is none or it is longer than any line of ours.
+    /// The last line without its end; empty if there is none or it is too long to be one of the
+    /// log.
     [[nodiscard]] const std::string& last_line() const { return last_line_; }
 
 private:
@@ -59,10 +60,10 @@ private:
     std::uint64_t size_{0};
     std::size_t lines_{0};
     std::string last_line_;
-    std::string unfinished_; // behind the last line, at most max_line bytes of it
+    std::string unfinished_; // after the last line, at most max_line bytes of it
     std::size_t unfinished_size_{0};
-    std::string failed_;         // what the last append() wanted
-    std::uint64_t failed_at_{0}; // and where
+    std::string failed_;         // the lines of the failed append()
+    std::uint64_t failed_at_{0}; // their offset
     std::size_t found_{0};
 };
 

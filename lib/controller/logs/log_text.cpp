@@ -14,7 +14,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// Of a character, or of a byte that is none.
+/// Size of the next character, or 1 for an invalid byte.
 std::size_t size_of_next(std::string_view text)
 {
     return std::max<std::size_t>(busbar::detail::utf8_sequence(text), 1);

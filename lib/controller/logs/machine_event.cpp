@@ -12,7 +12,7 @@ struct LevelRow {
     std::uint16_t severity;
 };
 
-/// In the order of EventLevel.
+/// Rows in the order of EventLevel.
 constexpr std::array level_rows{
     LevelRow{"Major fault", 1'000}, LevelRow{"Partial fault", 900}, LevelRow{"Minor fault", 700},
     LevelRow{"Observation", 400},   LevelRow{"Information", 100},

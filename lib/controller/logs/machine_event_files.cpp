@@ -15,12 +15,12 @@ namespace detail {
 
 namespace {
 
-/// Before the name: number, time, code and level.
+/// Number of columns before the name: number, time, code and level.
 constexpr std::size_t first_columns = 4;
 constexpr std::size_t max_attached = 4;
 constexpr std::size_t max_attached_size = 60;
 constexpr std::size_t max_event_line = 400;
-/// Also of a log that had more entries before its settings changed.
+/// Large enough for a log that had more entries before its settings changed.
 constexpr std::size_t max_event_file = 100'100 * max_event_line;
 constexpr std::size_t event_batch = 256;
 
@@ -86,7 +86,7 @@ std::optional<MachineEvent> parse_machine_event(std::string_view line)
     const MachineEventType* const type = code && *code <= UINT32_MAX
                                              ? machine_event_type(static_cast<std::uint32_t>(*code))
                                              : nullptr;
-    // The largest number has none behind it.
+    // The largest number is refused, because none could follow it.
     if (!number || *number > INT64_MAX || !time || type == nullptr || !level) {
         return std::nullopt;
     }
@@ -109,7 +109,7 @@ Stored<std::deque<MachineEvent>> MachineEventFiles::load()
 {
     auto opened = file_.open();
     if (!opened && opened.error() == StorageError::TooLarge) {
-        opened = make_room(); // not of our making, and kept
+        opened = make_room(); // a file of another program, which is kept
     }
     std::deque<MachineEvent> events;
     const auto read = opened.and_then([&] { return read_into(events, before_); }).and_then([&] {
@@ -138,7 +138,7 @@ Stored<void> MachineEventFiles::read_into(std::deque<MachineEvent>& events, cons
     return {};
 }
 
-/// In one step: the power may be cut at any time.
+/// Replaces the older file in one step, since power may fail at any time.
 Stored<void> MachineEventFiles::make_room()
 {
     return file_.move_to(before_, WhenThere::Replace).and_then([&] { return file_.refresh(); });
@@ -180,7 +180,7 @@ Stored<std::size_t> MachineEventFiles::save(std::span<const MachineEvent> events
 std::vector<MachineEvent> read_machine_events(std::string_view text)
 {
     std::vector<MachineEvent> events;
-    // As LineFile has it, a line feed ends a line.
+    // As in LineFile, a line feed ends a line.
     for (std::size_t end = 0; (end = text.find('\n')) != std::string_view::npos;) {
         const std::string_view line = text.substr(0, end);
         auto event = line.ends_with('\r') ? detail::parse_machine_event(line.substr(0, end - 1))

@@ -18,20 +18,21 @@ namespace busbar::controller::detail {
 /// "12<tab>2017-10-17T14:52:50.747Z<tab>35D30000<tab>Observation<tab>Too Many Public Variables",
 /// what is attached, and the line end.
 [[nodiscard]] std::string machine_event_line(const MachineEvent& event);
-/// Nothing for a line of another form; without its end. The name may be missing.
+/// Parses a line without its end; nothing for a line of another form. The name may be missing.
 [[nodiscard]] std::optional<MachineEvent> parse_machine_event(std::string_view line);
 
-/// The last events in two files: one that grows, and the one before it, which goes when the new one
-/// is full. One thread at a time; blocks on the storage.
+/// Keeps the last events in two files: one that grows and its predecessor, which is removed when
+/// the new one is full. Not thread-safe; blocks on the storage.
 class MachineEventFiles {
 public:
-    /// At least `max_entries` events are kept, at most twice as many.
+    /// Keeps at least `max_entries` events and at most twice as many.
     MachineEventFiles(Storage& storage, std::string folder, std::size_t max_entries);
 
-    /// The last events, at most `max_entries`. Lines that are none are passed over.
+    /// Reads the last events, at most `max_entries`; ignores lines that are not events.
     [[nodiscard]] Stored<std::deque<MachineEvent>> load();
-    /// How many of the first ones were saved: at least one of what is not empty, or an error. After
-    /// an error the same ones are to be saved again, but for those that nobody wants any more.
+    /// Saves the first of `events` and returns their number, which is at least one unless there are
+    /// none. After an error the same events must be saved again, except those that are no longer
+    /// wanted.
     [[nodiscard]] Stored<std::size_t> save(std::span<const MachineEvent> events);
 
 private:
@@ -40,7 +41,7 @@ private:
 
     Storage* storage_;
     std::string folder_;
-    std::string before_; // the name of the file before
+    std::string before_; // name of the predecessor
     std::size_t max_entries_;
     LineFile file_;
 };

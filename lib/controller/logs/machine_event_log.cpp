@@ -35,10 +35,10 @@ std::optional<Problem> problem_of_events(const MachineEventLogOptions& options)
     return std::nullopt;
 }
 
-/// Of a PlcError in one number, its level above its code.
+/// Position of the level, above the code, in a packed PlcError.
 constexpr unsigned level_shift = 32;
 
-/// No level of a fault is 0, and so neither is what stands for one.
+/// Packs the worst error into one number, which is not 0 because no fault has the level 0.
 std::uint64_t packed_error(std::span<const MachineEvent> standing)
 {
     static_assert(static_cast<std::uint8_t>(EventLevel::PartialFault) != 0);
@@ -184,7 +184,7 @@ Stored<void> MachineEventLog::write_pending()
             return not_stored(saved.error());
         }
         const std::lock_guard lock{mutex_};
-        // By number, since meanwhile the oldest may have gone.
+        // Compare by number, because the oldest event may have been dropped in the meantime.
         const std::uint64_t last_saved = events[*saved - 1].number;
         unsaved_ = std::min<std::size_t>(unsaved_, last_number_ - last_saved);
     }

@@ -40,7 +40,7 @@ void MachineEventRaiser::happened(const MachineEvent& event)
 {
     const std::lock_guard lock{mutex_};
     if (queue_ != nullptr) {
-        // What there is no room for is counted and told by the queue itself.
+        // The queue counts and reports events that it has no room for.
         static_cast<void>(queue_->raise(event_of(event)));
     }
 }

@@ -46,7 +46,7 @@ std::string attached_text(std::string_view text)
     return clean_text(text, max_logged_name);
 }
 
-/// "YYYY-MM-DD HH:MM:SS", in UTC as the log has it.
+/// "YYYY-MM-DD HH:MM:SS", in UTC like the log.
 std::string end_of_certificate(const Record& record)
 {
     const auto facts = facts_of(record.certificate);
@@ -92,7 +92,7 @@ AllTold told_expired(const Record& record, DateTime)
 AllTold told_expiring(const Record& record, DateTime now)
 {
     const auto facts = facts_of(record.certificate);
-    // Not one that is not valid yet, of which the kind is also told.
+    // This kind also reports a certificate that is not valid yet, which is not an event.
     return facts && now < facts->valid_from
                ? AllTold{}
                : AllTold{{expiration_notice, {end_of_certificate(record)}}};
@@ -112,7 +112,7 @@ AllTold told_system_error(const Record&, DateTime)
     return {{system_error}};
 }
 
-/// Attached information 1: what was wrong; 2: the user, if it was he.
+/// Attached information 1 is the reason; 2 is the user name if the user was refused.
 AllTold told_login_refused(const Record& record, DateTime)
 {
     if (record.status == status::Bad_ApplicationSignatureInvalid) {
@@ -129,7 +129,7 @@ AllTold told_certificate_refused(const Record&, DateTime)
 
 AllTold told_session_refused(const Record& record, DateTime)
 {
-    // The manual has no reason for others.
+    // The manual has no code for other reasons.
     return record.status == status::Bad_TooManySessions ? AllTold{{connection_rejected, {"04"}}}
                                                         : AllTold{};
 }
@@ -188,7 +188,7 @@ AllTold told_refused(const Record& record, DateTime)
                : AllTold{};
 }
 
-/// It only ends or prepares something.
+/// For records that only end or prepare something.
 AllTold told_nothing(const Record&, DateTime)
 {
     return {};
@@ -250,13 +250,13 @@ std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime
     if (record.kind == RecordKind::VariableNotPublished) {
         note_not_published(record);
     } else if (record.kind == RecordKind::VariablesCounted && not_published_ != 0) {
-        // One for all variables (W588, 9-2-2).
+        // One event for all variables (W588, 9-2-2).
         all.push_back({unsupported_type, {hex_text(std::exchange(not_published_, 0), 2)}});
     }
     std::vector<MachineEvent> events;
     for (Told& told : all) {
         const MachineEventType* const type = machine_event_type(told.code);
-        if (type == nullptr) { // an instruction's error that is not known
+        if (type == nullptr) { // an unknown error of an instruction
             continue;
         }
         MachineEvent event{0, now, type, level_of(*type), std::move(told.attached)};
@@ -273,7 +273,7 @@ std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime
     return events;
 }
 
-/// What is over when this happens.
+/// Ends the errors that this record resolves.
 void MachineEventRules::end(const Record& record)
 {
     switch (record.kind) {
@@ -321,7 +321,8 @@ void MachineEventRules::note_not_published(const Record& record)
     not_published_ |= static_cast<unsigned>(number_field(record, "ErrorDetails") & 0xFFU);
 }
 
-/// Preparing something anew may find the same again, which is told again.
+/// Tells whether the same error is already present. Errors that end with a preparation are reported
+/// each time: the next one may find them again.
 bool MachineEventRules::stands_already(const MachineEvent& event) const
 {
     return std::any_of(standing_.begin(), standing_.end(), [&](const MachineEvent& each) {

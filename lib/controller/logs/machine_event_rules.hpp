@@ -10,19 +10,19 @@
 
 namespace busbar::controller::detail {
 
-/// Which events a record is, and which errors stand after it (W588, 9-2-2). Starts with no
-/// error, as a controller does. One thread at a time; uses nothing but memory.
+/// Decides which events a record causes, and which errors are present afterwards (W588, 9-2-2).
+/// Starts without errors, like a controller. Not thread-safe; does not block.
 class MachineEventRules {
 public:
     explicit MachineEventRules(std::vector<EventLevelChoice> levels) : levels_{std::move(levels)} {}
 
     [[nodiscard]] static bool wants(RecordKind kind);
 
-    /// The events, without numbers; none for what was told already and must not be told twice.
+    /// Returns the events without numbers; none for an error that is already reported.
     [[nodiscard]] std::vector<MachineEvent> take(const Record& record, DateTime now);
 
     [[nodiscard]] const std::vector<MachineEvent>& standing() const { return standing_; }
-    /// Another number after each change of those that stand.
+    /// Changes whenever the errors that are present change.
     [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
 private:
@@ -35,7 +35,7 @@ private:
 
     std::vector<EventLevelChoice> levels_;
     OncePerCertificate once_;
-    std::uint32_t not_published_{0}; // bits, since the preparation began
+    std::uint32_t not_published_{0}; // reasons as bits, since the preparation began
     std::vector<MachineEvent> standing_;
     std::uint64_t changes_{0};
 };

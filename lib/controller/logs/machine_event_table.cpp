@@ -10,7 +10,7 @@ constexpr auto minor = EventLevel::MinorFault;
 constexpr auto observation = EventLevel::Observation;
 constexpr auto information = EventLevel::Information;
 
-/// Levels are those of W588, 9-2-2; the columns of 9-2-1 have slipped in some rows.
+/// Levels are those of W588, 9-2-2; the columns of 9-2-1 are shifted in some rows.
 constexpr std::array event_types{
     MachineEventType{
         0x15000000, "Execution Log Save Failed", minor, observation, EventEnd::Automatic,

@@ -10,11 +10,12 @@
 
 namespace busbar::controller::detail {
 
-/// Notices of the server's certificate come again each day. The logs have each once, until a
-/// restart or until there is another certificate (W588, 7-1-1 and 9-2-2).
+/// Passes notices of the server's certificate, which repeat each day, once: until a restart or a
+/// new certificate (W588, 7-1-1 and 9-2-2).
 class OncePerCertificate {
 public:
-    /// False for a notice that has been told of the same certificate; true for everything else.
+    /// False for a notice that was already passed for the same certificate; true for everything
+    /// else.
     [[nodiscard]] bool is_new(const Record& record)
     {
         if (record.kind == RecordKind::CertificateUpdated && !record.status.is_bad()) {
@@ -22,7 +23,7 @@ public:
             return true;
         }
         const auto found = std::find(kinds.begin(), kinds.end(), record.kind);
-        // Those of lists have a field that says which; see RecordKind.
+        // Notices of lists have a field with the name of the list; see RecordKind.
         if (found == kinds.end() || field(record, "ListName") != nullptr) {
             return true;
         }
@@ -40,7 +41,7 @@ private:
                                       RecordKind::CertificateExpired,
                                       RecordKind::CertificateHostNotNamed};
 
-    std::array<std::vector<std::byte>, kinds.size()> told_; // the DER of each
+    std::array<std::vector<std::byte>, kinds.size()> told_; // DER of the certificate of each kind
 };
 
 } // namespace busbar::controller::detail
