@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view error_folder = "Controller/PLCError";
 
-/// Of the errors that stand, what clients read.
+/// The values of the nodes, made from the errors that are present.
 struct ShownErrors {
     Variant level;
     Variant code;
@@ -51,7 +51,8 @@ Result<model::NodeHandle> add_error_property(model::AddressSpace& space, model::
     return added ? Result<model::NodeHandle>{space.handle(*added)} : fail(added.error());
 }
 
-/// Fails only if somebody has removed the Property, and then nobody misses it.
+/// Writes the Property's value. This fails only if a client has deleted the node; then the value is
+/// not needed.
 void set_error_property(model::AddressSpace& space, model::NodeHandle property, Variant value)
 {
     const model::NodeIndex node = space.resolve(property);
@@ -130,7 +131,7 @@ void MachineErrorNodes::refresh()
 
 void MachineErrorNodes::read(server::ReadBatch batch)
 {
-    batch.fail(status::Bad_NotReadable); // it has no Variables of its own
+    batch.fail(status::Bad_NotReadable); // the source has no Variables that are read by batches
 }
 
 void MachineErrorNodes::attach(server::Waker* waker)

@@ -5,15 +5,15 @@
 
 namespace busbar::controller::detail {
 
-// Whether what of `edited` is in `before` too is what it is there: the nodes of DataTypes stay, and
-// a variable that stays keeps its node and its place in the image (W588, 3-3-2 and 4-2-5).
-// Problems are about `edited`.
+// Check that everything in both programs is the same in `edited` as in `before`: nodes of DataTypes
+// stay, and a variable that stays keeps its node and its place in the image (W588, 3-3-2 and
+// 4-2-5). Problems refer to `edited`.
 
-/// No type is another one.
+/// Checks that no type has changed.
 [[nodiscard]] Configured<void> check_same_types(const ProgramTypes& before,
                                                 const ProgramTypes& edited);
-/// No variable has another type, or is a constant and was none. Initial values, RETAIN, the publish
-/// attribute, addresses and comments may be others.
+/// Checks that no variable has changed its type or has become a constant or ceased to be one.
+/// Initial values, RETAIN, the publish attribute, addresses and comments may change.
 [[nodiscard]] Configured<void> check_same_variables(const CheckedProgram& before,
                                                     const CheckedProgram& edited);
 

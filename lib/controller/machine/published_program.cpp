@@ -17,8 +17,8 @@ namespace {
 
 using Handles = std::unordered_map<std::string, std::uint32_t>;
 
-/// The variables of a program that an image has to have besides those that it has, as indices:
-/// `published`, which must be of the program, and RETAIN variables behind them.
+/// Indices of the variables to add to an image: those of `published`, which must belong to the
+/// program, followed by RETAIN variables, without those that the image already has.
 std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
                                             std::span<const PublishedVariable> published,
                                             const Handles& in_image)
@@ -45,7 +45,8 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
     return indices;
 }
 
-/// The folded names of variables of `before` that clients saw and are not to see any more.
+/// Folded names of the variables of `before` that clients could see and that `edited` no longer
+/// publishes.
 std::unordered_set<std::string> unpublished_names(const Program& before,
                                                   const CheckedProgram& edited)
 {
@@ -60,7 +61,7 @@ std::unordered_set<std::string> unpublished_names(const Program& before,
     return names;
 }
 
-/// Those of the image that are RETAIN in `edited` and were not in `before`.
+/// The variables of the image that are RETAIN in `edited` but were not in `before`.
 std::vector<ProgramImageAddition> retained_anew(const CheckedProgram& before, const Program& edited,
                                                 const Handles& in_image)
 {
@@ -82,8 +83,8 @@ std::vector<ProgramImageAddition> retained_anew(const CheckedProgram& before, co
 
 } // namespace
 
-/// Handles that variables are going to have. All that needs memory is done before it is known which
-/// these are, so that they can be given when nothing may fail any more.
+/// The handles for new variables. All memory is reserved before the handles are known, so that
+/// giving them cannot fail.
 struct PublishedProgram::NewHandles {
     NewHandles(const Handles& before, const Program& program, std::span<const std::size_t> indices,
                const Publication& publication)
@@ -98,7 +99,7 @@ struct PublishedProgram::NewHandles {
         }
         handles.reserve(published.size());
     }
-    /// Of those at the indices, from `first` on.
+    /// Assigns consecutive handles, beginning with `first`, to the new variables.
     void give(std::uint32_t first) noexcept
     {
         for (std::uint32_t* const handle : added) {
@@ -181,7 +182,7 @@ Configured<ProgramAddition> PublishedProgram::edit(Edition edited, std::uint16_t
     std::erase_if(in_image,
                   [&](const auto& each) { return edited->variable(each.first) == nullptr; });
     auto retained = retained_anew(current, types.program(), in_image);
-    // A copy, so that nothing has changed if the image cannot have them.
+    // Work on a copy, so that nothing has changed if the image cannot hold the variables.
     Publication publication{*publication_};
     auto removed = publication.remove(unpublished_names(current.program(), *edited));
     const PublicationGroup group = publication.add(types);

@@ -8,7 +8,7 @@ using backend::LabelRequest;
 
 namespace {
 
-/// One by one: a chain would free itself recursively.
+/// Frees one request after the other: freeing a chain by its head would recurse.
 void free_chain(std::unique_ptr<LabelRequest> first)
 {
     while (first != nullptr) {

@@ -8,8 +8,8 @@
 
 namespace busbar::controller::detail {
 
-/// Answers on their way from a PLC's thread to the server's. Any thread may tell it something; all
-/// else is the server's thread's.
+/// Receives answers from a PLC's thread for the server's. Any thread may call the listener's
+/// functions; the others belong to the server's thread.
 class LabelInbox final : public backend::LabelListener {
 public:
     LabelInbox() = default;
@@ -18,15 +18,15 @@ public:
     void done(std::unique_ptr<backend::LabelRequest> request) override;
     void labels_changed() override;
 
-    /// The oldest answer; null if there is none.
+    /// Returns the oldest answer; null if there is none.
     [[nodiscard]] std::unique_ptr<backend::LabelRequest> take();
-    /// True once for all changes before.
+    /// True if the labels changed since the last call.
     [[nodiscard]] bool take_change() { return has_changed_.exchange(false); }
     [[nodiscard]] busbar::detail::WakerSlot& waker() { return waker_; }
 
 private:
     busbar::detail::HandOver<backend::LabelRequest> done_;
-    /// Those that take() has found, the oldest first.
+    /// Answers that were fetched but not taken yet, oldest first.
     std::unique_ptr<backend::LabelRequest> found_;
     std::atomic<bool> has_changed_{false};
     busbar::detail::WakerSlot waker_;

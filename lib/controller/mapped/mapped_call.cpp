@@ -9,16 +9,16 @@ namespace {
 
 using backend::LabelRequest;
 
-/// The Handle's bits are read, then the inputs written, and bit 0 last of all (8.3, Method
-/// execution). Where there is a Done, that is 0 before bit 0 is set and read once a scan until it
-/// is not 0, with the outputs, so that all of them are of one moment.
+/// Calls Methods: reads the bits of the Handles, writes the inputs, and sets bit 0 last (8.3,
+/// Method execution). A Done is set to 0 before bit 0 is set, and then read once per scan, together
+/// with the outputs so that all are from the same moment, until it is not 0.
 class Call final : public MappedOperation {
 public:
     explicit Call(server::CallBatch batch) : batch_{std::move(batch)} {}
 
     std::unique_ptr<LabelRequest> next(MappedContext& context) override;
     void done(MappedContext& context, const LabelRequest& request) override;
-    /// What waits has been begun, and is not begun again.
+    /// A started Method is not started again.
     void restart(MappedContext&) override
     {
         stage_ = stage_ == Stage::Wait ? Stage::Wait : Stage::Read;
@@ -48,17 +48,17 @@ private:
 
     server::CallBatch batch_;
     Stage stage_{Stage::Check};
-    /// The items that are not answered yet.
+    /// Indices of the items that are not answered yet.
     std::vector<std::size_t> open_;
-    /// When the handles were set, and how often a Done was looked at since.
+    /// When the handles were set, and how often the Dones were read since.
     DateTime begun_{};
     std::size_t looks_{0};
 };
 
-/// How an input's value suits its labels.
+/// Translates the status of an input whose value does not suit its labels.
 StatusCode to_input_result(StatusCode status)
 {
-    // Another number of elements than labels (8.1, InputArgumentResultCode).
+    // The number of elements differs from that of the labels (8.1, InputArgumentResultCode).
     return status == status::Bad_WriteNotSupported ? StatusCode{status::Bad_NotSupported} : status;
 }
 
@@ -97,7 +97,7 @@ StatusCode Call::check_one(MappedContext& context, const server::CallItem& item)
     return method->is_running ? status::Bad_TooManyOperations : status::Good;
 }
 
-/// Null if all inputs suit.
+/// Checks all inputs; null if all suit.
 Array<StatusCode> Call::check_inputs(MappedContext& context, const MappedTable::Method& method,
                                      const server::CallItem& item)
 {
@@ -156,7 +156,7 @@ std::unique_ptr<LabelRequest> Call::next(MappedContext& context)
     }
     if (stage_ == Stage::WriteInputs) {
         auto request = inputs(context);
-        // Labels may have other types than when they were checked.
+        // The types of labels may have changed since they were checked.
         if (request == nullptr) {
             fail(context, status::Bad_NoCommunication);
             return nullptr;
@@ -208,7 +208,7 @@ std::unique_ptr<LabelRequest> Call::inputs(MappedContext& context) const
                 return nullptr;
             }
         }
-        context.table.add_places(method.done, *request); // which is 0
+        context.table.add_places(method.done, *request); // the place keeps its 0
     }
     return request;
 }
@@ -235,7 +235,7 @@ void Call::done(MappedContext& context, const LabelRequest& request)
     }
 }
 
-/// Methods without a Done are called by now.
+/// Answers Methods without a Done and starts to wait for the others.
 void Call::begin_waiting(MappedContext& context, DateTime time)
 {
     for (const std::size_t i : std::exchange(open_, {})) {
@@ -249,7 +249,7 @@ void Call::begin_waiting(MappedContext& context, DateTime time)
     stage_ = Stage::Wait;
 }
 
-/// The places of Done and outputs of what waits.
+/// Makes the request that reads Done and the outputs of all waiting Methods.
 std::unique_ptr<LabelRequest> Call::results(MappedContext& context) const
 {
     auto request = std::make_unique<LabelRequest>();
@@ -287,7 +287,7 @@ server::CallResult Call::result_of(MappedContext& context, const MappedTable::Me
 
 bool Call::is_too_late(const MappedOptions& options, DateTime time)
 {
-    // A clock that stands still or is set back ends it, too.
+    // Give up also if the clock stands still or is set back.
     constexpr std::size_t most_looks = 100'000;
     const std::int64_t limit = options.call_limit.count() * (DateTime::ticks_per_second / 1'000);
     return ++looks_ > most_looks || time < begun_ || time.ticks - begun_.ticks > limit;
@@ -336,7 +336,7 @@ void Call::answer(MappedContext& context, std::size_t index, server::CallResult 
     batch_.results()[index] = std::move(result);
 }
 
-/// The result of those that are open; the others have theirs.
+/// Answers all open items with the same result.
 void Call::finish(MappedContext& context, const server::CallResult& result)
 {
     for (const std::size_t i : std::exchange(open_, {})) {

@@ -10,7 +10,7 @@ using backend::LabelStatus;
 
 namespace {
 
-/// What clients are told of a request that was not done.
+/// Translates the status of a request that the PLC did not carry out.
 StatusCode to_status(LabelStatus status)
 {
     switch (status) {
@@ -43,7 +43,7 @@ void MappedCore::stop()
     }
     backend_->attach(nullptr);
     while (inbox_.take() != nullptr) {
-        // Nobody waits for it any more.
+        // Discard the answers: the operations that waited for them fail below.
     }
     state_ = State::Idle;
     target_status_ = TargetStatus::Unknown;
@@ -107,7 +107,7 @@ void MappedCore::update()
 
 void MappedCore::resolved(LabelRequest& request)
 {
-    if (request.status == LabelStatus::Mismatch) { // changed once more
+    if (request.status == LabelStatus::Mismatch) { // changed again in the meantime
         return update();
     }
     if (request.status != LabelStatus::Done) {
@@ -139,7 +139,7 @@ void MappedCore::end_update(bool is_well, StatusCode failure)
     begin_waiting();
 }
 
-/// Those that wait now: what has to wait again is for the next update.
+/// Starts the requests that wait now; one that must wait again waits for the next update.
 void MappedCore::begin_waiting()
 {
     std::deque<std::unique_ptr<MappedOperation>> waiting = std::exchange(waiting_, {});
@@ -221,7 +221,7 @@ void MappedCore::answered(std::unique_ptr<MappedOperation> operation, const Labe
         return operation->fail(context_, to_status(request.status));
     }
     if (operation->generation != generation_ || !operation->fits(request)) {
-        return repeat(std::move(operation)); // what was asked is not in the table any more
+        return repeat(std::move(operation)); // the table no longer has what was requested
     }
     operation->done(context_, request);
     if (std::exchange(operation->waits_a_turn, false)) {
@@ -239,7 +239,7 @@ void MappedCore::begin_turn()
     }
 }
 
-/// One has been answered: whoever waits for that may try again.
+/// Starts one of the operations that waited for room, after another was answered.
 void MappedCore::use_room()
 {
     if (!crowded_.empty()) {
@@ -272,12 +272,12 @@ void MappedCore::pump()
 {
     begin_turn();
     take_all();
-    // What changes during an update counts when that is over.
+    // A change during an update is handled after the update.
     if (state_ == State::Ready && !table_.leaves().empty() && inbox_.take_change()) {
         update();
         take_all();
     } else if (state_ == State::Failed && inbox_.take_change()) {
-        may_retry_ = true; // with the next request (8.3)
+        may_retry_ = true; // together with the next request (8.3)
         is_unreachable_ = false;
     }
 }
@@ -308,7 +308,7 @@ void MappedCore::read(server::ReadBatch batch)
     }
 }
 
-/// The last values while labels are updated (10.3); false if one has none yet.
+/// Answers with the last values while labels are updated (10.3); false if one has no value yet.
 bool MappedCore::keep_last(server::ReadBatch& batch)
 {
     for (const server::ReadItem& item : batch.items()) {
@@ -335,7 +335,8 @@ bool MappedCore::keep_last(server::ReadBatch& batch)
 
 void MappedCore::monitoring_changed(std::span<const server::Monitoring> changes)
 {
-    bool has_other = false; // begun or ended; another interval changes nothing for the PLC
+    bool has_other = false; // sampling begins or ends; a changed interval makes no difference for
+                            // the PLC
     for (const server::Monitoring& change : changes) {
         if (auto* const variable = table_.variable(change.handle)) {
             has_other = has_other || variable->interval.has_value() != change.interval.has_value();
@@ -366,7 +367,7 @@ void MappedCore::change_sampling()
 void MappedCore::sampling_answered(const LabelRequest& request)
 {
     if (sampling_.state() != MappedSampling::State::Changing) {
-        return; // labels were updated meanwhile
+        return; // the labels were updated in the meantime
     }
     if (request.status == LabelStatus::Mismatch) {
         return update();

@@ -8,7 +8,7 @@
 
 namespace busbar::controller::detail {
 
-/// Requests on their way to the PLC and back, and updates of labels between them.
+/// Passes requests to the PLC and answers back, and updates the labels in between.
 class MappedCore {
 public:
     MappedCore(std::shared_ptr<backend::LabelBackend> backend, const MappedOptions& options,
@@ -30,7 +30,7 @@ public:
     void read(server::ReadBatch batch);
     void begin(std::unique_ptr<MappedOperation> operation);
     void monitoring_changed(std::span<const server::Monitoring> changes);
-    /// Takes in what the PLC has answered.
+    /// Processes the answers of the PLC.
     void pump();
 
 private:
@@ -38,7 +38,7 @@ private:
         Idle,     // not between start() and stop()
         Updating, // labels are being resolved
         Ready,
-        Failed, // they cannot be used
+        Failed, // the labels cannot be used
     };
 
     void update();
@@ -52,7 +52,7 @@ private:
     void repeat(std::unique_ptr<MappedOperation> operation);
     void use_room();
     void advance(std::unique_ptr<MappedOperation> operation);
-    /// By which the answer will be known.
+    /// Gives the request an id by which its answer is recognized.
     std::uint64_t give_id(backend::LabelRequest& request);
     void change_sampling();
     void sampling_answered(const backend::LabelRequest& request);
@@ -69,24 +69,25 @@ private:
     bool has_monitoring_changed_{false};
     State state_{State::Idle};
     TargetStatus target_status_{TargetStatus::Unknown};
-    /// Of State::Failed.
+    /// Answer to requests in State::Failed.
     StatusCode failure_;
-    /// Another update may find the labels well.
+    /// True if another update may succeed.
     bool may_retry_{false};
     /// The last update failed because the PLC could not be asked.
     bool is_unreachable_{false};
-    /// The update tries that again: its events are told only if it ends otherwise.
+    /// The update repeats one that did not reach the PLC; its events are reported only if it ends
+    /// differently.
     bool is_retry_{false};
     std::uint64_t generation_{0};
     std::uint64_t last_id_{0};
-    /// What the PLC was asked to resolve and to sample.
+    /// Ids of the last requests to resolve and to sample.
     std::uint64_t resolve_id_{0};
     std::uint64_t sample_id_{0};
     std::unordered_map<std::uint64_t, std::unique_ptr<MappedOperation>> in_flight_;
     std::deque<std::unique_ptr<MappedOperation>> waiting_;
-    /// Those that wait for the next pump().
+    /// Operations for the next pump().
     std::deque<std::unique_ptr<MappedOperation>> later_;
-    /// Those that the PLC had no room for, while others are in flight.
+    /// Operations that the PLC had no room for, to be repeated once others are answered.
     std::deque<std::unique_ptr<MappedOperation>> crowded_;
 };
 

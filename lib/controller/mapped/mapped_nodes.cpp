@@ -14,7 +14,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// Labels and array specifications of a part, by the paths that a ValueShape knows its leaves by.
+/// Labels and array specifications of a part, by the paths of leaves in a ValueShape.
 struct Paths {
     std::vector<std::pair<std::string, std::string>> labels;
     std::vector<MappingArray> arrays;
@@ -104,7 +104,8 @@ private:
         }
         return node;
     }
-    /// Without an EURange that a scaling wants, nothing can be served.
+    /// Adds the scaling. If it needs an EURange that the Variable does not have, the node cannot be
+    /// served.
     void scale(model::NodeIndex node, const Scaling& scaling, MappedVariable& mapped)
     {
         if (const auto whole = detail::scaling_of(space_, node, scaling)) {
@@ -114,7 +115,7 @@ private:
             mapped.shape = nullptr;
         }
     }
-    /// Up to the last one that has labels.
+    /// Adds arguments up to the last one that has labels.
     void add_arguments(const NodeId& id, const std::vector<Argument>& arguments,
                        const std::vector<MappedPart>& parts, std::vector<MappedArgument>& mapped)
     {
@@ -131,7 +132,7 @@ private:
             }
         }
     }
-    /// All of them, as a client is given each.
+    /// Adds all outputs, since a client gets every one of them.
     void add_outputs(const NodeId& id, const std::vector<Argument>& arguments,
                      const std::vector<MappedPart>& parts, std::vector<MappedArgument>& mapped)
     {
@@ -153,7 +154,8 @@ private:
         declaration.is_argument = true;
         mapped.shape = place(id, declaration, paths, mapped.labels);
     }
-    /// Null for an unsupported type; its labels are then in any order.
+    /// Adds a value's labels. Null for an unsupported type; the order of its labels is then
+    /// undefined.
     [[nodiscard]] std::shared_ptr<const ValueShape> place(const NodeId& id,
                                                           const ValueDeclaration& declaration,
                                                           const Paths& paths,
@@ -192,7 +194,7 @@ private:
 
 namespace {
 
-/// "Not supported", and not only without an assignment (8.2).
+/// Tells whether a value is "not supported" rather than just not assigned (8.2).
 bool is_unsupported(const ShapeRefusal& refusal, std::int32_t value_rank)
 {
     switch (refusal.error) {

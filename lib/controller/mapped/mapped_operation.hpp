@@ -7,7 +7,7 @@
 
 namespace busbar::controller::detail {
 
-/// What operations work with.
+/// The objects that all operations work with.
 struct MappedContext {
     MappedTable& table;
     const MappedOptions& options;
@@ -17,7 +17,8 @@ struct MappedContext {
     const model::SpaceReader* space;
 };
 
-/// What a client's request comes to: requests to the PLC, one after the other, and answers of them.
+/// Carries out a client's request: sends requests to the PLC, one after the other, and processes
+/// the answers.
 class MappedOperation {
 public:
     MappedOperation() = default;
@@ -25,33 +26,34 @@ public:
     MappedOperation& operator=(const MappedOperation&) = delete;
     virtual ~MappedOperation() = default;
 
-    /// The next request to the PLC; null if the client is answered. With labels that are resolved.
+    /// Returns the next request to the PLC; null once the client is answered. The labels must be
+    /// resolved.
     [[nodiscard]] virtual std::unique_ptr<backend::LabelRequest> next(MappedContext& context) = 0;
-    /// The last one is done. next() goes on from there.
+    /// Processes the answer to the last request; next() continues after it.
     virtual void done(MappedContext& context, const backend::LabelRequest& request) = 0;
-    /// The labels were other ones, so that nothing was done: next() begins anew.
+    /// Prepares to begin again, because the labels had changed and nothing was done.
     virtual void restart(MappedContext&) {}
-    /// The client is answered `status`, which is bad, for all.
+    /// Answers the whole request with `status`, which is bad.
     virtual void fail(MappedContext& context, StatusCode status) = 0;
 
-    /// Remembers the last request, which goes by the labels of that update.
+    /// Remembers the last request and the update of labels that it is based on.
     void note(const backend::LabelRequest& request, std::uint64_t by_generation)
     {
         generation = by_generation;
         places_ = request.places.size();
         bytes_ = request.bytes.size();
     }
-    /// Whether an answer is of the last request's size.
+    /// Tells whether an answer has the size of the last request.
     [[nodiscard]] bool fits(const backend::LabelRequest& answer) const
     {
         return answer.places.size() == places_ && answer.bytes.size() == bytes_;
     }
 
-    /// Its next request is for later: others are served before, however soon the PLC answers.
+    /// The next request waits for a turn: others are served first, however fast the PLC answers.
     bool waits_a_turn{false};
-    /// Where the PLC takes no more requests it waits until one is answered.
+    /// If the PLC accepts no more requests, the operation waits until one is answered.
     bool waits_for_room{false};
-    /// How often it was restarted.
+    /// Number of restarts.
     unsigned repetitions{0};
     std::uint64_t generation{0};
 
@@ -60,22 +62,22 @@ private:
     std::size_t bytes_{0};
 };
 
-/// Whether a request may have so many labels and words (2.1).
+/// Tells whether a request may have so many labels and words (2.1).
 [[nodiscard]] bool is_within(const MappedLimits& limits, std::size_t labels, std::size_t words);
 
-/// Puts the values of `bytes` into the slots, and what Variables keep: all, or none and false if a
-/// label has a value that its Variable cannot have. `offset_of(item, variable)` is where its bytes
-/// begin. `time` is that of the values.
+/// Decodes the values in `bytes` into the slots and the Variables' kept values: all of them, or
+/// none and false if a label has a value that its Variable cannot have. `offset_of(item, variable)`
+/// is where the bytes of an item begin. `time` is the time of the values.
 class ValueReader {
 public:
     ValueReader(MappedContext& context, const std::byte* bytes, DateTime time)
         : context_{context}, bytes_{bytes}, time_{time}
     {
     }
-    /// Fills the slot; false if it is out of range. An unsupported Variable has no bytes.
+    /// Decodes the slot's value; false if it is out of range. An unsupported Variable has no bytes.
     [[nodiscard]] bool read(MappedTable::Variable& variable, std::size_t offset,
                             server::ReadSlot& slot) const;
-    /// What was read of all of them is what the Variables have from now on.
+    /// Keeps the values of the whole batch as the last ones of their Variables.
     static void keep(MappedTable& table, server::ReadBatch& batch);
 
 private:

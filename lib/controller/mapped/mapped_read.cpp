@@ -6,7 +6,7 @@ namespace busbar::controller::detail {
 
 bool is_within(const MappedLimits& limits, std::size_t labels, std::size_t words)
 {
-    // Places in a request are counted with 32 bits, and a word may take two bytes.
+    // Offsets in a request have 32 bits, and a word may take two bytes.
     constexpr std::size_t most = UINT32_MAX / 2 - 1;
     return labels <= limits.max_labels && words <= limits.max_words && words <= most;
 }
@@ -124,7 +124,7 @@ bool Read::fill(MappedContext& context, const std::byte* bytes, DateTime time)
     for (std::size_t i = 0; i < batch_.size(); ++i) {
         auto* const variable = context.table.variable(batch_.items()[i].handle);
         if (variable == nullptr) {
-            continue; // its slot says Bad_NoCommunication
+            continue; // its slot has Bad_NoCommunication
         }
         if (!reader.read(*variable, offset, batch_.results()[i])) {
             return false;
@@ -136,7 +136,7 @@ bool Read::fill(MappedContext& context, const std::byte* bytes, DateTime time)
 
 void Read::done(MappedContext& context, const backend::LabelRequest& request)
 {
-    // One value that is out of range fails all (8.3, Operation when processing fails).
+    // One value out of range fails the whole batch (8.3, Operation when processing fails).
     if (!fill(context, request.bytes.data(), request.time)) {
         return fail(context, status::Bad_NoCommunication);
     }

@@ -95,7 +95,7 @@ void MappedSampling::changed(MappedContext& context, const LabelRequest& request
         report(context, MappedErrorCode::SamplingUnsupported);
         break;
     default:
-        state_ = State::Off; // is asked for again with the next batch
+        state_ = State::Off; // the next batch requests sampling again
         break;
     }
 }
@@ -147,7 +147,7 @@ bool MappedSampling::answer(MappedContext& context, backend::LabelBackend& backe
             batch.fail(status::Bad_NoCommunication);
             return true;
         }
-        // Without the 5 % of standard sampling (8.3).
+        // Standard sampling allows 5 % more, high-speed sampling does not (8.3).
         const bool is_overload = variable->interval && scan_interval_ > *variable->interval;
         if (is_overload && slot.status.is_good()) {
             slot.status = status::Good_Overload;

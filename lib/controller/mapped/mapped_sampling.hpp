@@ -6,33 +6,34 @@
 
 namespace busbar::controller::detail {
 
-/// What a PLC samples in each scan (8.3, Processing when using high-speed sampling).
+/// The Variables whose labels the PLC samples in each scan (8.3, Processing when using high-speed
+/// sampling).
 class MappedSampling {
 public:
     enum class State : std::uint8_t {
-        Off,      // nothing is sampled, or it is not known
-        Changing, // the PLC was asked to sample others
+        Off,      // nothing is sampled, or the state is unknown
+        Changing, // the PLC was asked to change what it samples
         On,
         Failed, // the PLC cannot
     };
 
     [[nodiscard]] State state() const { return state_; }
-    /// Whether batches of this kind get what was sampled.
+    /// Tells whether batches of this kind are answered with sampled values.
     [[nodiscard]] static bool serves(SamplingMode mode, bool is_sample)
     {
         return mode == SamplingMode::AllVariables ||
                (mode == SamplingMode::MonitoredItems && is_sample);
     }
 
-    /// The request to sample what is wanted now; null if nothing is and nothing was. Nothing is
-    /// sampled until it is answered.
+    /// Makes the request to sample the Variables that are wanted now; null if nothing is or was
+    /// sampled. No samples are used until it is answered.
     [[nodiscard]] std::unique_ptr<backend::LabelRequest> change(MappedContext& context);
-    /// Its answer.
+    /// Processes the answer to change().
     void changed(MappedContext& context, const backend::LabelRequest& request);
     void stop() { state_ = State::Off; }
 
-    /// Answers the batch from the newest scan. False, and nothing is done, if there is none, or if
-    /// one of the Variables is not sampled.
+    /// Answers the batch from the newest scan. False, with nothing done, if there is none or one of
+    /// the Variables is not sampled.
     [[nodiscard]] bool answer(MappedContext& context, backend::LabelBackend& backend,
                               server::ReadBatch& batch);
 
@@ -46,7 +47,7 @@ private:
     std::vector<std::byte> bytes_;
     std::uint64_t scan_{0};
     DateTime time_;
-    /// From scan to scan, as far as they were seen.
+    /// Measured between the scans that were seen.
     Duration scan_interval_{0};
 };
 

@@ -7,8 +7,8 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// False if there is a label for a leaf of a type that no label can have (SH-082679, 8.2). A
-/// project with such a mapping is refused; one that is there costs its node alone.
+/// False if a leaf has a label although its type cannot have one (SH-082679, 8.2). Writing a
+/// project with such a mapping is refused; in a project that is in use only that node fails.
 bool can_have_labels(const ValueShape& shape, const std::vector<std::string>& labels)
 {
     for (std::size_t i = 0; i < std::min(labels.size(), shape.leaf_count()); ++i) {
@@ -43,7 +43,7 @@ LeafRange MappedTable::add_leaves(const ValueShape& shape, std::vector<std::stri
     return range;
 }
 
-/// Of what has one label or none.
+/// Adds a leaf with one label, or with none.
 LeafRange MappedTable::add_leaf(std::string label, MappedLeaf::Use use, LeafType type)
 {
     LeafRange range;
@@ -112,7 +112,7 @@ void MappedTable::add_argument(MappedArgument& argument, std::vector<Argument>& 
     if (argument.shape != nullptr) {
         one.range = add_leaves(*argument.shape, argument.labels);
     } else {
-        // Counted, though nothing is resolved: the Call is refused.
+        // Count the labels although none is resolved: the Call is refused.
         one.range.count = std::any_of(argument.labels.begin(), argument.labels.end(),
                                       [](const std::string& label) { return !label.empty(); })
                               ? 1
@@ -141,7 +141,8 @@ std::optional<LabelConversion> MappedTable::conversion_of(const MappedLeaf& leaf
         return is_handle_label(kind.type) ? LabelConversion::of(leaf.type, kind, options)
                                           : std::nullopt;
     case MappedLeaf::Use::Raw:
-        // For its size: what it holds is no number that has a range.
+        // The conversion is used for its size only: values of this leaf are not numbers with a
+        // range.
         return is_quality_label(kind.type)
                    ? LabelConversion::of(is_bit ? LeafType{BuiltInType::Boolean} : leaf.type, kind,
                                          options)
@@ -256,7 +257,8 @@ StatusCode MappedTable::quality_of(const Variable& variable, const std::byte* by
     if (variable.quality.bytes < sizeof code) {
         return code == 0 ? status::Good : status::Bad_DeviceFailure;
     }
-    // Severity and sub code; 11 is no severity (Part 4, 7.39), the other bits are the server's.
+    // Keep severity and sub code; 11 is not a severity (Part 4, 7.39), the other bits belong to the
+    // server.
     constexpr std::uint32_t both_bits = 0xC0000000U;
     constexpr std::uint32_t code_bits = 0xFFFF0000U;
     return (code & both_bits) == both_bits ? StatusCode{status::Bad_DeviceFailure}

@@ -13,18 +13,18 @@ namespace busbar::controller::detail {
 
 /// A label that a leaf of a value is mapped to.
 struct MappedLeaf {
-    /// Its number in the shape.
+    /// Index in the shape.
     std::uint32_t leaf{0};
-    /// The number of the node, see MappedTable::node_of.
+    /// Index of the node, see MappedTable::node_of.
     std::uint32_t node{0};
-    /// Raw: of what is told by its bytes, 0 or not.
+    /// Raw leaves are only compared with 0.
     enum class Use : std::uint8_t { Value, Handle, Raw };
     Use use{Use::Value};
-    /// Behind the index of its scaling, from 1 on; 0: it is not scaled.
+    /// Index of the scaling plus one; 0 without scaling.
     std::uint32_t scaling{0};
     LeafType type{};
 
-    // What it was resolved to.
+    // Result of resolving the label.
 
     std::uint64_t address{0};
     std::uint32_t words{0};
@@ -32,37 +32,37 @@ struct MappedLeaf {
     std::optional<LabelConversion> conversion{};
 };
 
-/// The leaves of one value: neighbours in the table.
+/// The leaves of one value, which are adjacent in the table.
 struct LeafRange {
     std::uint32_t first{0};
     std::uint32_t count{0};
-    /// Bytes and words of all of them.
+    /// Size of all leaves in bytes and in words.
     std::size_t bytes{0};
     std::size_t words{0};
 };
 
-/// All that is mapped, and what it was resolved to.
+/// All mapped Variables and Methods, with the results of resolving their labels.
 class MappedTable {
 public:
     struct Variable {
-        /// What it takes in a request that reads.
+        /// Number of leaves to read.
         [[nodiscard]] std::size_t count() const { return range.count + quality.count; }
         [[nodiscard]] std::size_t words() const { return range.words + quality.words; }
         [[nodiscard]] std::size_t bytes() const { return range.bytes + quality.bytes; }
 
         std::shared_ptr<const ValueShape> shape;
         LeafRange range;
-        /// Of one leaf, or none.
+        /// One leaf or none.
         LeafRange quality;
         bool is_readable{true};
-        /// A label of it cannot be used, where that fails no other.
+        /// One of its labels cannot be used, and only this node fails for it.
         bool is_broken{false};
-        /// What it had last, and when; no time before it was read or written.
+        /// The last value and its time; no time if it was never read or written.
         Variant kept;
         DateTime time;
-        /// Not monitored: nothing.
+        /// Empty if the Variable is not monitored.
         std::optional<Duration> interval;
-        /// In the bytes that are sampled in each scan.
+        /// Offset in the bytes that are sampled in each scan.
         std::uint32_t sampled_at{not_sampled};
     };
     struct Argument {
@@ -70,7 +70,7 @@ public:
         LeafRange range;
     };
     struct Method {
-        /// Of one leaf, or none.
+        /// One leaf or none.
         LeafRange handle;
         LeafRange done;
         std::vector<Argument> arguments;
@@ -84,7 +84,7 @@ public:
     [[nodiscard]] std::uint64_t add(MappedVariable variable);
     [[nodiscard]] std::uint64_t add(MappedMethod method);
 
-    /// The names of all labels in the order of the leaves. Lent to the request that resolves them.
+    /// Names of all labels in the order of the leaves. The request that resolves them borrows this.
     [[nodiscard]] std::vector<std::string>& names() { return names_; }
     [[nodiscard]] std::span<const MappedLeaf> leaves() const { return leaves_; }
     [[nodiscard]] const NodeId& node_of(const MappedLeaf& leaf) const { return nodes_[leaf.node]; }
@@ -94,27 +94,27 @@ public:
     }
     [[nodiscard]] std::vector<Variable>& variables() { return variables_; }
     [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
-    /// Null for a handle that is none.
+    /// Null for an unknown handle.
     [[nodiscard]] Variable* variable(std::uint64_t handle);
     [[nodiscard]] Method* method(std::uint64_t handle);
 
-    /// Takes what the labels have become, one for each leaf; false if some cannot be used, which
-    /// `observer`, that may be null, is told. Where failures are isolated those break their nodes.
+    /// Takes over the resolved labels, one for each leaf. False if some cannot be used, which is
+    /// reported to `observer`, if not null. With isolated failures, those only break their nodes.
     [[nodiscard]] bool resolve(std::span<const backend::ResolvedLabel> labels,
                                const MappedOptions& options, MappedObserver* observer);
 
-    /// Adds the places of a value to a request, whose bytes grow.
+    /// Adds the places of a value to a request, and room for its bytes.
     void add_places(const LeafRange& range, backend::LabelRequest& request) const;
-    /// The same of its value and quality.
+    /// The same for a value and its quality.
     void add_places(const Variable& variable, backend::LabelRequest& request) const;
-    /// How good the Variable's value is; `bytes` hold it and then its quality.
+    /// Decodes the quality of the Variable's value; `bytes` hold the value followed by the quality.
     [[nodiscard]] StatusCode quality_of(const Variable& variable, const std::byte* bytes) const;
-    /// A value of `bytes`, which hold what add_places made places for. `previous` may be null.
-    /// Bad_OutOfRange sets `culprit`.
+    /// Decodes a value from `bytes`, which have the layout that add_places made. `previous` may be
+    /// null. Sets `culprit` on Bad_OutOfRange.
     [[nodiscard]] Result<Variant> decode(const ValueShape& shape, const LeafRange& range,
                                          const std::byte* bytes, const Variant* previous,
                                          const MappedLeaf** culprit) const;
-    /// A value to bytes, as many as the range has.
+    /// Encodes a value into as many bytes as the range has.
     [[nodiscard]] StatusCode encode(const ValueShape& shape, const LeafRange& range,
                                     const Variant& value, std::byte* bytes) const;
 
@@ -128,7 +128,7 @@ private:
                   const ConversionOptions& options) const;
     [[nodiscard]] bool resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& label,
                                    const ConversionOptions& options, MappedObserver* observer);
-    /// False if a label of it cannot be used; the range then takes nothing.
+    /// False if one of its labels cannot be used; the range then takes no bytes.
     [[nodiscard]] bool measure(LeafRange& range) const;
     void measure_all();
 

@@ -75,7 +75,7 @@ std::unique_ptr<backend::LabelRequest> Write::next(MappedContext& context)
     if (!is_refused) {
         return request;
     }
-    // All or none (8.3), as the server has it for those that were in order.
+    // All or none (8.3): items that were in order fail with the others.
     std::replace(batch_.results().begin(), batch_.results().end(), StatusCode{status::Good},
                  StatusCode{status::Bad_NoCommunication});
     batch_.complete();

@@ -9,7 +9,7 @@ namespace {
 
 struct Value {
     const char* name;
-    std::uint64_t handle; // its address in the buffer memory
+    std::uint64_t handle; // address in the buffer memory
     bool is_double;
 };
 

@@ -42,7 +42,7 @@ const char* name_of(PlcProgramKind kind)
     return "?";
 }
 
-/// Where in a PlcConfig: "variables[2].type".
+/// Names a field of a PlcConfig: "variables[2].type".
 std::string place(const char* list, std::size_t index, const char* field)
 {
     return std::string{list} + '[' + std::to_string(index) + "]." + field;

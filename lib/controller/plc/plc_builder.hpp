@@ -11,18 +11,18 @@
 
 namespace busbar::controller {
 
-/// Makes a Plc of a PlcConfig, or says what is wrong with it.
+/// Builds a Plc from a PlcConfig, or reports what is wrong with that.
 class PlcBuilder {
 public:
     explicit PlcBuilder(const PlcConfig& config) : config_{&config}, plc_{new Plc} {}
 
     [[nodiscard]] Configured<std::unique_ptr<Plc>> build(server::ImageOptions options);
-    /// With the variables of a program instead of the configuration's.
+    /// Builds it with the variables of a program instead of the configuration's.
     [[nodiscard]] Configured<std::unique_ptr<Plc>> build(const ProgramTypes& types,
                                                          const ProgramImage& image);
 
 private:
-    /// The variables of one PlcVariable.
+    /// The variables that one PlcVariable stands for.
     struct Group {
         std::uint32_t first;
         std::uint32_t count;
@@ -36,7 +36,7 @@ private:
     [[nodiscard]] Configured<void> add_program(std::size_t index);
     [[nodiscard]] Configured<void> add_events();
     [[nodiscard]] Configured<void> check_event(std::size_t index) const;
-    /// A program that may have `sets`.
+    /// Adds a program that may have `sets`.
     [[nodiscard]] Configured<void> add_setting(std::size_t index,
                                                const std::vector<detail::PlcPlace>& targets);
     [[nodiscard]] Configured<void> add_copy(std::size_t index,

@@ -6,7 +6,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// References that are there already, as of a variable with two events, are fine.
+/// Adds a reference. It may exist already, for example if a variable has two events.
 Result<void> connect(model::AddressSpace& address_space, model::NodeIndex from,
                      std::uint32_t reference_type, model::NodeIndex to)
 {
@@ -47,7 +47,7 @@ Result<PlcEvents> PlcEvents::create(model::AddressSpace& address_space, model::N
 void PlcEvents::raise(DateTime time) const
 {
     for (const std::uint32_t index : plc_->occurrences()) {
-        // What there is no room for is counted and told by the queue itself.
+        // The queue counts and reports events that it has no room for.
         static_cast<void>(queue_->raise(events_[index], time));
     }
 }

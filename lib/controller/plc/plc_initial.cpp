@@ -54,7 +54,7 @@ std::optional<T> from_text(const String& text)
     }
 }
 
-/// `value`, a scalar or an element, as a T.
+/// Converts `value`, a scalar or an element, to T.
 template <typename T, typename From>
 std::optional<T> convert(const From& value)
 {
@@ -86,7 +86,7 @@ std::optional<Array<T>> convert_all(std::span<const From> values)
     return result;
 }
 
-/// All elements of `from`, whatever their type, as T.
+/// Converts all elements of `from`, whatever their type, to T.
 template <typename T>
 std::optional<Array<T>> elements(const Variant& from)
 {

@@ -6,8 +6,8 @@
 
 namespace busbar::controller::detail {
 
-/// The value that a variable begins with, of its type and dimensions; none if `variable.initial`
-/// cannot be made into one.
+/// Returns the variable's initial value with its type and dimensions; nothing if `variable.initial`
+/// cannot be converted.
 [[nodiscard]] std::optional<Variant> initial_value(const PlcVariable& variable);
 
 } // namespace busbar::controller::detail

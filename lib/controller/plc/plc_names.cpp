@@ -8,7 +8,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// What stands at the front of a path up to one of the characters, which stays.
+/// Takes the front of a path up to one of the characters, which stays in the path.
 std::string_view take_front(std::string_view& path, std::string_view ends)
 {
     const std::string_view front = path.substr(0, path.find_first_of(ends));
@@ -62,7 +62,8 @@ std::vector<PlcPlace> ProgramNames::find(std::string_view path) const
     return {position.place};
 }
 
-/// An element of an array of structures: only these have places of their own below.
+/// Enters an element of an array of structures; elements of other arrays have no places of their
+/// own.
 bool ProgramNames::enter_element(Position& position, std::string_view index) const
 {
     const auto number = number_in(index);

@@ -14,30 +14,30 @@
 
 namespace busbar::controller::detail {
 
-/// Where a name leads to in a task's memory.
+/// The place in a task's memory that a name leads to.
 struct PlcPlace {
     const server::ImagePlace* place;
     std::byte* bytes;
-    /// The variable that it is, or that it is in.
+    /// The variable itself, or the one that contains the place.
     std::uint32_t handle;
 
     [[nodiscard]] PlcTarget target() const { return {*place, bytes}; }
 };
 
-/// All that a name means; none if it means nothing.
+/// Finds all places that a name denotes; none for an unknown name.
 using PlcFinder = std::function<std::vector<PlcPlace>(std::string_view name)>;
 
-/// Finds variables of a program by their names, and what is in them: "Press.Axes",
-/// "Stations[2].Count", the index counted as it is declared. Upper and lower case are the same.
+/// Finds a program's variables, and members and elements in them, by name: "Press.Axes",
+/// "Stations[2].Count", with indices as declared. Names are not case-sensitive.
 class ProgramNames {
 public:
-    /// All must outlive it.
+    /// Both arguments must outlive this object.
     ProgramNames(const ProgramTypes& types, const ProgramImage& image);
 
     [[nodiscard]] std::vector<PlcPlace> find(std::string_view path) const;
 
 private:
-    /// What has been found of a path.
+    /// The part of a path that is already resolved.
     struct Position {
         PlcPlace place;
         ResolvedType type;
@@ -49,7 +49,7 @@ private:
     const ProgramTypes* types_;
     server::ImageMemory* memory_;
     const ProgramImage* image_;
-    /// Handles by folded names.
+    /// Handles by folded name.
     std::unordered_map<std::string, std::uint32_t> handles_;
 };
 

@@ -15,14 +15,14 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// The nearest value of T; Integers' limits stand for what is beyond them.
+/// Converts to the nearest value of T, limited to the range of integers.
 template <typename T>
 T nearest(double value)
 {
     if constexpr (std::is_floating_point_v<T>) {
         return static_cast<T>(value);
     } else {
-        // As doubles the limits may lie one above the type's own, which `>=` leaves out.
+        // Converted to double, the upper limit may lie one above the type's own; `>=` excludes it.
         constexpr auto lowest = static_cast<double>(std::numeric_limits<T>::min());
         constexpr auto highest = static_cast<double>(std::numeric_limits<T>::max());
         const double rounded = std::round(value);
@@ -205,7 +205,7 @@ void PlcStep::copy(PlcStep& step, Duration elapsed)
     if (step.firings(elapsed) == 0) {
         return;
     }
-    // Behind a text lies what was there before, which nobody looks at.
+    // Old bytes may follow a text; readers ignore them.
     for (std::size_t i = 0; i < step.target_.elements; ++i) {
         std::memmove(step.target_.bytes + i * step.target_.stride,
                      step.source_.bytes + i * step.source_.stride, step.source_.stride);

@@ -10,20 +10,21 @@
 
 namespace busbar::controller::detail {
 
-/// One program on one variable.
+/// Runs one program on one variable.
 class PlcStep {
 public:
     /// True if a program of this kind can work on variables of this type.
     [[nodiscard]] static bool accepts(PlcProgramKind kind, BuiltInType type);
 
-    /// The config's program must have been checked.
-    /// Only Copy has a `source`, of the same type and with as many elements, none of them larger,
-    /// and programs that may_set(), whose `sets` it is.
+    /// The config's program must have been checked. Two kinds have a `source`: for Copy it has the
+    /// same type, as many elements and none of them larger; for programs that may_set() it is the
+    /// variable in `sets`.
     PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source = {});
 
     /// True if a program of this kind may have PlcProgram::sets.
     [[nodiscard]] static bool may_set(PlcProgramKind kind);
-    /// Of an instruction, before the first run(); must outlive this.
+    /// Sets the desk of an instruction; must be called before the first run(), and the desk must
+    /// outlive this object.
     void use(InstructionDesk& desk)
     {
         desk_ = &desk;
@@ -33,14 +34,14 @@ public:
     void run(Duration elapsed) { run_(*this, elapsed); }
     /// True for a program of kind Increment.
     [[nodiscard]] bool is_counter() const { return is_counter_; }
-    /// Gives a counter's target zeros.
+    /// Resets a counter's target to zeros.
     void reset();
 
 private:
     using Run = void (*)(PlcStep&, Duration);
     using Set = void (*)(const PlcTarget& target, double value);
 
-    /// How often the program's period has ended now.
+    /// Number of periods of the program that have ended by now.
     [[nodiscard]] std::uint64_t firings(Duration elapsed);
     template <typename T>
     static void increment(PlcStep& step, Duration elapsed);
@@ -57,13 +58,13 @@ private:
     Run run_;
     /// Null if nothing is set.
     Set set_{nullptr};
-    /// Of PlcError: sets the target.
+    /// Sets the target of a PlcError.
     Set answer_{nullptr};
     bool is_counter_;
     PlcTarget target_;
     PlcTarget source_;
     Duration period_;
-    /// Since the period's begin.
+    /// Time since the period began.
     Duration since_{0};
     double amplitude_;
     double offset_;

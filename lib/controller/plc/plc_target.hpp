@@ -9,23 +9,23 @@
 
 namespace busbar::controller::detail {
 
-/// What a program or a watch works on: a variable, or a member of a structure, in the memory of its
+/// The variable, or member of a structure, that a program or a watch works on, in the memory of its
 /// task. Valid as long as that memory.
 struct PlcTarget {
     BuiltInType type{BuiltInType::Null};
     std::uint32_t elements{1};
-    /// From one element to the next, in bytes.
+    /// Distance between elements in bytes.
     std::uint32_t stride{0};
     std::byte* bytes{nullptr};
 
     PlcTarget() = default;
-    /// `place` lies at `at`.
+    /// Makes the target of the `place` at `at`.
     PlcTarget(const server::ImagePlace& place, std::byte* at)
         : type{place.type}, elements{place.elements}, stride{place.stride}, bytes{at}
     {
     }
 
-    /// T must be its type.
+    /// Returns the values; T must match the type.
     template <server::ImageNumber T>
     [[nodiscard]] std::span<T> values() const
     {

@@ -19,7 +19,7 @@ TimePoint steady_now()
     return std::chrono::steady_clock::now();
 }
 
-/// For the calling thread; false if the system does not allow it.
+/// Gives the calling thread a real-time priority; false if the system does not allow it.
 bool set_realtime(int priority)
 {
     sched_param parameters{};
@@ -96,7 +96,7 @@ void PlcTask::run()
         scan(planned, begin, begin - before);
         before = begin;
         planned += cycle_;
-        // A task that is behind by whole cycles leaves them out; it does not hurry after them.
+        // A task that is late by whole cycles skips them instead of catching up.
         if (const Duration behind = steady_now() - planned; behind > cycle_) {
             missed_cycles_.fetch_add(static_cast<std::uint64_t>(behind / cycle_),
                                      std::memory_order_relaxed);
@@ -104,7 +104,7 @@ void PlcTask::run()
         }
         std::unique_lock lock{mutex_};
         if (!std::exchange(has_scanned_, true)) {
-            changed_.notify_one(); // who started it
+            changed_.notify_one(); // the thread that started it
         }
         if (changed_.wait_until(lock, planned, [this] { return stopping_; })) {
             return;

@@ -10,10 +10,11 @@ public:
     /// True if a variable of this type can be watched.
     [[nodiscard]] static bool accepts(BuiltInType type);
 
-    /// Of a type that is accepted; its first element.
+    /// Watches the first element of the variable, whose type must be accepted.
     PlcWatch(const PlcTarget& variable, double limit);
 
-    /// To be asked once in each scan. What was so when the PLC started does not happen.
+    /// True if the event occurs; call it once in each scan. A condition that was already true when
+    /// the PLC started is not an event.
     [[nodiscard]] bool occurs();
 
 private:

@@ -7,7 +7,7 @@
 
 namespace busbar::controller {
 
-/// Makes threads that have the priority which the first caller of instance() had. Any thread.
+/// Makes threads with the priority that the first caller of instance() had. Thread-safe.
 class ThreadMaker {
 public:
     static ThreadMaker& instance();
@@ -15,7 +15,7 @@ public:
     ThreadMaker& operator=(const ThreadMaker&) = delete;
     ~ThreadMaker();
 
-    /// Throws what std::thread does.
+    /// Throws the exceptions of std::thread.
     [[nodiscard]] std::thread make(std::function<void()> body);
 
 private:
@@ -24,7 +24,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    /// One at a time: empty between two of them.
+    /// The job to start; empty between jobs.
     std::function<void()> job_;
     bool is_over_{false};
     std::thread thread_;

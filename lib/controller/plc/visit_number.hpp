@@ -11,7 +11,7 @@ struct Tag {
     using type = T;
 };
 
-/// Calls `visit(Tag<T>)` for a number's type, else gives null.
+/// Calls `visit(Tag<T>)` for the type of a number; returns null for other types.
 template <typename Visit>
 auto visit_number(BuiltInType type, Visit&& visit) -> decltype(visit(Tag<double>{}))
 {
