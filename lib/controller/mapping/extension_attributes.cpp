@@ -85,7 +85,7 @@ bool take_rank(std::string_view value, std::int32_t& to)
     return true;
 }
 
-/// Names of fields and signs have no limit of their own.
+/// Limit of attributes, such as names of fields and signs, that have none of their own.
 constexpr std::size_t max_other_length = 4'096;
 
 } // namespace

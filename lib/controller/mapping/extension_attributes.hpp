@@ -23,9 +23,9 @@ inline constexpr std::size_t extension_element_count = 7;
 
 [[nodiscard]] std::string_view name_of(ExtensionElement element);
 
-/// What an attribute is to an element.
+/// Whether an element needs an attribute.
 enum class AttributeUse : std::uint8_t {
-    Ignored, // it exists and means nothing there
+    Ignored, // known, but without a meaning there
     Optional,
     Required,
 };
@@ -46,27 +46,27 @@ enum class ExtensionAttribute : std::uint8_t {
 struct AttributeRule {
     std::string_view name;
     ExtensionAttribute attribute;
-    /// By ExtensionElement.
+    /// Indexed by ExtensionElement.
     std::array<AttributeUse, extension_element_count> uses;
 };
 
-/// The two tables of attributes in one; null for an attribute that there is none of.
+/// Finds the rule of an attribute, from both tables; null for an unknown name.
 [[nodiscard]] const AttributeRule* rule_of_attribute(std::string_view name);
-/// The name of an attribute as it is written.
+/// Returns the attribute's name as it is written.
 [[nodiscard]] std::string_view name_of(ExtensionAttribute attribute);
 
-/// What the attributes of one element say.
+/// The values of one element's attributes.
 struct PartAttributes {
     MappedPart part{};
     std::string sign{};
 };
 
-/// Takes in one value, whose case does not count. False, and nothing changes, if it is impossible.
+/// Parses one value, regardless of case. False, with nothing changed, if it is not valid.
 [[nodiscard]] bool take_value(ExtensionAttribute attribute, std::string_view value,
                               std::uint32_t max_elements, std::size_t max_label_length,
                               PartAttributes& to);
 
-/// Characters of UTF-8.
+/// Counts the characters of a UTF-8 text.
 [[nodiscard]] std::size_t character_count(std::string_view text);
 
 } // namespace busbar::controller::detail

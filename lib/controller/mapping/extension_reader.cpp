@@ -37,7 +37,7 @@ void ExtensionReader::read(const NodeId& node, NodeClass node_class, const std::
             read_extensions(kept, to);
         }
     }
-    // A mapping may stand behind what is added to it.
+    // Additions come last, since the mapping that they belong to may follow them.
     for (const pugi::xml_node& kept : document.children()) {
         for (const pugi::xml_node& extension : kept.children()) {
             if (local_name(kept) == "Extensions" && local_name(extension) == "Extension") {
@@ -90,7 +90,7 @@ void ExtensionReader::read_additions(const pugi::xml_node& extension, Mapping& t
     }
 }
 
-/// False, and reported, for a name that is too long.
+/// Takes a label's name; reports one that is too long, and gives false.
 bool ExtensionReader::take_label(const pugi::xml_attribute& xml, std::string& to)
 {
     const std::string_view label = xml.value();
@@ -153,7 +153,7 @@ void ExtensionReader::read_extension(const pugi::xml_node& xml, Mapping& to)
             continue;
         }
         if (is_addition(child)) {
-            continue; // once there is the mapping
+            continue; // read only once the mapping exists
         }
         if (is_in_mapping_namespace(child)) {
             read_mapping(child, to);
@@ -292,7 +292,7 @@ void ExtensionReader::read_value(const pugi::xml_node& xml, std::size_t level,
     read_parts(xml, inside, place, value);
 }
 
-/// What is an array or a structure has labels at its elements and fields only (note 5).
+/// Removes the label of an array or structure: only elements and fields have labels (note 5).
 void ExtensionReader::drop_misplaced_label(const PartPlace& place, MappedPart& part)
 {
     if (!part.label.empty() && (part.is_array || part.is_structure)) {
@@ -427,7 +427,7 @@ bool ExtensionReader::read_attribute(const pugi::xml_attribute& xml, ExtensionEl
     return true;
 }
 
-/// Without a rank dimensions mean nothing (note 6); too many elements take them away (note 7).
+/// Clears dimensions that have no rank (note 6) or too many elements in total (note 7).
 void ExtensionReader::settle_specification(const PartPlace& place,
                                            ArraySpecification& specification)
 {
@@ -466,7 +466,7 @@ ReadMapping read_mapping(const model::SpaceReader& space, const model::NodeSetEx
 {
     ReadMapping result;
     detail::ExtensionReader reader{file, limits, result.reports};
-    // In the order of NodeIds, so that reports do not depend on a hash.
+    // Sort by NodeId, so that reports do not depend on a hash.
     std::vector<const std::pair<const NodeId, model::NodeSetNodeExtras>*> nodes;
     for (const auto& each : extras.nodes) {
         if (!each.second.elements.empty()) {

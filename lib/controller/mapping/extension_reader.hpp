@@ -15,7 +15,7 @@
 
 namespace busbar::controller::detail {
 
-/// Reads the mapping of nodes, one after another, from the XML that is kept of them.
+/// Reads the mappings of nodes, one after another, from the XML that is kept for them.
 class ExtensionReader {
 public:
     ExtensionReader(std::string_view file, const ModelLimits& limits, ModelReports& reports)
@@ -47,10 +47,10 @@ private:
     [[nodiscard]] bool read_attribute(const pugi::xml_attribute& xml, ExtensionElement element,
                                       const PartPlace& place, PartAttributes& to);
     void settle_specification(const PartPlace& place, ArraySpecification& specification);
-    /// What of an array or structure may be in it.
+    /// The kinds of part that an array or structure may have.
     struct Inside {
         std::size_t level{0};
-        /// Elements around that are of one array.
+        /// Number of enclosing elements of the same array.
         std::size_t dimension{0};
         bool allows_elements{false};
         bool allows_fields{false};
@@ -65,7 +65,7 @@ private:
     [[nodiscard]] bool has_only_elements(const pugi::xml_node& xml);
 
     void report(ModelCode code, const PartPlace& place, std::string_view found);
-    /// What does not keep to the format takes the whole mapping along.
+    /// Reports an error of the format, which discards the whole mapping.
     void break_format(ModelCode code, const PartPlace& place, std::string_view found)
     {
         report(code, place, found);

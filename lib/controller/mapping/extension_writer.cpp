@@ -41,7 +41,7 @@ void put_specification(pugi::xml_node xml, const ArraySpecification& specificati
     }
 }
 
-/// The attributes and parts of a value.
+/// Writes the attributes and parts of a value.
 void put_value(pugi::xml_node xml, const MappedPart& part)
 {
     if (!part.label.empty()) {
@@ -110,7 +110,7 @@ bool has_addition(const MethodMapping& mapping)
     return !mapping.done.empty() || !mapping.outputs.empty();
 }
 
-/// An element <Addition>; `to` is an <Extension> of its own.
+/// Appends an element <Addition>; `to` is an <Extension> of its own.
 pugi::xml_node append_addition(pugi::xml_node to)
 {
     const pugi::xml_node xml = to.append_child("Addition");
@@ -149,7 +149,7 @@ bool is_extensions(const pugi::xml_node& xml)
            (!declared || declared.value() == nodeset_namespace);
 }
 
-/// Takes the mappings out of an <Extensions>, and each <Extension> that has nothing else.
+/// Removes the mappings from an <Extensions>, and every <Extension> that becomes empty.
 void take_mappings(pugi::xml_node extensions)
 {
     for (pugi::xml_node extension = extensions.first_child(); extension;) {
@@ -181,7 +181,7 @@ public:
     std::string text;
 };
 
-/// What is kept of one node, with another mapping or none.
+/// The XML kept for one node, whose mapping is replaced or removed.
 class KeptElements {
 public:
     explicit KeptElements(const std::string& text)
@@ -204,7 +204,7 @@ public:
         }
     }
 
-    /// A new <Extension>.
+    /// Appends a new <Extension>.
     [[nodiscard]] pugi::xml_node append()
     {
         if (!extensions_) {

@@ -6,7 +6,7 @@
 
 #include <busbar/controller/mapping_extensions.hpp>
 
-/// Where mapping stands in the XML that is kept of a node.
+/// Recognizes mapping elements in the XML that is kept for a node.
 namespace busbar::controller::detail {
 
 [[nodiscard]] inline std::string_view local_name(const pugi::xml_node& xml)
@@ -16,14 +16,15 @@ namespace busbar::controller::detail {
     return colon == std::string_view::npos ? name : name.substr(colon + 1);
 }
 
-/// A <DataMapping> or <MethodMapping> by its name alone.
+/// True for a <DataMapping> or <MethodMapping>, whatever its namespace.
 [[nodiscard]] inline bool has_mapping_name(const pugi::xml_node& xml)
 {
     const std::string_view name = local_name(xml);
     return name == "DataMapping" || name == "MethodMapping";
 }
 
-/// In mapping_namespace as the manual wants it: by xmlns in the element or in its <Extension>.
+/// True if the element is in mapping_namespace as the manual requires: by xmlns in the element or
+/// in its <Extension>.
 [[nodiscard]] inline bool is_in_mapping_namespace(const pugi::xml_node& xml)
 {
     const std::string_view name = xml.name();
@@ -37,14 +38,15 @@ namespace busbar::controller::detail {
     return declared.value() == mapping_namespace;
 }
 
-/// What a mapping has beside the format.
+/// True for an <Addition>, which extends the manual's format.
 [[nodiscard]] inline bool is_addition(const pugi::xml_node& xml)
 {
     return std::string_view{xml.name()} == "Addition" &&
            std::string_view{xml.attribute("xmlns").value()} == addition_namespace;
 }
 
-/// In mapping_namespace as XML has it: by a prefix or a declaration further out.
+/// True if the element is in mapping_namespace by the rules of XML: by a prefix or an outer
+/// declaration.
 [[nodiscard]] inline bool is_elsewhere_in_mapping_namespace(const pugi::xml_node& xml)
 {
     const std::string_view name = xml.name();
@@ -62,7 +64,7 @@ namespace busbar::controller::detail {
     return false;
 }
 
-/// In no namespace but that of the file itself: xmlns was forgotten.
+/// True if the element has only the namespace of the file itself, so that xmlns was forgotten.
 [[nodiscard]] inline bool has_no_namespace(const pugi::xml_node& xml)
 {
     constexpr std::string_view file_namespace = "http://opcfoundation.org/UA/2011/03/UANodeSet.xsd";

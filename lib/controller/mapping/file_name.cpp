@@ -13,8 +13,8 @@ using busbar::detail::is_same_ignoring_case;
 
 constexpr std::string_view prohibited_characters{"<>:\"/\\|?*\0", 10};
 
-/// Of devices, in Windows (SH-082679, appendix 6, note 2); COM and LPT also with superscript
-/// digits.
+/// Device names that Windows reserves (SH-082679, appendix 6, note 2); COM and LPT also with
+/// superscript digits.
 constexpr std::array<std::string_view, 28> reserved_names{
     "CON",       "PRN",       "AUX",  "NUL",  "COM1",      "COM2",      "COM3",
     "COM4",      "COM5",      "COM6", "COM7", "COM8",      "COM9",      "COM\u00B9",

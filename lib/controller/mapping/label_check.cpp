@@ -18,7 +18,7 @@ struct LabelledPart {
     MappablePart part;
 };
 
-/// All labels of the mapping, in the order of their nodes.
+/// Collects all labels of the mapping in the order of their nodes.
 std::vector<LabelledPart> labelled_parts(const ModelSet& models)
 {
     std::vector<LabelledPart> labelled;
@@ -26,7 +26,7 @@ std::vector<LabelledPart> labelled_parts(const ModelSet& models)
     for (const NodeId& id : mapped_nodes(models.mapping())) {
         const model::NodeIndex node = models.space().find(id);
         if (node == model::no_node) {
-            continue; // check_mapping tells
+            continue; // check_mapping reports it
         }
         for (MappablePart& part : parts.of(node)) {
             if (!part.label.empty()) {
@@ -56,7 +56,7 @@ std::string_view reason(LabelError error)
     return {};
 }
 
-/// What of a label differs; nothing if it has the values of its part.
+/// Compares a label with its part; nothing if their values are the same.
 std::optional<LabelDifference> difference_of(const LabelledPart& about, const ResolvedLabel& label)
 {
     const LabelTypes types = label_types_for(about.part);
@@ -71,7 +71,7 @@ std::optional<LabelDifference> difference_of(const LabelledPart& about, const Re
         return difference;
     }
     const Assignability use = label_use(about.part, label.kind.type, label.kind.part);
-    // Some values have no label of their own: an SByte is converted in any case.
+    // Some types have no label with the same values: an SByte is always converted.
     if (use == Assignability::Same || (use == Assignability::Checked && types.same.empty())) {
         return std::nullopt;
     }
@@ -81,7 +81,7 @@ std::optional<LabelDifference> difference_of(const LabelledPart& about, const Re
     return difference;
 }
 
-/// "found STRING(20), expected INT"
+/// Describes a difference: "found STRING(20), expected INT".
 std::string finding(const LabelDifference& difference)
 {
     const bool is_there = difference.code != ModelCode::LabelUnavailable;

@@ -16,7 +16,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// Labels and array specifications of a value by the paths of its parts.
+/// Labels and array specifications of a value, by the paths of its parts.
 struct MappedPaths {
     MappedPaths(const MappedPart* value, const std::string& prefix)
     {
@@ -47,7 +47,7 @@ std::string type_text(LeafType type)
     return type.is_enumeration ? "Enumeration" : std::string{name(type.built_in)};
 }
 
-/// The parts of one node while they are found.
+/// Collects the parts of one node.
 class Lister {
 public:
     Lister(const model::SpaceReader& space, const binary::DynamicTypes& types,

@@ -13,7 +13,7 @@ bool is_before(const MappedPart& a, const MappedPart& b)
     return a.number < b.number;
 }
 
-/// Its own, or those of its elements.
+/// Tells whether the part or its elements have fields.
 bool has_fields(const MappedPart& part)
 {
     return std::any_of(part.parts.begin(), part.parts.end(), [](const MappedPart& inner) {
@@ -32,7 +32,7 @@ void drop_from(std::vector<MappedPart>& parts)
                                    return part.label.empty() && part.parts.empty();
                                }),
                 parts.end());
-    // Fields have no number and stay where they are.
+    // Fields have no number and keep their order.
     std::stable_sort(parts.begin(), parts.end(), is_before);
 }
 
@@ -100,7 +100,7 @@ void drop_unmapped(MappedPart& part)
     } else if (!had_parts) {
         return;
     }
-    // What it is because of its parts; elements are of what is an array.
+    // Derive the kind from the parts; elements belong to the array around them.
     if (part.kind != MappedPart::Kind::Element) {
         const bool has_elements =
             !part.parts.empty() && part.parts.front().kind == MappedPart::Kind::Element;

@@ -42,7 +42,7 @@ namespace {
 
 using model::NodeIndex;
 
-/// One check, whose parts add to one result.
+/// One check, with the result that its steps add to.
 class Run {
 public:
     Run(const model::SpaceReader& space, const Mapping& mapping, const MappingCheckOptions& options)
@@ -100,7 +100,7 @@ private:
     detail::ValueCheck values_;
 };
 
-/// In the order of NodeIds, so that two checks report alike.
+/// Sorts by NodeId, so that two checks report alike.
 template <typename Map>
 std::vector<const typename Map::value_type*> in_order(const Map& map)
 {
@@ -148,7 +148,7 @@ void Run::check_variables()
     }
 }
 
-/// A quality and a scaling.
+/// Checks the quality and the scaling.
 void Run::check_additions(const NodeId& id, const DataMapping& mapping, NodeIndex node)
 {
     const bool is_scaled = mapping.scaling.is_set();

@@ -28,7 +28,7 @@ public:
             result_.methods.emplace(*id, mapping);
         }
     }
-    /// A node that is no Variable any more has no mapping after an import, not even the file's own.
+    /// Drops the file's mapping of Methods that were nodes of another class before.
     void drop_changed()
     {
         for (auto each = result_.methods.begin(); each != result_.methods.end();) {
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] Mapping take() { return std::move(result_); }
 
 private:
-    /// The node that keeps a mapping for nodes of that class, if the file has none of it.
+    /// Finds the node that keeps its mapping of this class, unless the file has one for it.
     [[nodiscard]] std::optional<NodeId> kept(const NodeId& old_id, NodeClass node_class)
     {
         auto id = translate(old_id, before_, after_);

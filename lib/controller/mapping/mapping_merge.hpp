@@ -9,16 +9,17 @@
 
 namespace busbar::controller::detail {
 
-/// A NodeId of one AddressSpace in another by its NamespaceUri; nothing if that is not there.
+/// Translates a NodeId from one AddressSpace to another by its NamespaceUri; nothing if the
+/// namespace is missing there.
 [[nodiscard]] std::optional<NodeId> translate(const NodeId& id, const model::SpaceReader& from,
                                               const model::SpaceReader& to);
-/// What is mapped of nodes that are in both.
+/// Translates the mappings of nodes that both have.
 [[nodiscard]] Mapping translate(const Mapping& mapping, const model::SpaceReader& from,
                                 const model::SpaceReader& to);
 
-/// What is mapped after an import, before and after which there are the two AddressSpaces
-/// (SH-082679, 9.4, Node setting and mapping information handling). `imported` is the mapping in
-/// the file of the namespace `index` of `after`.
+/// Returns the mapping after an import that turned `before` into `after` (SH-082679, 9.4, Node
+/// setting and mapping information handling). `imported` is the mapping in the imported file, whose
+/// namespace has this `index` in `after`.
 [[nodiscard]] Mapping merge(const Mapping& mapping, const model::SpaceReader& before,
                             Mapping imported, std::uint16_t index, const model::SpaceReader& after,
                             ModelReports& reports);

@@ -12,7 +12,7 @@ constexpr std::string_view sign_prefix = "busbar-";
 constexpr std::size_t sign_bytes = 16;
 constexpr std::string_view digits = "0123456789abcdef";
 
-/// With its length in front, so that no two contents have one text.
+/// Appends a text after its length, so that different contents never give the same text.
 void add(std::string& to, std::string_view text)
 {
     to += std::to_string(text.size()) + ':';
@@ -62,7 +62,7 @@ std::string sign_of(const DataMapping& mapping)
     drop_unmapped(value);
     std::string content = "data";
     add(content, value);
-    // Not of a mapping as the manual has it, so that its sign is what it was before.
+    // Skip this if unused, so that the sign of a mapping in the manual's format stays the same.
     if (!mapping.quality.empty() || mapping.scaling.is_set()) {
         add(content, mapping.quality);
         add(content, to_text(mapping.scaling));

@@ -67,18 +67,18 @@ NodeIndex find_path(std::string_view text, const model::SpaceReader& space)
     return at;
 }
 
-/// A Variable while its lines come.
+/// A Variable while its lines are read.
 struct VariableTree {
     PartTree value;
     std::string quality;
     Scaling scaling;
 };
 
-/// A Method while its lines come.
+/// A Method while its lines are read.
 struct MethodTree {
     std::string handle;
     std::string done;
-    /// By the numbers of arguments.
+    /// Indexed by the number of the argument.
     std::map<std::uint32_t, PartTree> inputs;
     std::map<std::uint32_t, PartTree> outputs;
 };
@@ -289,7 +289,7 @@ void TableReader::read_variable(const NodeId& id, const MappedPart& line)
     }
 }
 
-/// Of what has no parts.
+/// Sets the label of something that has no parts.
 void TableReader::read_label(std::string& to, std::string_view path, const MappedPart& line)
 {
     if (!to.empty()) {
@@ -341,7 +341,7 @@ void TableReader::read_argument(std::map<std::uint32_t, PartTree>& trees, std::s
         report(ModelCode::TablePart, path);
         return;
     }
-    // The argument's own number is in front.
+    // The argument's number comes first.
     read_part(trees[steps->front().number], rest.substr(rest.find(']') + 1), line);
 }
 

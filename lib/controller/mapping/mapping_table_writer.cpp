@@ -50,7 +50,8 @@ public:
         write_arguments(mapping.arguments, detail::input_part);
         write_arguments(mapping.outputs, detail::output_part);
     }
-    /// All that there is to map, with what `mapped`, which may be null, says of the node besides.
+    /// Writes a line for each part that can be mapped, and for the quality and scaling in `mapped`,
+    /// which may be null.
     void write(NodeIndex node, const std::vector<MappablePart>& parts, const DataMapping* mapped)
     {
         begin(node);
@@ -83,7 +84,7 @@ private:
         node_ += ',';
     }
 
-    /// From the Root by the parents that hierarchical references name first.
+    /// Returns the path from the Root, along the first parents that hierarchical references name.
     [[nodiscard]] std::string path_of(NodeIndex node) const
     {
         constexpr std::size_t max_levels = 100;
@@ -164,7 +165,7 @@ private:
     const model::SpaceReader& space_;
     bool has_types_;
     std::string text_;
-    /// The fields of the node that lines are written of.
+    /// The fields of the current node, which each of its lines begins with.
     std::string node_;
 };
 

@@ -32,14 +32,14 @@ HeaderModel model_of(const pugi::xml_node& xml)
             xml.attribute("PublicationDate").value(), xml.attribute("ModelVersion").value()};
 }
 
-/// The namespace index in "ns=3;i=1"; nothing if it is no NodeId.
+/// Parses the namespace index of a NodeId such as "ns=3;i=1"; nothing for other texts.
 std::optional<std::uint16_t> namespace_of(std::string_view id)
 {
     const auto parsed = NodeId::parse(id);
     return parsed ? std::optional{parsed->namespace_index()} : std::nullopt;
 }
 
-/// By the indices that they have in the file.
+/// URIs by their indices in the file.
 std::vector<std::string> namespaces_of(const pugi::xml_node& root)
 {
     std::vector<std::string> uris{std::string{standard_namespace}};
@@ -51,7 +51,7 @@ std::vector<std::string> namespaces_of(const pugi::xml_node& root)
     return uris;
 }
 
-/// URIs of the namespaces that nodes of the file are in.
+/// Collects the URIs of all namespaces that nodes of the file are in.
 std::set<std::string> node_namespaces(const pugi::xml_node& root,
                                       const std::vector<std::string>& uris)
 {
@@ -66,7 +66,7 @@ std::set<std::string> node_namespaces(const pugi::xml_node& root,
     return found;
 }
 
-/// The models of the file that are not for namespace 0.
+/// Lists the file's models except that of namespace 0.
 std::vector<pugi::xml_node> models_in(const pugi::xml_node& root)
 {
     std::vector<pugi::xml_node> models;

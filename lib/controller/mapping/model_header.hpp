@@ -20,7 +20,7 @@ struct HeaderModel {
     std::string model_version{};
 };
 
-/// What a file is about, before its nodes are loaded.
+/// Describes a file before its nodes are loaded.
 struct ModelHeader {
     HeaderModel model;
     std::vector<HeaderModel> required;
@@ -28,11 +28,11 @@ struct ModelHeader {
     std::vector<std::string> named;
 };
 
-/// Of a file with one namespace; whether it is valid otherwise shows when it is loaded.
+/// Reads the header of a file with one namespace; other errors of the file show when it is loaded.
 [[nodiscard]] Expected<ModelHeader, ModelReport> read_header(std::string_view text,
                                                              const std::string& name);
 
-/// The text of a source, whose file may have so many bytes.
+/// Reads the text of a source, whose file may have at most so many bytes.
 [[nodiscard]] Expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
                                                              std::uint64_t max_size);
 

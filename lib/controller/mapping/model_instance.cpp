@@ -27,7 +27,7 @@ std::string report_text(const ModelReports& reports)
     return "cannot be added";
 }
 
-/// The models with one instance more, in an AddressSpace of its own.
+/// Adds an instance to a copy of the models in an AddressSpace of its own.
 class InstanceMaker {
 public:
     InstanceMaker(const ModelSet& models, const NewInstance& instance)
@@ -35,10 +35,10 @@ public:
     {
     }
 
-    /// NodeIds of the ModelSet are valid here, too.
+    /// Loads the models; NodeIds of the ModelSet stay valid.
     [[nodiscard]] Configured<void> load();
     [[nodiscard]] Configured<void> make();
-    /// The file of the instance's namespace.
+    /// Writes the file of the instance's namespace.
     [[nodiscard]] Configured<std::string> file();
     [[nodiscard]] const NodeId& node() const { return id_; }
     [[nodiscard]] std::size_t added() const { return space_.node_count() - count_before_; }
@@ -76,7 +76,7 @@ Configured<void> InstanceMaker::load()
 {
     const model::AddressSpace& from = models_.space();
     for (std::size_t i = 1; i < from.namespace_count(); ++i) {
-        // An index in the space is a UInt16, so the count fits.
+        // The count fits, because an index in the space is a UInt16.
         if (!space_.add_namespace(from.namespace_uri(static_cast<std::uint16_t>(i)))) {
             return misconfigured("instance", "there are too many namespaces");
         }
@@ -246,7 +246,7 @@ Configured<void> InstanceMaker::make()
     return made ? check_chosen_types() : explain(made.error());
 }
 
-/// Of the nodes that the namespace's refer to.
+/// Collects the URIs of all namespaces that nodes of this namespace refer to.
 std::set<std::string> InstanceMaker::required_uris() const
 {
     std::set<std::uint16_t> used;

@@ -19,7 +19,7 @@ const ReportRule& rule_of(ModelCode code)
     const auto* const found = std::lower_bound(
         rules.begin(), rules.end(), code,
         [](const ReportRule& rule, ModelCode wanted) { return rule.code < wanted; });
-    // What is no code cannot have a rule of its own, but must not be read past the end either.
+    // An unknown code has no rule; give the last one rather than read past the end.
     return found == rules.end() ? rules.back() : *found;
 }
 

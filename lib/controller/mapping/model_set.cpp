@@ -11,11 +11,11 @@
 
 namespace busbar::controller {
 
-/// One import, from the text to the new state.
+/// An import, from the text to the new state.
 struct ModelSet::Change {
     State& before;
     State after;
-    /// What is imported, until it is placed.
+    /// The imported file, until it is placed.
     ModelFile file{};
     detail::ModelHeader header{};
     std::size_t position{0};
@@ -200,13 +200,13 @@ Expected<void, ModelReport> ModelSet::remove(std::string_view uri)
 
 namespace {
 
-/// What a file of one namespace has beside its nodes.
+/// Everything but the nodes in a file of one namespace.
 struct FileParts {
     model::NodeSetExtras extras{};
     Mapping mapping{};
 };
 
-/// By namespace, of those that `wants` takes, in one walk.
+/// Splits these by namespace in one pass, for the namespaces that `wants` accepts.
 template <typename Wants>
 std::unordered_map<std::uint16_t, FileParts> parts_of(const model::NodeSetExtras& extras,
                                                       const Mapping& mapping, Wants wants)
@@ -266,7 +266,7 @@ std::vector<std::string> ModelSet::export_texts() const
     auto parts = parts_of(state_->extras, state_->mapping, [](std::uint16_t) { return true; });
     std::vector<std::string> texts;
     for (const ModelFile& file : state_->files) {
-        // Every file has a namespace of it.
+        // The space has a namespace for every file.
         const std::uint16_t index = state_->space.namespace_index(file.uri).value_or(0);
         texts.push_back(
             write_file(state_->space, index, state_->extras, parts[index]).value_or(file.text));

@@ -19,7 +19,7 @@ namespace {
 
 using detail::HeaderModel;
 
-/// Of a namespace by the AddressSpace's NamespaceMetadata (Part 5, 6.3.14).
+/// Describes a namespace by the NamespaceMetadata in the AddressSpace (Part 5, 6.3.14).
 HeaderModel metadata_of(const model::SpaceReader& space, const std::string& uri)
 {
     HeaderModel result{uri, {}, {}, {}};
@@ -117,7 +117,7 @@ model::NodeSetLimits nodeset_limits(const ModelLimits& limits)
     model::NodeSetLimits result = model::limits_for_large_models();
     result.max_file_size = static_cast<std::size_t>(
         std::min<std::uint64_t>(result.max_file_size, limits.max_file_size));
-    // One more than fits, so that this is reported as what it is.
+    // Allow one more than fits, so that the excess is reported as such.
     result.max_nodes = std::min(result.max_nodes, limits.max_nodes + 1);
     result.accepts_older_models = true;
     return result;
@@ -129,7 +129,7 @@ bool ModelSet::State::load(std::size_t imported, model::NodeSetSummary& summary,
                            ModelReports& reports)
 {
     built_in = space.node_count();
-    // In the order of files, whatever namespaces these name before.
+    // Keep the order of files, whatever namespaces they name earlier.
     if (!application_uri.empty()) {
         static_cast<void>(space.add_namespace(application_uri));
     }

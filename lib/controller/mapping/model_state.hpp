@@ -8,42 +8,43 @@
 
 namespace busbar::controller {
 
-/// What a ModelSet has. A change makes a new one and takes it if all went well.
+/// The state of a ModelSet. A change builds a new state and adopts it if everything succeeded.
 struct ModelSet::State {
     ModelLimits limits;
     std::string application_uri;
     std::vector<ModelFile> files;
-    /// Of each file.
+    /// One for each file.
     std::vector<detail::ModelHeader> headers;
     model::AddressSpace space;
     model::NodeSetExtras extras;
     Mapping mapping;
     std::vector<ModelNamespace> namespaces;
-    /// Nodes that the space had before any file.
+    /// Number of nodes before any file was loaded.
     std::size_t built_in{0};
 
-    /// Loads the files into the space, which has nothing yet. `imported` is the position of the
-    /// file that is new; what is wrong with another one is wrong because of it.
+    /// Loads the files into the space, which must be empty. `imported` is the position of the new
+    /// file; errors in other files are consequences of it.
     [[nodiscard]] bool load(std::size_t imported, model::NodeSetSummary& summary,
                             ModelReports& reports);
-    /// Adds a file to what is loaded, so that a project of many files takes time in proportion to
-    /// them. Nothing, and all is as before, if that is impossible or something is wrong: loading
-    /// all files anew tells. Moves from file and header if it was done.
+    /// Adds a file to the loaded ones, so that a project of many files loads in linear time.
+    /// Returns nothing, with the state unchanged, if that is impossible or there is an error; then
+    /// load all files again to report it. On success file and header are moved from.
     [[nodiscard]] std::optional<ImportResult> add(ModelFile& file, detail::ModelHeader& header);
-    /// Takes what a file has beside its nodes.
+    /// Keeps everything in a file besides its nodes.
     void keep(model::NodeSetExtras& loaded);
-    /// Also where what is imported is another version than files require that were there before.
+    /// Notes where files require another version than the imported one, including files that were
+    /// there before.
     void note_versions(std::string_view imported, ModelReports& reports) const;
     void list_namespaces();
     void list_namespace(const detail::ModelHeader& header);
     [[nodiscard]] ModelState state_of_required(const detail::HeaderModel& required) const;
     [[nodiscard]] std::uint64_t file_size() const;
-    /// With the nodes that it has already.
+    /// Number of nodes, including those added so far.
     [[nodiscard]] std::size_t node_count() const { return space.node_count() - built_in; }
 
 private:
-    /// Whether the file, with what it needs, makes the same of the space as if all were loaded
-    /// again: its namespace is a new one and the only one.
+    /// True if adding the file gives the same space as loading all files again: its namespace is
+    /// new and its only one.
     [[nodiscard]] bool can_add(const ModelFile& file, const detail::ModelHeader& header) const;
     [[nodiscard]] bool has_file(std::string_view uri) const;
 };

@@ -18,7 +18,7 @@ enum Below : std::uint8_t {
     below_method = 16,
 };
 
-/// Where nodes are found from, one root after another; each node is passed once for each root.
+/// Finds the nodes below several roots, one after another; visits each node once per root.
 class Walk {
 public:
     explicit Walk(const model::SpaceReader& space)
@@ -54,7 +54,7 @@ public:
     [[nodiscard]] std::uint32_t level(NodeIndex node) const { return level_[position(node)]; }
 
 private:
-    /// Marks the roots that exist, and all below them.
+    /// Marks the existing roots and all nodes below them.
     void below_from(std::vector<NodeIndex> queue, Below what, bool with_levels)
     {
         queue.erase(std::remove(queue.begin(), queue.end(), model::no_node), queue.end());
@@ -105,7 +105,7 @@ private:
     std::vector<std::uint32_t> level_;
 };
 
-/// Namespaces by index that models require.
+/// Marks the namespaces, by index, that models require.
 std::vector<bool> required_namespaces(const model::SpaceReader& space,
                                       const std::vector<std::string>& required)
 {
@@ -165,7 +165,7 @@ NodePlaces::NodePlaces(const model::SpaceReader& space, const std::vector<std::s
         entry.is_counted = space.node_class(node) == NodeClass::Variable &&
                            walk.is(node, below_objects) && !walk.is(node, below_server) &&
                            !walk.is(node, below_aliases) && !walk.is(node, below_method);
-        // Levels are limited of what is not Server's own (SH-082679, 2.1, note 5).
+        // Levels are limited only outside Server's own nodes (SH-082679, 2.1, note 5).
         entry.level = walk.is(node, below_server) ? 0 : entry.level;
     });
 }

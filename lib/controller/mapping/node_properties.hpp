@@ -12,8 +12,8 @@
 
 namespace busbar::controller::detail {
 
-/// What the property "InputArguments" or "OutputArguments" of a Method says; empty without one. An
-/// entry that is no Argument is an empty one.
+/// Returns the Arguments in the property "InputArguments" or "OutputArguments" of a Method; empty
+/// without the property. An entry of another type becomes an empty Argument.
 [[nodiscard]] inline std::vector<Argument>
 arguments_of(const model::SpaceReader& space, model::NodeIndex method, const char* property)
 {
@@ -32,7 +32,7 @@ arguments_of(const model::SpaceReader& space, model::NodeIndex method, const cha
     return arguments;
 }
 
-/// With the EURange of the Variable where it has no range of its own; nothing if there is none.
+/// Completes a scaling without a range by the Variable's EURange; nothing if there is neither.
 [[nodiscard]] inline std::optional<Scaling>
 scaling_of(const model::SpaceReader& space, model::NodeIndex variable, const Scaling& scaling)
 {

@@ -6,13 +6,13 @@
 
 namespace busbar::controller::detail {
 
-/// Where a walk through parts is; lives on the stack, one within another.
+/// The current place of a walk through parts. Places are linked and live on the stack.
 struct PartPlace {
     const PartPlace* above{nullptr};
     const MappedPart* part{nullptr};
 };
 
-/// "[2].Speed"; empty for the whole value.
+/// Writes the path of a place: "[2].Speed", empty for the whole value.
 [[nodiscard]] inline std::string path_of(const PartPlace& place)
 {
     const std::string above = place.above == nullptr ? std::string{} : path_of(*place.above);

@@ -83,7 +83,7 @@ PartTree* PartTree::child(const PartStep& step)
 MappedPart* PartTree::at(const std::vector<PartStep>& steps)
 {
     PartTree* here = this;
-    // What says whether there is an array and a structure: the value or field that elements are of.
+    // The node to mark as an array or structure: the value or field that contains the elements.
     PartTree* owner = this;
     std::size_t dimension = 0;
     for (const PartStep& step : steps) {

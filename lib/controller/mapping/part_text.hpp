@@ -12,29 +12,29 @@
 
 namespace busbar::controller::detail {
 
-/// One step from a value to its parts.
+/// A step from a value to one of its parts.
 struct PartStep {
     MappedPart::Kind kind{MappedPart::Kind::Element};
     std::uint32_t number{0};
     std::string name{};
 };
 
-/// "[1].Name" as part_path writes it; nothing for any other text, for more than `max_levels` steps
-/// and for numbers from `max_elements` on.
+/// Parses a path as part_path writes it, such as "[1].Name"; nothing for any other text, for more
+/// than `max_levels` steps and for numbers from `max_elements` on.
 [[nodiscard]] std::optional<std::vector<PartStep>>
 read_part_path(std::string_view text, std::size_t max_levels, std::uint32_t max_elements);
 
-/// The parts of a value while they come in any order; each is found in constant time.
+/// Collects the parts of a value, which may come in any order; each is found in constant time.
 class PartTree {
 public:
     PartTree() = default;
     explicit PartTree(MappedPart part) : part_{std::move(part)} {}
 
-    /// The part at these steps, which is made if it is not there, with what the arrays and
-    /// structures around it then are. Null where elements and fields would stand side by side, and
-    /// where an array would have more than three dimensions.
+    /// Returns the part at these steps. Creates it if it does not exist, and marks the arrays and
+    /// structures around it. Null if elements and fields would be side by side, or an array would
+    /// have more than three dimensions.
     [[nodiscard]] MappedPart* at(const std::vector<PartStep>& steps);
-    /// With all parts, elements by their numbers and fields in the order of their first use.
+    /// Returns the value with all parts, elements sorted by number and fields by first use.
     [[nodiscard]] MappedPart take();
 
 private:

@@ -7,7 +7,7 @@
 
 namespace busbar::controller::detail {
 
-/// Every code, ascending.
+/// The rules of all codes, in ascending order.
 inline constexpr std::array<ReportRule, 68> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view between = "..";
 
-/// As short as it can be read as the same.
+/// Writes the shortest text that reads as the same number.
 std::string number_text(double number)
 {
     std::array<char, 64> text{};
@@ -36,7 +36,7 @@ bool read_one(std::string_view text, double& to)
     return error == std::errc{} && stop == end && std::isfinite(to);
 }
 
-/// "0..100"
+/// Parses a range such as "0..100".
 bool read_range(std::string_view text, double& low, double& high)
 {
     const std::size_t at = text.find(between);

@@ -11,7 +11,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 void add_field(std::string& to, std::string_view field)
 {
-    // Blanks at the ends are part of the field, which some programs would not believe.
+    // Blanks at the ends belong to the field, but some programs drop them without quotation marks.
     const bool has_blanks = !field.empty() && (field.front() == ' ' || field.back() == ' ');
     if (!has_blanks && field.find_first_of(",\"\r\n") == std::string_view::npos) {
         to += field;

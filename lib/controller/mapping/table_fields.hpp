@@ -7,7 +7,7 @@
 
 namespace busbar::controller::detail {
 
-/// Adds a field, in quotation marks where it must be (RFC 4180, 2.6).
+/// Appends a field, in quotation marks if necessary (RFC 4180, 2.6).
 void add_field(std::string& to, std::string_view field);
 
 /// Reads comma-separated values (RFC 4180) line by line; line breaks may be CRLF, LF or CR.
@@ -15,12 +15,12 @@ class TableFields {
 public:
     enum class Line { Read, End, Broken, TooLarge };
 
-    /// Commas, or what parts the fields of the first line.
+    /// Uses commas, or the separator that the first line has.
     TableFields(std::string_view text, std::size_t max_field);
 
-    /// The next line with its fields, of which there may be 64.
+    /// Reads the next line into fields, at most 64.
     [[nodiscard]] Line next(std::vector<std::string>& fields);
-    /// The number of the line that next() read, where it begins.
+    /// Number of the line where the last record of next() begins.
     [[nodiscard]] std::size_t line() const { return line_; }
 
 private:

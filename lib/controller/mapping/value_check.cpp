@@ -41,7 +41,8 @@ ModelCode code_of(ShapeError error)
     }
 }
 
-/// Ranks that mapping array specification may choose for a ValueRank (SH-082679, 8.2 and 9.5).
+/// Tells whether a mapping array specification may choose this rank for a ValueRank (SH-082679, 8.2
+/// and 9.5).
 bool allows_rank(std::int32_t value_rank, std::int32_t rank)
 {
     constexpr std::int32_t scalar_or_one = -3;
@@ -58,7 +59,7 @@ bool allows_rank(std::int32_t value_rank, std::int32_t rank)
     }
 }
 
-/// Whether the part is an array or a structure.
+/// Tells whether the part is an array or a structure.
 bool has_leaf_below(const ValueShape& shape, const std::string& path)
 {
     for (std::size_t i = 0; i < shape.leaf_count(); ++i) {
@@ -110,7 +111,7 @@ bool ValueCheck::is_numeric(const ValueDeclaration& declaration, const MappedPar
 {
     const auto shape = ValueShape::of(space_, types_, declaration, arrays_of(value), limits_);
     if (!shape) {
-        return true; // which check() tells
+        return true; // check() reports it
     }
     for (std::size_t i = 0; i < shape->leaf_count(); ++i) {
         const std::string path = shape->leaf_path(i);

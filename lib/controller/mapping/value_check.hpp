@@ -11,10 +11,10 @@
 
 namespace busbar::controller::detail {
 
-/// Of a place where nothing can be mapped.
+/// Returns the error code of a place where nothing can be mapped.
 [[nodiscard]] ModelCode code_of(NodePlace place);
 
-/// Checks what is mapped of one Variable or Argument against what it is declared as.
+/// Checks the mapping of one Variable or Argument against its declaration.
 class ValueCheck {
 public:
     ValueCheck(const model::SpaceReader& space, const binary::DynamicTypes& types,
@@ -25,15 +25,14 @@ public:
     {
     }
 
-    /// `prefix` stands before the parts in reports: "Input[0]" of an Argument.
+    /// Checks a value. Reports put `prefix` before the parts: "Input[0]" for an Argument.
     void check(const NodeId& node, const std::string& prefix, const ValueDeclaration& declaration,
                const MappedPart& value);
-    /// Words of a Variable that is mapped so, or not at all; 0 if no label can be assigned.
+    /// Number of words of the Variable with this mapping, or unmapped; 0 if it cannot have labels.
     [[nodiscard]] std::size_t words(const ValueDeclaration& declaration,
                                     const MappedPart* value) const;
 
-    /// Whether all labels of a Variable that is mapped so are those of numbers, which can be
-    /// scaled.
+    /// Tells whether all labels of a Variable with this mapping are numbers, which can be scaled.
     [[nodiscard]] bool is_numeric(const ValueDeclaration& declaration,
                                   const MappedPart& value) const;
 
