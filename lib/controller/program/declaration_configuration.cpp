@@ -100,7 +100,7 @@ bool DeclarationParser::read_task_setting(ProgramTask& task)
         task.priority = static_cast<std::uint32_t>(priority);
         return true;
     }
-    // What starts a task that is not cyclic; clients do not see it.
+    // Reads what starts a task that is not cyclic; clients cannot see it.
     InitialValue unused;
     return (cursor_->skip_word("SINGLE") || cursor_->fail("SINGLE, INTERVAL or PRIORITY")) &&
            cursor_->expect_symbol(":=") && read_initial_value(*cursor_, unused);

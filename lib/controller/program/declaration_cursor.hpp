@@ -12,12 +12,12 @@
 
 namespace busbar::controller::detail {
 
-/// What a reader may still keep, in bytes.
+/// The number of bytes that a reader may still use for its result.
 class MemoryBudget {
 public:
     explicit MemoryBudget(std::size_t bytes) : left_{bytes} {}
 
-    /// False, and nothing is taken, if there is not that much left.
+    /// Takes bytes from the budget. False, with nothing taken, if there are too few.
     [[nodiscard]] bool take(std::size_t bytes)
     {
         const bool is_there = bytes <= left_;
@@ -29,46 +29,47 @@ private:
     std::size_t left_;
 };
 
-/// Bytes that a copy takes, about.
+/// Estimates the memory that a copy takes, in bytes.
 [[nodiscard]] std::size_t memory_of(const InitialValue& value);
 [[nodiscard]] std::size_t memory_of(const TypeUse& use);
 
-/// A text as tokens, with one of them in view, and the first problem that was found. After that
-/// the token in view stays where it is.
+/// Shows a text token by token and keeps the first problem. After a problem the current token no
+/// longer changes.
 class BUSBAR_API DeclarationCursor {
 public:
-    /// What is given must outlive it. Without `places` problems and places have no lines.
+    /// All arguments must outlive this object. Without `places`, problems and places have no lines.
     DeclarationCursor(std::string_view text, std::string_view file_name, const TextPlaces* places,
                       const DeclarationLimits& limits, MemoryBudget& memory);
 
     [[nodiscard]] const DeclarationToken& now() const { return now_; }
     [[nodiscard]] bool is_end() const { return now_.kind == DeclarationToken::Kind::End; }
     [[nodiscard]] bool is_symbol(std::string_view symbol) const;
-    /// In whatever case.
+    /// True if the current token is this word, regardless of case.
     [[nodiscard]] bool is_word(std::string_view word) const;
     [[nodiscard]] ProgramPlace place() const { return place_at(now_.offset); }
     [[nodiscard]] ProgramPlace place_at(std::size_t offset) const;
-    /// Of what was taken last, if it begins in the same line.
+    /// The comment on the last taken token, if it begins in the same line.
     [[nodiscard]] std::string_view comment() const { return lexer_.comment(); }
     [[nodiscard]] const DeclarationLimits& limits() const { return *limits_; }
 
     DeclarationToken take();
-    /// True if it was there.
+    /// Takes the current token if it is this symbol; false if it is another.
     bool skip_symbol(std::string_view symbol);
     bool skip_word(std::string_view word);
-    /// A problem if it is not there.
+    /// Takes this symbol; otherwise reports a problem.
     [[nodiscard]] bool expect_symbol(std::string_view symbol);
     [[nodiscard]] bool expect_word(std::string_view word);
-    /// A word that is no keyword; `what` is expected.
+    /// Takes a word that is not a keyword; otherwise reports that `what` was expected.
     [[nodiscard]] bool expect_name(std::string& name, std::string_view what);
-    /// False and a problem if `bytes` more are too many.
+    /// Takes `bytes` from the budget; reports a problem, and gives false, if it is exhausted.
     [[nodiscard]] bool keep(std::size_t bytes);
 
-    /// Always false, so that it can be returned: "found 'x', expected `what`".
+    /// Reports "found 'x', expected `what`". Always returns false, so that callers can return the
+    /// result.
     bool fail(std::string_view what) { return fail_at(now_, what); }
     bool fail_at(const DeclarationToken& token, std::string_view what);
     bool fail_with(std::size_t offset, std::string text);
-    /// There must be one.
+    /// Returns the problem; call this only if there is one.
     [[nodiscard]] const Problem& problem() const { return *problem_; }
 
 private:
@@ -81,7 +82,7 @@ private:
     std::optional<Problem> problem_{};
 };
 
-/// "machine.st:12:5"; without line and column if these are not known.
+/// Writes a place: "machine.st:12:5", or the file name alone if line and column are unknown.
 [[nodiscard]] BUSBAR_API std::string place_text(std::string_view file_name,
                                                 const ProgramPlace& place);
 

@@ -31,7 +31,7 @@ bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<Element
             return false;
         }
     }
-    // Values are Int32, whatever a vendor keeps them in (W588, 6-2-2).
+    // Values are Int32, whatever type a vendor stores them in (W588, 6-2-2).
     const ElementaryType range = base.value_or(ElementaryType::Dint);
     if (!number_fits(range, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {
         return cursor_->fail_with(at.offset, "found the value " + std::to_string(value) +

@@ -36,7 +36,7 @@ constexpr std::array<std::string_view, 22> keywords{
     "VAR",
 };
 
-/// Of the 3rd edition and of vendors, which have no DataType here.
+/// Types of the 3rd edition and of vendors, for which there is no DataType here.
 constexpr std::array<std::string_view, 15> unknown_types{
     "CHAR", "LDATE",   "LDATE_AND_TIME", "LDT",   "LT",  "LTIME",     "LTIME_OF_DAY", "LTOD",
     "ANY",  "POINTER", "REF_TO",         "WCHAR", "BIT", "REFERENCE", "WSTRING",
@@ -90,7 +90,7 @@ struct IntegerRange {
     std::uint64_t upper;
 };
 
-/// In the order of ElementaryType, up to Lword.
+/// Ranges in the order of ElementaryType, up to Lword.
 constexpr std::array integer_ranges{
     IntegerRange{0, 1},
     IntegerRange{INT8_MIN, INT8_MAX},
@@ -110,7 +110,7 @@ static_assert(integer_ranges.size() == static_cast<std::size_t>(ElementaryType::
 
 bool floating_fits(ElementaryType type, const Variant& value)
 {
-    // Every whole number of 64 bits is in the range of both.
+    // Every 64-bit integer is in the range of both.
     const double* number = value.get_if<double>();
     return number == nullptr
                ? value.get_if<std::int64_t>() != nullptr || value.get_if<std::uint64_t>() != nullptr
@@ -174,7 +174,7 @@ bool number_fits(ElementaryType type, const Variant& value)
 
 namespace {
 
-/// What is in a device's name before its number (SH-082679, 8.3, Collectible devices).
+/// Names of devices, which precede the number (SH-082679, 8.3, Collectible devices).
 constexpr std::array<std::string_view, 52> device_names{
     "FX", "FY",  "FD",  "SM",  "SD", "X",   "Y",   "M",   "L",   "F",    "V",    "B",    "D",
     "W",  "T",   "TS",  "TC",  "TN", "LT",  "LTS", "LTC", "LTN", "C",    "CS",   "CC",   "CN",
@@ -186,7 +186,8 @@ bool is_hexadecimal(char c)
     return is_digit_of_address(c) || (c >= 'A' && c <= 'F') || (c >= 'a' && c <= 'f');
 }
 
-/// "D100", "W1F", "J1\\X0", "U3E0\\HG5": a device of a PLC that has names for its memory.
+/// Tells whether the text names a device of a PLC that has names for its memory: "D100", "W1F",
+/// "J1\\X0", "U3E0\\HG5".
 bool is_device(std::string_view text)
 {
     if (const std::size_t step = text.find('\\'); step != std::string_view::npos) {

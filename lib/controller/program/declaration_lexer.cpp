@@ -14,7 +14,7 @@ bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/// Letters of other scripts are allowed in names, as vendors do.
+/// Letters of other scripts are allowed in names, because vendors allow them.
 bool begins_word(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
@@ -207,7 +207,7 @@ DeclarationToken DeclarationLexer::number()
             end = skip_while(end + 1 + sign, is_in_number);
         }
     }
-    // What goes on as a word is one wrong number, and not a number and a word.
+    // A number that continues as a word is one wrong number, not a number and a word.
     return take(DeclarationToken::Kind::Number, skip_while(end, is_in_word));
 }
 

@@ -8,51 +8,51 @@
 
 namespace busbar::controller::detail {
 
-/// A piece of a text of declarations.
+/// A token of a text of declarations.
 struct DeclarationToken {
     enum class Kind : std::uint8_t {
         End,
-        /// A word: a name, a keyword, a type.
+        /// A name, a keyword or a type.
         Word,
         /// "1_000", "16#FF", "1.5e-3"; without a sign.
         Number,
         /// "T#1h2m", "INT#-5", "Mode#On".
         Typed,
-        /// With its quotes.
+        /// A text with its quotes.
         Text,
         /// "%IX0.0".
         Address,
-        /// Without its braces.
+        /// A pragma without its braces.
         Pragma,
-        /// ":=", "..", or any one character.
+        /// ":=", "..", or any single character.
         Symbol,
-        /// A comment, text or pragma without an end; `text` is what to say of it.
+        /// A comment, text or pragma without an end; `text` is the message about it.
         Wrong,
     };
 
     Kind kind{Kind::End};
     std::string_view text{};
-    /// Where it begins.
+    /// Offset of the first byte in the text.
     std::size_t offset{0};
 };
 
-/// Cuts a text, which is UTF-8, into tokens. Each byte is looked at a few times at most.
+/// Splits a UTF-8 text into tokens. Looks at each byte a few times at most.
 class DeclarationLexer {
 public:
-    /// `text` must outlive it and its tokens.
+    /// `text` must outlive this object and its tokens.
     explicit DeclarationLexer(std::string_view text) : text_{text} {}
 
-    /// After the last one it is End for ever.
+    /// Returns the next token; End for ever after the last one.
     [[nodiscard]] DeclarationToken next();
-    /// What the first comment between the last token and the one before says, if it begins in the
-    /// line in which that one ends; empty if there is none.
+    /// The first comment between the last two tokens, if it begins in the line in which the first
+    /// of them ends; empty otherwise.
     [[nodiscard]] std::string_view comment() const { return comment_; }
 
 private:
-    /// False if there is a comment without an end.
+    /// Skips blanks and comments; false if a comment has no end.
     [[nodiscard]] bool skip_blanks(DeclarationToken& wrong);
     [[nodiscard]] bool skip_comment(DeclarationToken& wrong);
-    /// From here on; the end of a comment of this kind, or npos.
+    /// Finds the end of a comment that begins here; npos if there is none.
     [[nodiscard]] std::size_t block_end(std::string_view open, std::string_view close) const;
     void keep_comment(std::string_view text);
     [[nodiscard]] DeclarationToken word();
@@ -61,12 +61,12 @@ private:
     [[nodiscard]] DeclarationToken address();
     [[nodiscard]] DeclarationToken pragma();
     [[nodiscard]] DeclarationToken symbol();
-    /// The end of the text that has its first quote at `at`, or npos.
+    /// Finds the end of the text whose first quote is at `at`; npos if there is none.
     [[nodiscard]] std::size_t quoted_end(std::size_t at) const;
-    /// The end of what is behind a `#`.
+    /// Finds the end of the value that follows a `#`.
     [[nodiscard]] std::size_t typed_end(std::size_t at) const;
     [[nodiscard]] std::size_t skip_while(std::size_t at, bool (*belongs)(char)) const;
-    /// 0 behind the end.
+    /// Returns a character; 0 after the end.
     [[nodiscard]] char at(std::size_t index) const;
     [[nodiscard]] DeclarationToken take(DeclarationToken::Kind kind, std::size_t end);
 
@@ -77,7 +77,7 @@ private:
     bool has_comment_{false};
 };
 
-/// Without blanks at its ends.
+/// Removes blanks at both ends.
 [[nodiscard]] BUSBAR_API std::string_view trimmed_text(std::string_view text);
 
 } // namespace busbar::controller::detail

@@ -10,7 +10,8 @@
 
 namespace busbar::controller::detail {
 
-/// Reads declarations into a Program. Each step is false with a problem at the cursor.
+/// Parses declarations into a Program. Each step gives false after reporting a problem at the
+/// cursor.
 class DeclarationParser {
 public:
     explicit DeclarationParser(DeclarationCursor& cursor) : cursor_{&cursor} {}
@@ -19,7 +20,7 @@ public:
     [[nodiscard]] Program& program() { return program_; }
 
 private:
-    /// What stands behind VAR_GLOBAL, and before it.
+    /// The attributes of a block of variables, written before and after VAR_GLOBAL.
     struct Block {
         NetworkPublish publish{NetworkPublish::Hidden};
         bool is_constant{false};
@@ -33,13 +34,13 @@ private:
 
     // declaration_parser.cpp
     [[nodiscard]] bool read_block();
-    /// Pragmas, as many as there are; the last about publishing counts.
+    /// Parses any number of pragmas; the last one about publishing wins.
     [[nodiscard]] bool read_pragmas(std::optional<NetworkPublish>& publish);
-    /// "a, b, c"
+    /// Parses a list "a, b, c".
     [[nodiscard]] bool read_names(std::vector<Name>& names, std::string_view what);
-    /// `:=` and what is behind it, if there is one.
+    /// Parses `:=` and the value after it, if present.
     [[nodiscard]] bool read_initial(InitialValue& initial);
-    /// The `;`, then the comment of what it ends.
+    /// Parses the `;` and then the comment on the statement that it ends.
     [[nodiscard]] bool read_end(std::string& comment);
     [[nodiscard]] bool keep_comment(std::string& comment);
 
@@ -51,14 +52,16 @@ private:
     [[nodiscard]] bool read_member(DerivedType& type);
 
     // declaration_enumeration.cpp
-    /// "A := 1, B)", of which the parenthesis is taken; of the base type if one stands before it.
+    /// Parses enumerators such as "A := 1, B)", whose opening parenthesis is taken; `base` is the
+    /// type named before it, if any.
     [[nodiscard]] bool read_enumerators(DerivedType& type, std::optional<ElementaryType> base);
     [[nodiscard]] bool read_enumerator(DerivedType& type, std::optional<ElementaryType> base);
-    /// The base type behind the enumerators, if there is one.
+    /// Parses the base type after the enumerators, if present.
     [[nodiscard]] bool read_base(const DerivedType& type);
 
     // declaration_use.cpp
-    /// Of the type that is declared it can also be the enumeration `INT (A, B)`.
+    /// Parses a type; if it is for the declaration of `declared`, it may be an enumeration `INT (A,
+    /// B)`.
     [[nodiscard]] bool read_use(TypeUse& use, DerivedType* declared = nullptr);
     [[nodiscard]] bool read_bounds(TypeUse& use);
     [[nodiscard]] bool read_range(Bounds& bounds);
@@ -75,7 +78,7 @@ private:
     // declaration_configuration.cpp
     [[nodiscard]] bool read_configuration();
     [[nodiscard]] bool read_resource();
-    /// What stands in a configuration or resource; nothing of these: false without a problem.
+    /// Parses one part of a configuration or resource; false without a problem if there is none.
     [[nodiscard]] bool read_resource_part(bool& is_part);
     [[nodiscard]] bool read_task();
     [[nodiscard]] bool read_task_setting(ProgramTask& task);

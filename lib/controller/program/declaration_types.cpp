@@ -39,7 +39,7 @@ bool DeclarationParser::read_type_body(DerivedType& type)
             !keep_comment(type.comment) || !read_initial(type.initial)) {
             return false;
         }
-        // Vendors leave the semicolon out.
+        // Vendors omit the semicolon.
         return !cursor_->is_symbol(";") || read_end(type.comment);
     }
     type.kind = DerivedType::Kind::Alias;

@@ -91,7 +91,7 @@ bool DeclarationParser::read_length(TypeUse& use)
     if (!read_whole_number(*cursor_, length, "a length")) {
         return false;
     }
-    // Together with the zero behind it, it is a number of 32 bits.
+    // The length plus the terminating zero must fit 32 bits.
     if (length < 1 || length >= UINT32_MAX) {
         return cursor_->fail_at(at, "a length from 1 on");
     }

@@ -12,7 +12,7 @@ namespace {
 
 using Notation = InitialValue::Notation;
 
-/// [1, 2], and not (X := 1).
+/// True for a list such as [1, 2], but not for (X := 1).
 bool is_list(const InitialValue& value)
 {
     return !value.parts.empty() && value.parts.front().member.empty();

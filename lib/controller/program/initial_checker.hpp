@@ -10,29 +10,29 @@
 
 namespace busbar::controller::detail {
 
-/// Looks over the initial values of a program whose types are checked, in a time that grows with
-/// the values and not with the types' nesting.
+/// Checks the initial values of a program whose types are checked. Takes time in proportion to the
+/// values, not to the nesting of types.
 class InitialChecker {
 public:
     explicit InitialChecker(const ProgramTypes& types) : types_{&types}, program_{&types.program()}
     {
     }
 
-    /// The first thing that is wrong.
+    /// Returns the first problem.
     [[nodiscard]] std::optional<Problem> check();
 
 private:
     using Found = std::optional<Problem>;
 
-    /// Of a structure, union or enumeration: its members or values by name in small letters.
+    /// Members or values of a structure, union or enumeration, by name in small letters.
     struct Names {
         std::unordered_map<std::string, std::size_t> index{};
-        /// Of each member, once it is looked at.
+        /// The types of the members, resolved when first used.
         std::vector<std::optional<ResolvedType>> types{};
-        /// The aggregate in which each was found last.
+        /// The aggregate in which each member was found last.
         std::vector<std::uint64_t> last_found{};
     };
-    /// A member, or an element of an array.
+    /// A step to a member or an element.
     struct Step {
         const std::string* member{nullptr};
         std::uint64_t element{0};
@@ -41,7 +41,7 @@ private:
     [[nodiscard]] Found check_type(const DerivedType& type);
     [[nodiscard]] Found check_use(const TypeUse& use, const InitialValue& initial,
                                   const ProgramPlace& place);
-    /// `level` dimensions of the type are behind us.
+    /// Checks the value below `level` dimensions of the type.
     [[nodiscard]] Found check_value(const ResolvedType& type, std::size_t level,
                                     const InitialValue& value);
     [[nodiscard]] Found check_list(const ResolvedType& type, std::size_t level,
@@ -59,7 +59,7 @@ private:
     const Program* program_;
     std::unordered_map<const DerivedType*, Names> names_{};
     std::uint64_t aggregates_{0};
-    /// What is looked at.
+    /// The variable or member that is being checked.
     std::string root_{};
     ProgramPlace place_{};
     std::vector<Step> steps_{};

@@ -20,7 +20,7 @@ bool set_literal(DeclarationCursor& cursor, const DeclarationToken& token, Liter
     return text == nullptr || cursor.keep(text->size());
 }
 
-/// The name of an enumerator, with the enumeration's before it or not.
+/// Stores the name of an enumerator, with or without the enumeration's name before it.
 bool set_enumerator(DeclarationCursor& cursor, std::string_view enumeration, std::string_view name,
                     InitialValue& value)
 {
@@ -101,7 +101,7 @@ bool read_constant(DeclarationCursor& cursor, InitialValue& value)
     }
 }
 
-/// "(X := 1, Y := 2)", of which the parenthesis is taken.
+/// Reads "(X := 1, Y := 2)", whose opening parenthesis is taken.
 bool read_aggregate(DeclarationCursor& cursor, InitialValue& value, std::size_t depth)
 {
     do {
@@ -115,7 +115,7 @@ bool read_aggregate(DeclarationCursor& cursor, InitialValue& value, std::size_t 
     return cursor.skip_symbol(")") || cursor.fail("',' or ')'");
 }
 
-/// "3(0)" from its parenthesis on.
+/// Reads "3(0)" from its parenthesis on.
 bool read_repeated(DeclarationCursor& cursor, const DeclarationToken& count, InitialValue& part,
                    std::size_t depth)
 {
@@ -141,7 +141,7 @@ bool read_element(DeclarationCursor& cursor, InitialValue& part, std::size_t dep
                : set_literal(cursor, number, read_number_literal(number.text, false), part);
 }
 
-/// "[1, 2, 3(0)]", of which the bracket is taken.
+/// Reads "[1, 2, 3(0)]", whose opening bracket is taken.
 bool read_list(DeclarationCursor& cursor, InitialValue& value, std::size_t depth)
 {
     do {

@@ -7,12 +7,13 @@
 
 namespace busbar::controller::detail {
 
-/// What stands behind `:=`: a constant, an aggregate `(X := 1)` or a list `[1, 2(0)]`. `value` has
-/// its member and repetition already. False with a problem at the cursor.
+/// Reads the value after `:=`: a constant, an aggregate `(X := 1)` or a list `[1, 2(0)]`. The
+/// member and the repetition of `value` are already set. Gives false after reporting a problem at
+/// the cursor.
 [[nodiscard]] BUSBAR_API bool read_initial_value(DeclarationCursor& cursor, InitialValue& value,
                                                  std::size_t depth = 0);
 
-/// A whole number with or without a sign; `what` is expected.
+/// Reads an integer with or without a sign; otherwise reports that `what` was expected.
 [[nodiscard]] BUSBAR_API bool read_whole_number(DeclarationCursor& cursor, std::int64_t& number,
                                                 std::string_view what);
 

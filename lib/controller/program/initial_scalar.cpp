@@ -38,7 +38,7 @@ bool is_text_within(const InitialValue& value, std::uint32_t most)
            !first_not_utf8(text->view());
 }
 
-/// Of a number that is in the range of its type, which has a subrange.
+/// Tells whether a number, which is in the range of its type, is within the subrange.
 bool is_within(const Bounds& range, const Variant& value)
 {
     if (const auto* number = value.get_if<std::int64_t>()) {

@@ -23,7 +23,7 @@ Unexpected<std::string> wrong_literal(std::string_view text, std::string_view ex
     return Unexpected<std::string>{found_expected(text, expected)};
 }
 
-/// Int64 where the number fits.
+/// Returns an Int64 if the number fits.
 LiteralResult signed_number(std::string_view text, std::uint64_t number, bool is_negative)
 {
     constexpr std::uint64_t most = INT64_MAX;

@@ -13,14 +13,14 @@ struct Escape {
     char value;
 };
 
-/// IEC 61131-3, 6.3.3. A new line is what it is to most: a line feed.
+/// The escapes of IEC 61131-3, 6.3.3. A new line is a line feed, as in most languages.
 constexpr std::array escapes{
     Escape{'$', '$'},  Escape{'\'', '\''}, Escape{'"', '"'},  Escape{'L', '\n'}, Escape{'l', '\n'},
     Escape{'N', '\n'}, Escape{'n', '\n'},  Escape{'P', '\f'}, Escape{'p', '\f'}, Escape{'R', '\r'},
     Escape{'r', '\r'}, Escape{'T', '\t'},  Escape{'t', '\t'},
 };
 
-/// A unit of UTF-16 that is a character by itself, as UTF-8.
+/// Appends a UTF-16 unit that is a whole character, as UTF-8.
 void append_unit(std::string& text, unsigned unit)
 {
     const auto append = [&](unsigned byte) { text += static_cast<char>(byte); };
@@ -36,12 +36,12 @@ void append_unit(std::string& text, unsigned unit)
     }
 }
 
-/// What one `$` stands for.
+/// Decodes the body of a text with its `$` escapes.
 class TextBody {
 public:
     TextBody(std::string_view body, bool is_wide) : body_{body}, is_wide_{is_wide} {}
 
-    /// False if a `$` is followed by something that means nothing.
+    /// False if a `$` is not followed by a valid escape.
     bool read()
     {
         while (!body_.empty()) {
@@ -78,7 +78,7 @@ private:
         unsigned value = 0;
         const char* end = body_.data() + digits;
         const auto [behind, error] = std::from_chars(body_.data(), end, value, 16);
-        // A zero ends a text.
+        // Refuse a zero, which would end the text.
         if (error != std::errc{} || behind != end || value == 0) {
             return false;
         }

@@ -147,7 +147,7 @@ std::optional<Problem> ProgramChecker::check_use(const TypeUse& use, const std::
         return problem_at(where, place, more_than(limits_->max_dimensions, "dimensions"));
     }
     for (const Bounds& bounds : use.dimensions) {
-        // The ends of what an index can be, so that their difference has a value.
+        // Limit indices so that their difference fits.
         constexpr std::int64_t most = INT32_MAX;
         if (bounds.lower > bounds.upper || bounds.lower < -most || bounds.upper > most) {
             return problem_at(where, place,

@@ -9,7 +9,7 @@
 
 namespace busbar::controller::detail {
 
-/// Looks a program over before anything follows its names.
+/// Checks a program before its names are resolved.
 class ProgramChecker {
 public:
     ProgramChecker(ProgramTypes& types, const ProgramLimits& limits)
@@ -17,7 +17,7 @@ public:
     {
     }
 
-    /// The first thing that is wrong.
+    /// Returns the first problem.
     [[nodiscard]] std::optional<Problem> check();
 
 private:
@@ -29,12 +29,13 @@ private:
     [[nodiscard]] Found check_enumerators(const DerivedType& type, const std::string& where) const;
     [[nodiscard]] Found check_use(const TypeUse& use, const std::string& where,
                                   const ProgramPlace& place) const;
-    /// With those of the types that are followed, which are checked already.
+    /// Checks the dimensions, including those of the types that it refers to, which are already
+    /// checked.
     [[nodiscard]] Found check_dimensions(const TypeUse& use, const std::string& where,
                                          const ProgramPlace& place) const;
-    /// Types that lie in one another: none contains itself. Notes what each takes.
+    /// Checks that no type contains itself, and notes the size of each.
     [[nodiscard]] Found check_nesting();
-    /// `level` types are around it and itself.
+    /// Measures a type that is nested in `level` types, itself included.
     [[nodiscard]] Found measure(std::size_t index, std::size_t level);
     [[nodiscard]] Found measure_inner(const DerivedType& type, std::size_t level,
                                       std::size_t& below);
@@ -45,7 +46,7 @@ private:
     ProgramTypes* types_;
     const Program* program_;
     const ProgramLimits* limits_;
-    /// Of each type how many lie within one another, with itself; or a state of measure().
+    /// For each type the number of types nested in it, itself included; or a state of measure().
     std::vector<std::size_t> depths_;
 };
 

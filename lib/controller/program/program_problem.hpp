@@ -9,14 +9,14 @@
 
 namespace busbar::controller::detail {
 
-/// A name of any length and bytes, for a message.
+/// Quotes a name of any length and content for a message.
 [[nodiscard]] std::string quoted_name(const std::string& name);
 
-/// "variables[7] (Speed)"
+/// Names an element of a list: "variables[7] (Speed)".
 [[nodiscard]] std::string place_in(std::string_view list, std::size_t index,
                                    const std::string& name);
 
-/// The problem, with line and column where the place is known.
+/// Makes a problem with line and column if the place is known.
 [[nodiscard]] Problem problem_at(std::string where, const ProgramPlace& place, std::string text);
 
 } // namespace busbar::controller::detail

@@ -15,7 +15,7 @@ struct ElementaryRow {
     BuiltInType built_in;
 };
 
-/// In the order of ElementaryType.
+/// Rows in the order of ElementaryType.
 constexpr std::array elementary_rows{
     ElementaryRow{"BOOL", 2, BuiltInType::Boolean},
     ElementaryRow{"SINT", 1, BuiltInType::SByte},
@@ -40,8 +40,7 @@ constexpr std::array elementary_rows{
 };
 static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
 
-/// What the checker has allowed is far below this; it keeps sums of what it has not seen yet in
-/// range.
+/// Caps sizes so that sums of unchecked types stay in range; the checker allows far less.
 constexpr std::uint64_t max_size = std::uint64_t{1} << 56U;
 
 std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
@@ -50,7 +49,7 @@ std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
 }
 
 constexpr std::uint64_t bits_of_word = 16;
-/// Of a text in a process image.
+/// Size of a text's length in a process image.
 constexpr std::uint64_t size_of_length = 4;
 
 std::uint64_t rounded_up(std::uint64_t size, std::uint64_t multiple)

@@ -15,7 +15,7 @@ struct PublishWord {
     NetworkPublish publish;
 };
 
-/// Without what may stand between words.
+/// The words without the characters allowed between them.
 constexpr std::array publish_words{
     PublishWord{"none", NetworkPublish::Hidden},
     PublishWord{"hidden", NetworkPublish::Hidden},
@@ -27,7 +27,7 @@ constexpr std::array publish_words{
     PublishWord{"output", NetworkPublish::Output},
 };
 
-/// Longer than any word of the table, with what may stand between words.
+/// Longer than any entry of the table with characters between its words.
 constexpr std::size_t longest_word = 40;
 
 std::string_view without_quotes(std::string_view text)
@@ -37,7 +37,7 @@ std::string_view without_quotes(std::string_view text)
     return is_quoted ? trimmed_text(text.substr(1, text.size() - 2)) : text;
 }
 
-/// Behind the word attribute, if the text begins with it.
+/// Removes the word attribute if the text begins with it.
 std::string_view without_attribute(std::string_view text)
 {
     constexpr std::string_view word = "attribute";

@@ -8,18 +8,19 @@
 
 namespace busbar::controller::detail {
 
-/// What a pragma says of publishing.
+/// The publish attribute in a pragma.
 struct PublishPragma {
-    /// It is one about publishing; if not, it means nothing here.
+    /// False for a pragma about something else, which is ignored.
     bool is_publish{false};
-    /// Nothing if it says something that is not known.
+    /// Empty if the attribute is not a known one.
     std::optional<NetworkPublish> publish{};
 };
 
-/// The pragma's text without braces, as declaration_reader.hpp has it.
+/// Parses the text of a pragma without braces, as declaration_lexer.hpp provides it.
 [[nodiscard]] PublishPragma read_publish_pragma(std::string_view text);
 
-/// "publish only", with blanks, hyphens, underscores or nothing between words, in whatever case.
+/// Parses "publish only", with blanks, hyphens, underscores or nothing between words, regardless of
+/// case.
 [[nodiscard]] BUSBAR_API std::optional<NetworkPublish> publish_of(std::string_view words);
 
 } // namespace busbar::controller::detail

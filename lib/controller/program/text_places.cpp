@@ -8,7 +8,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// What the byte `c` makes of the place that it is at.
+/// Moves the place past the byte `c`.
 void pass_byte(ProgramPlace& place, char c)
 {
     if (c == '\n') {

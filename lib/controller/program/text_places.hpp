@@ -10,31 +10,31 @@
 
 namespace busbar::controller::detail {
 
-/// Lines and columns of a text, each found in a time that does not grow with it: it is gone through
-/// once, and the places on the way are noted.
+/// Finds lines and columns of offsets in constant time. Scans the text once and notes places on the
+/// way.
 class BUSBAR_API TextPlaces {
 public:
-    /// `text` must outlive it.
+    /// `text` must outlive this object.
     explicit TextPlaces(std::string_view text);
 
-    /// Of the byte at `offset`, or of the end. Columns count code points.
+    /// Returns the place of the byte at `offset`, or of the end. Columns count code points.
     [[nodiscard]] ProgramPlace at(std::size_t offset) const;
-    /// The first byte that is not UTF-8.
+    /// Offset of the first byte that is not UTF-8.
     [[nodiscard]] std::optional<std::size_t> not_utf8() const { return not_utf8_; }
 
 private:
     static constexpr std::size_t step = 1'024;
 
     std::string_view text_;
-    /// Of the bytes at 0, step, 2 * step and so on.
+    /// Places of the bytes at 0, step, 2 * step and so on.
     std::vector<ProgramPlace> noted_{};
     std::optional<std::size_t> not_utf8_{};
 };
 
-/// The first byte of `text` that is not UTF-8.
+/// Finds the first byte of `text` that is not UTF-8.
 [[nodiscard]] std::optional<std::size_t> first_not_utf8(std::string_view text);
 
-/// `text` without a byte order mark at its front.
+/// Returns `text` without a byte order mark at its front.
 [[nodiscard]] BUSBAR_API std::string_view without_mark(std::string_view text);
 
 } // namespace busbar::controller::detail

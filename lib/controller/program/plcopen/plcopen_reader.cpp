@@ -17,14 +17,14 @@ constexpr std::array<std::string_view, 2> plcopen_namespaces{
     "http://www.plcopen.org/xml/tc6_0200",
 };
 
-/// Elements that are gone through for what is in them.
+/// Elements that are only searched for the elements inside.
 constexpr std::array<std::string_view, 8> container_names{
     "types",         "dataTypes", "instances", "configurations",
     "configuration", "resource",  "addData",   "data",
 };
 
-/// What the elements of a text take at most, with the text itself. Each bracket begins an element
-/// and a text behind it, each equals sign an attribute.
+/// Upper bound of the memory that a parsed document takes, including its text. Each bracket may
+/// begin an element followed by a text, each equals sign an attribute.
 std::size_t memory_of_document(std::string_view text)
 {
     constexpr std::size_t node = 64;
@@ -35,7 +35,7 @@ std::size_t memory_of_document(std::string_view text)
     return text.size() + count('<') * 2 * node + count('=') * attribute;
 }
 
-/// "PT1H2.5S" as IEC 61131-3 writes it; empty if it is something else.
+/// Converts "PT1H2.5S" to the notation of IEC 61131-3; empty for any other text.
 std::string iec_interval(std::string_view text)
 {
     constexpr std::string_view prefix = "PT";
@@ -160,7 +160,7 @@ bool PlcopenReader::read_interval(const pugi::xml_node& xml, ProgramTask& task)
     const std::string_view text = trimmed_text(xml.attribute("interval").value());
     const std::string iso = iec_interval(text);
     task.interval = iso.empty() ? text : std::string_view{iso};
-    // It can be the name of a variable, too.
+    // The interval may also be the name of a variable.
     if (text.empty() || task.interval.find('#') == std::string::npos) {
         task.interval.clear();
         return true;

@@ -13,23 +13,23 @@
 
 namespace busbar::controller::detail {
 
-/// Reads a PLCopen XML file into a Program. Each step is false once there is a problem.
+/// Parses a PLCopen XML file into a Program. Each step gives false once there is a problem.
 class PlcopenReader {
 public:
-    /// What is given must outlive it.
+    /// All arguments must outlive this object.
     PlcopenReader(std::string_view text, std::string_view file_name, const TextPlaces& places,
                   const DeclarationLimits& limits);
 
     [[nodiscard]] bool read();
     [[nodiscard]] Program& program() { return program_; }
-    /// There must be one.
+    /// Returns the problem; call this only if there is one.
     [[nodiscard]] const Problem& problem() const { return *problem_; }
 
 private:
     // plcopen_reader.cpp
     [[nodiscard]] bool parse();
     [[nodiscard]] bool check_root(const pugi::xml_node& root);
-    /// Everything below that has types, variables, tasks or instances of programs.
+    /// Reads all types, variables, tasks and instances of programs below the container.
     [[nodiscard]] bool read_container(const pugi::xml_node& container, std::size_t depth);
     [[nodiscard]] bool read_part(const pugi::xml_node& xml, std::size_t depth);
     [[nodiscard]] bool read_task(const pugi::xml_node& xml);
@@ -43,7 +43,7 @@ private:
     [[nodiscard]] bool read_enumerators(const pugi::xml_node& xml, DerivedType& type);
     [[nodiscard]] bool read_enumerator(const pugi::xml_node& xml, DerivedType& type,
                                        ElementaryType base);
-    /// Of the <type> or <baseType> of `xml`.
+    /// Reads the type in the <type> or <baseType> of `xml`.
     [[nodiscard]] bool read_use(const pugi::xml_node& xml, std::string_view holder, TypeUse& use);
     [[nodiscard]] bool read_one_use(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_dimensions(const pugi::xml_node& xml, TypeUse& use);
@@ -55,9 +55,9 @@ private:
     [[nodiscard]] bool read_variable(const pugi::xml_node& xml, GlobalVariable variable);
     [[nodiscard]] bool read_publish(const pugi::xml_node& xml, NetworkPublish& publish);
     [[nodiscard]] bool read_flag(const pugi::xml_node& xml, const char* name, bool& flag);
-    /// The <initialValue>, if there is one.
+    /// Reads the <initialValue>, if present.
     [[nodiscard]] bool read_initial(const pugi::xml_node& xml, InitialValue& initial);
-    /// The one value in `holder`.
+    /// Reads the single value in `holder`.
     [[nodiscard]] bool read_value(const pugi::xml_node& holder, InitialValue& value,
                                   std::size_t depth);
     [[nodiscard]] bool read_parts(const pugi::xml_node& xml, InitialValue& value, bool is_list,
@@ -67,12 +67,12 @@ private:
     // plcopen_text.cpp
     [[nodiscard]] bool read_name(const pugi::xml_node& xml, const char* attribute,
                                  std::string& name);
-    /// A whole number of an attribute that must be there.
+    /// Reads an integer from an attribute, which must be present.
     [[nodiscard]] bool read_number(const pugi::xml_node& xml, const char* attribute,
                                    std::int64_t& number);
     [[nodiscard]] bool keep(const pugi::xml_node& xml, std::size_t bytes);
     [[nodiscard]] ProgramPlace place_of(const pugi::xml_node& xml) const;
-    /// Always false.
+    /// Reports a problem; always returns false.
     bool fail(const pugi::xml_node& xml, std::string text);
     bool fail_at(std::size_t offset, std::string text);
 
@@ -86,13 +86,13 @@ private:
     std::optional<Problem> problem_{};
 };
 
-/// Without its prefix.
+/// Returns the element's name without its prefix.
 [[nodiscard]] std::string_view local_name_of(const pugi::xml_node& xml);
-/// The first child element of that name without prefix; null if there is none.
+/// Returns the first child element of that name, ignoring prefixes; null if there is none.
 [[nodiscard]] pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name);
-/// The first child that is an element.
+/// Returns the first child that is an element.
 [[nodiscard]] pugi::xml_node first_element_of(const pugi::xml_node& xml);
-/// "<variable>"
+/// Writes an element's name as "<variable>".
 [[nodiscard]] std::string tag_of(const pugi::xml_node& xml);
 
 } // namespace busbar::controller::detail

@@ -68,7 +68,7 @@ bool PlcopenReader::keep(const pugi::xml_node& xml, std::size_t bytes)
 
 ProgramPlace PlcopenReader::place_of(const pugi::xml_node& xml) const
 {
-    // Where its name is, behind the bracket.
+    // offset_debug() is that of the name, after the bracket.
     const std::ptrdiff_t offset = xml.offset_debug() - 1;
     return places_->at(static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0})));
 }

@@ -6,7 +6,7 @@ namespace busbar::controller::detail {
 bool PlcopenReader::read_type(const pugi::xml_node& xml)
 {
     DerivedType type{.name = {}, .place = place_of(xml)};
-    // Some vendors have unions as types of their own beside the others.
+    // Some vendors write a union as a type of its own.
     const bool is_union = local_name_of(xml) == "union";
     const pugi::xml_node body = is_union ? xml : first_element_of(child_of(xml, "baseType"));
     if (!keep(xml, sizeof type) || !read_name(xml, "name", type.name)) {

@@ -8,7 +8,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// Puts the texts of all elements behind one another, however deep they nest.
+/// Concatenates the texts of all elements, at any depth.
 class TextCollector : public pugi::xml_tree_walker {
 public:
     bool for_each(pugi::xml_node& node) override
