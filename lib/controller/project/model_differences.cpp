@@ -13,18 +13,18 @@ namespace {
 
 constexpr unsigned how_to_read = pugi::parse_default & ~pugi::parse_doctype;
 
-/// A node of a file in two texts, which two files can have alike.
+/// A node of a file as two texts, equal for equal nodes of two files.
 struct NodeTexts {
     std::string node;
     std::string mapping; // <Extensions>
-    /// By the parts as a mapping table calls them: "", "[0].Speed", "Handle".
+    /// Labels by the part's name in a mapping table: "", "[0].Speed", "Handle".
     std::map<std::string, std::string> labels{};
 };
 
 struct ModelTexts {
     std::string uri;
     std::map<std::string, NodeTexts> nodes{};
-    /// What else the file has: its namespaces, models and aliases.
+    /// The rest of the file: its namespaces, models and aliases.
     NodeTexts rest{};
 };
 
@@ -44,7 +44,7 @@ void append_xml(std::string& to, const pugi::xml_node& node)
     node.print(writer, "", pugi::format_raw);
 }
 
-/// Labels of the elements of a mapping (SH-082679, Appendix 8), by what it writes of them.
+/// Collects the labels of a mapping's elements (SH-082679, Appendix 8) by the names of their parts.
 void collect_labels(const pugi::xml_node& element, const std::string& path, std::size_t level,
                     std::map<std::string, std::string>& labels)
 {
@@ -88,7 +88,7 @@ NodeTexts texts_of(pugi::xml_node node)
     return texts;
 }
 
-/// What is no XML is compared as one text: check() has let it in, whatever it is.
+/// Splits the file into texts. A file that is not XML becomes one text: check() accepts any.
 ModelTexts read_texts(const ProjectModel& model)
 {
     ModelTexts texts{model.name};

@@ -18,14 +18,15 @@ namespace detail {
 namespace {
 
 constexpr std::string_view project_preset = "rd81opc96";
-/// SH-082679, 2.1.
+/// Limits of SH-082679, 2.1.
 constexpr std::size_t max_preset_files = 10;
 constexpr std::size_t max_preset_size = 20U << 20U;
-/// As [discovery] of busbar-controller has it: 10 minutes at most (Part 12, 4.3.3).
+/// The range of [discovery] in busbar-controller's configuration: 10 minutes at most (Part 12,
+/// 4.3.3).
 constexpr std::uint32_t min_registration = 10;
 constexpr std::uint32_t max_registration = 600;
 
-/// What RFC 5280 (A.1) allows, and SH-082679 (Appendix 6).
+/// The maximum sizes of RFC 5280 (A.1) and of SH-082679 (Appendix 6).
 struct CertificateField {
     std::string_view name;
     std::string ProjectCertificate::*value;
@@ -149,7 +150,7 @@ ValueProblem check_users(const Project& project, bool has_preset)
             return wrong_value(where + "name", user->name, "each name once");
         }
         if (!crypto::is_password_hash(user->password_hash)) {
-            // What stands there may be the password itself.
+            // Do not show the value: it may be the password itself.
             return Problem{.where = where + "password_hash",
                            .text = "found no hash, expected one of busbar project user"};
         }
@@ -204,7 +205,7 @@ std::vector<MessageSecurity> allowed_security(const ProjectSecurity& security)
     }
     for (const crypto::SecurityPolicy& policy : crypto::security_policies()) {
         const auto& named = security.policies;
-        // Without a choice it is all, but what is deprecated is used only where it is named.
+        // Without a choice all policies are used, except deprecated ones, which must be named.
         const bool is_chosen =
             named.empty() ? !policy.is_deprecated
                           : std::find(named.begin(), named.end(), policy.name) != named.end();
@@ -212,7 +213,7 @@ std::vector<MessageSecurity> allowed_security(const ProjectSecurity& security)
             continue;
         }
         for (const Mode mode : {Mode::Sign, Mode::SignAndEncrypt}) {
-            if (mode >= security.mode) { // all that are as strong or stronger
+            if (mode >= security.mode) { // all modes that are at least as strong
                 allowed.push_back({mode, std::string{policy.name}});
             }
         }

@@ -8,10 +8,10 @@ namespace busbar::controller {
 
 namespace {
 
-/// Values by the names that both sides share.
+/// Values by names that both projects share.
 using NamedValues = std::map<std::string, std::string>;
 
-/// "user hmi: permission" of "user 1.permission".
+/// Turns "user 1.permission" into "user hmi: permission".
 std::string shared_name(const Project& project, const std::string& name)
 {
     constexpr std::string_view kind = "user ";

@@ -8,9 +8,9 @@
 
 #include <busbar/controller/project.hpp>
 
-/// The values of a project and what they are called in its file, in one place for all who go
-/// through them. A visitor has text(), flag(), number(), list() and choice(), each with the name
-/// and the value.
+/// The values of a project and their names in its file, in one place for all functions that visit
+/// them. A visitor has text(), flag(), number(), list() and choice(), each with the name and the
+/// value.
 namespace busbar::controller::detail {
 
 template <typename T, std::size_t count>
@@ -104,7 +104,7 @@ void visit_user(Visitor& visitor, Of& user)
     visitor.text("password_hash", user.password_hash);
 }
 
-/// Calls `each(section, visit)` for all sections that there are once.
+/// Calls `each(section, visit)` for all sections that occur once.
 template <typename Each>
 void for_each_section(Each each)
 {
@@ -115,14 +115,14 @@ void for_each_section(Each each)
     each("sampling", [](auto& visitor, auto& project) { visit_sampling(visitor, project); });
 }
 
-/// How many sections that is.
+/// Number of sections that occur once.
 inline constexpr std::size_t section_count = 5;
 
-/// True for text that can stand on a line: UTF-8 without control characters.
+/// True for text that fits on a line: UTF-8 without control characters.
 [[nodiscard]] bool is_project_text(std::string_view text);
 
-/// A value as the file has it, and back. `read_value` leaves `to` alone and says what was expected
-/// where the text is no such value; empty then is success.
+/// Convert between a value and its text in the file. If the text is not valid, `read_value` leaves
+/// `to` alone and returns what was expected; an empty result is success.
 template <typename T, std::size_t count>
 [[nodiscard]] std::string_view value_text(const T& value, const Choices<T, count>& choices)
 {

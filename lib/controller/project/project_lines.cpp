@@ -12,7 +12,7 @@ namespace busbar::controller::detail {
 namespace {
 
 constexpr std::string_view project_title = "busbar project ";
-/// More values than any section has.
+/// Greater than the number of values in any section.
 constexpr std::size_t max_lines_of_section = 64;
 
 } // namespace
@@ -93,7 +93,7 @@ Configured<ProjectSection> ProjectLines::read_section()
 {
     ProjectSection section;
     section.number = number_;
-    // Behind the title there are values without a section.
+    // Values after the title that precede the first section belong to a section without a title.
     bool is_first = std::exchange(has_begun_, true);
     while (!is_at_end()) {
         const std::size_t before = at_;
@@ -128,7 +128,7 @@ Configured<ProjectSection> ProjectLines::read_section()
         }
         section.lines.push_back(*line);
         if (section.title == "model" && section.lines.size() == 3) {
-            break; // the file follows
+            break; // the model's file follows
         }
     }
     return section;

@@ -18,16 +18,16 @@ struct ProjectLine {
     bool is_used{false};
 };
 
-/// A section as it stands in the file; views into it.
+/// A section of the file; refers to the file's text.
 struct ProjectSection {
-    std::string_view title; // empty: what is before the first one
-    std::size_t number{0};  // of its line
+    std::string_view title; // empty before the first section
+    std::size_t number{0};  // of the title's line
     std::vector<ProjectLine> lines{};
-    /// Where the section ends.
+    /// Offset of the end of the section.
     std::size_t end{0};
 };
 
-/// Takes a project file apart into sections, one after the other.
+/// Splits a project file into sections, one after the other.
 class ProjectLines {
 public:
     ProjectLines(std::string_view document, const std::string& file, const ProjectLimits& limits)
@@ -35,20 +35,20 @@ public:
     {
     }
 
-    /// The first line, "busbar project 1".
+    /// Reads the first line, "busbar project 1".
     [[nodiscard]] Configured<void> read_title();
-    /// The next section up to the next one; a [model] ends with its last value.
+    /// Reads a section, up to the next one; a [model] ends with its last value.
     [[nodiscard]] Configured<ProjectSection> read_section();
     [[nodiscard]] bool is_at_end() const { return at_ == document_.size(); }
-    /// `size` bytes and the end of the line.
+    /// Takes `size` bytes and the end of the line after them.
     [[nodiscard]] Configured<std::string_view> take(std::size_t size);
-    /// What is before the value of the line that was read last.
+    /// The text before the value of the last line read.
     [[nodiscard]] std::string_view before_last_line() const
     {
         return document_.substr(0, last_line_);
     }
 
-    /// "line4.busbar:12: [network] host_name".
+    /// Makes a problem at "line4.busbar:12: [network] host_name".
     [[nodiscard]] Unexpected<Problem> wrong(std::size_t line, std::string_view section,
                                             std::string_view name, std::string found,
                                             std::string_view expected) const;
@@ -58,7 +58,7 @@ public:
     }
 
 private:
-    /// The next line; its end is taken, too. Nothing for one that has none.
+    /// Takes the next line with its end; nothing if the end is missing.
     [[nodiscard]] std::optional<std::string_view> take_line();
     [[nodiscard]] Configured<ProjectLine> line_of(std::string_view text,
                                                   std::string_view section) const;
@@ -68,7 +68,7 @@ private:
     const ProjectLimits& limits_;
     std::size_t at_{0};
     std::size_t last_line_{0};
-    std::size_t number_{0}; // of the line that was read last
+    std::size_t number_{0}; // number of the last line read
     bool has_begun_{false};
 };
 

@@ -21,7 +21,7 @@ std::string listener_place(std::size_t index, std::string_view name)
     return "[listener " + std::to_string(index + 1) + "] " + std::string{name};
 }
 
-/// Ones and then zeros.
+/// True for ones followed by zeros.
 bool is_mask(std::uint32_t mask)
 {
     return mask != 0 && (~mask & (~mask + 1)) == 0;
@@ -46,8 +46,8 @@ ValueProblem check_listener(const ProjectListener& listener, std::size_t index, 
     return std::nullopt;
 }
 
-/// Two networks of which one has the other in it are one: which listener an answer leaves by would
-/// be open (SH-082679, 9.8, note 1).
+/// True if one network includes the other: it would be undefined by which listener an answer leaves
+/// (SH-082679, 9.8, note 1).
 bool is_one_network(const ProjectListener& a, const ProjectListener& b)
 {
     const std::uint32_t mask = *ipv4_of(a.mask) & *ipv4_of(b.mask);
@@ -96,7 +96,7 @@ std::optional<std::uint32_t> ipv4_of(std::string_view text)
         const char* const end = text.data() + text.size();
         const auto read = std::from_chars(text.data(), end, number);
         const auto length = static_cast<std::size_t>(read.ptr - text.data());
-        // With leading zeros some take it for octal.
+        // Refuse leading zeros, which some programs take for octal.
         if (read.ec != std::errc{} || number > 255 || (length > 1 && text.front() == '0')) {
             return std::nullopt;
         }

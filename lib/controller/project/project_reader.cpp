@@ -15,7 +15,7 @@ using detail::ProjectLine;
 using detail::ProjectLines;
 using detail::ProjectSection;
 
-/// Takes the values of a section from its lines; the first problem stays.
+/// Takes the values of a section from its lines and keeps the first problem.
 class SectionReader {
 public:
     SectionReader(ProjectSection& section, const ProjectLines& lines)
@@ -39,7 +39,7 @@ public:
         take(name, [&](std::string_view value) { return detail::read_value(value, to, choices); });
     }
 
-    /// The problem that there was, or a line that nobody asked for.
+    /// Returns the first problem, including a line that is not a value of the section.
     [[nodiscard]] Configured<void> end();
 
 private:
@@ -48,7 +48,7 @@ private:
     {
         take(name, [&](std::string_view value) { return detail::read_value(value, to); });
     }
-    /// `read` returns what was expected, or nothing.
+    /// `read` returns what was expected, or nothing on success.
     template <typename Read>
     void take(std::string_view name, Read read)
     {
@@ -120,7 +120,7 @@ private:
     ProjectLines lines_;
     const ProjectLimits& limits_;
     Project project_;
-    std::set<std::string_view> seen_; // of those that there are once
+    std::set<std::string_view> seen_; // sections that occur once
     bool has_ended_{false};
 };
 

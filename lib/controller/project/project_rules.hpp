@@ -9,14 +9,14 @@
 
 namespace busbar::controller::detail {
 
-/// The problem with a value, or none.
+/// A problem with a value, or nothing.
 using ValueProblem = std::optional<Problem>;
 
 [[nodiscard]] ValueProblem wrong_value(std::string where, std::string_view found,
                                        std::string_view expected);
 
-/// What may stand in a value with a preset (SH-082679, Appendix 6). The shading of that table is
-/// not in the text: letters, digits and the underscore, as its footnotes imply.
+/// The characters that a value may have with a preset (SH-082679, Appendix 6). The shading of that
+/// table is missing in the text; the sets follow its footnotes: letters, digits and the underscore.
 enum class Characters : std::uint8_t {
     Any,
     Word,      // letters, digits, underscore
@@ -26,7 +26,7 @@ enum class Characters : std::uint8_t {
 [[nodiscard]] ValueProblem check_characters(const std::string& where, std::string_view value,
                                             Characters characters);
 
-/// "192.168.3.40" as a number.
+/// Parses "192.168.3.40" as a number.
 [[nodiscard]] std::optional<std::uint32_t> ipv4_of(std::string_view text);
 
 [[nodiscard]] ValueProblem check_network(const Project& project, bool has_preset);

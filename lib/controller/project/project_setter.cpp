@@ -29,7 +29,7 @@ public:
     }
 
     [[nodiscard]] bool is_found() const { return is_found_; }
-    /// Empty: it was set.
+    /// Empty if the value was set.
     [[nodiscard]] const std::string& expected() const { return expected_; }
 
 private:
@@ -52,7 +52,7 @@ private:
     bool is_found_{false};
 };
 
-/// "listener 2" as 1; nothing if it is none of `kind`.
+/// Parses "listener 2" as index 1; nothing if it is not of `kind`.
 std::optional<std::size_t> index_in(std::string_view section, std::string_view kind)
 {
     std::uint32_t number = 0;
@@ -63,7 +63,8 @@ std::optional<std::size_t> index_in(std::string_view section, std::string_view k
     return is_kind ? std::optional<std::size_t>{number - 1} : std::nullopt;
 }
 
-/// Removes it, or has the visitor set a value in it; one more than there are comes to be.
+/// Removes the item, or has the visitor set a value in it; the index after the last creates a new
+/// item.
 template <typename T, typename Visit>
 Configured<void> set_item(std::vector<T>& items, std::size_t index, std::string_view section,
                           ValueSetter* setter, Visit visit)
@@ -79,7 +80,7 @@ Configured<void> set_item(std::vector<T>& items, std::size_t index, std::string_
     T item = index < items.size() ? items[index] : T{};
     visit(*setter, item);
     if (!setter->is_found() || !setter->expected().empty()) {
-        return {}; // the caller says so
+        return {}; // the caller reports it
     }
     if (index < items.size()) {
         items[index] = std::move(item);

@@ -44,7 +44,8 @@ ProjectStore::ProjectStore(Storage& storage, std::string folder, Check check,
 void ProjectStore::forget_staged()
 {
     transfer_.reset();
-    static_cast<void>(storage_->remove(staged())); // else recover() or the next begin() does it
+    static_cast<void>(storage_->remove(staged())); // if it fails, recover() or the next begin()
+                                                   // removes it
 }
 
 Configured<std::string> ProjectStore::read(const std::string& name) const
@@ -115,7 +116,7 @@ Configured<std::uint32_t> ProjectStore::begin()
     if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
         return storage_problem(*storage_, folder_, made.error());
     }
-    // Of a transfer whose end could not be removed.
+    // Replace also what a transfer left that could not be removed.
     if (auto begun = storage_->replace(staged(), {}, FileAccess::Owner); !begun) {
         return storage_problem(*storage_, staged(), begun.error());
     }
@@ -147,7 +148,7 @@ Configured<void> ProjectStore::commit(std::uint32_t transfer)
         return no_transfer();
     }
     busbar::detail::Undo undo{[this] { forget_staged(); }};
-    // What lies there is what counts, and not what was sent.
+    // Use the stored bytes rather than those that were sent.
     auto project = read_checked(staged(), check_of_new());
     auto done = project ? take_up(Staged{*std::move(project)})
                         : Configured<void>{Unexpected{std::move(project.error())}};

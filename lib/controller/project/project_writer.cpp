@@ -10,7 +10,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// Collects the values of a section as name and text.
+/// Collects the values of a section as names and texts.
 class ValueLister {
 public:
     explicit ValueLister(std::vector<ProjectValue>& to) : to_{to} {}
@@ -40,7 +40,7 @@ private:
     std::string section_;
 };
 
-/// "[listener 2] address" of "listener 2.address".
+/// Turns "listener 2.address" into "[listener 2] address".
 std::string place_of(const std::string& name)
 {
     const std::size_t point = name.find('.');
@@ -109,7 +109,7 @@ void append_value(std::string& to, std::string_view name, std::string_view value
     to += '\n';
 }
 
-/// "[listener]" of "listener 2".
+/// Turns "listener 2" into "[listener]".
 std::string section_title(std::string_view section)
 {
     return "[" + std::string{section.substr(0, section.find(' '))} + "]";

@@ -11,7 +11,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// Nodes by the folded names of what they stand for.
+/// Nodes by the folded names of the types and tasks that they represent.
 using NodesByName = std::unordered_map<std::string, model::NodeIndex>;
 
 Unexpected<Problem> configuration_problem(const char* list, std::size_t index,

@@ -30,7 +30,7 @@ model::NewNode machine_node(std::uint16_t namespace_index, std::string_view id,
     return node;
 }
 
-/// A Property with this value, which also says its DataType.
+/// Adds a Property with this value and its DataType.
 Result<model::NodeIndex> add_machine_property(model::AddressSpace& space,
                                               const model::NewNode& node, Variant value)
 {
@@ -40,7 +40,8 @@ Result<model::NodeIndex> add_machine_property(model::AddressSpace& space,
     return space.add_property(node, std::move(variable));
 }
 
-/// Fails only if somebody has removed the Property, and then nobody misses it.
+/// Writes the Property's value. This fails only if a client has deleted the node; then the value is
+/// not needed.
 void set_property(model::AddressSpace& space, model::NodeHandle property, Variant value)
 {
     const model::NodeIndex node = space.resolve(property);
@@ -102,7 +103,8 @@ Configured<MachineNodes> MachineNodes::create(model::AddressSpace& space, const 
     if (auto added = nodes.add_variables(space, publication); !added) {
         return Unexpected<Problem>{std::move(added.error())};
     }
-    // Last, so that nobody is told of what was there from the start (Part 3, 9.32.2).
+    // Add this last, so that nodes present from the start are not reported as changes (Part 3,
+    // 9.32.2).
     if (const auto version = nodes.add_version(space); !version) {
         return misconfigured("controller_name", "cannot be given a NodeVersion", version.error());
     }

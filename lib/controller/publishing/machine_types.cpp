@@ -13,7 +13,7 @@ namespace busbar::controller {
 
 namespace {
 
-/// The DataType of OPC 30000 that an elementary type has; 0: none of its own.
+/// Returns the DataType of OPC 30000 for an elementary type; 0 if it has none there.
 constexpr std::uint32_t plcopen_type(ElementaryType type)
 {
     switch (type) {
@@ -62,7 +62,7 @@ Problem type_problem(const ProgramTypes& program, const DerivedType& type, Statu
             "cannot be made a DataType"};
 }
 
-/// What the NodeIds of types begin with.
+/// Prefix of the NodeIds of types.
 const std::string type_id = "Types/";
 
 } // namespace
@@ -160,8 +160,7 @@ NodeId MachineTypes::encoding_of(std::uint16_t namespace_index, const DerivedTyp
     return NodeId{namespace_index, String{type_id + type.name + "/Default Binary"}};
 }
 
-/// Notes what has no node yet. Goes down as deep as ProgramLimits::max_depth allows types to lie in
-/// one another.
+/// Lists types that have no node yet. Recursion is limited by ProgramLimits::max_depth.
 void MachineTypes::collect(const TypeUse& use, const ProgramTypes& program,
                            std::vector<const DerivedType*>& found)
 {

@@ -6,14 +6,14 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// The character of a valid sequence of UTF-8.
+/// Decodes a valid UTF-8 sequence.
 char32_t code_point(std::string_view sequence)
 {
     const auto lead = static_cast<unsigned char>(sequence[0]);
     if (sequence.size() == 1) {
         return lead;
     }
-    // A lead byte has as many ones in front as the sequence has bytes, then a zero.
+    // A lead byte begins with as many ones as the sequence has bytes, followed by a zero.
     char32_t value = lead & (0x7FU >> sequence.size());
     for (const char c : sequence.substr(1)) {
         value = (value << 6U) | (static_cast<unsigned char>(c) & 0x3FU);
@@ -42,7 +42,7 @@ std::u16string sorting_key(std::string_view name)
     key.reserve(name.size());
     while (!name.empty()) {
         const std::size_t size = busbar::detail::utf8_sequence(name);
-        if (size == 0) { // no name that was checked
+        if (size == 0) { // the name was not checked
             break;
         }
         append_code_units(key, code_point(name.substr(0, size)));

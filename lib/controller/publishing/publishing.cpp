@@ -25,7 +25,7 @@ bool is_reached(const std::optional<std::uint64_t>& limit, std::uint64_t count)
     return limit && count >= *limit;
 }
 
-/// The first rule for single variables that keeps the variable away.
+/// Returns the first rule for single variables that excludes the variable.
 std::optional<UnpublishedReason> reason_against(const PublishingLimits& limits,
                                                 const VariableFacts& facts)
 {
@@ -54,7 +54,7 @@ struct NamedVariable {
     const GlobalVariable* variable;
 };
 
-/// Adds the variables' names to `known`.
+/// Lists the program's variables that are not in `known`, and adds their names to it.
 std::vector<NamedVariable> new_variables(const Program& program,
                                          std::unordered_set<std::string>& known)
 {
@@ -107,7 +107,7 @@ std::vector<std::string> Publication::remove(const std::unordered_set<std::strin
         return {};
     }
     std::vector<std::string> removed;
-    std::vector<std::size_t> positions{0}; // by the old position
+    std::vector<std::size_t> positions{0}; // indexed by the old position
     std::vector<PublishedVariable> stay;
     for (const PublishedVariable& each : published_) {
         if (names.contains(fold_name(each.variable->name))) {
@@ -152,7 +152,7 @@ std::optional<PublishingLimit> Publication::reached() const
     const std::pair<PublishingLimit, bool> limits[] = {
         {PublishingLimit::Variables, is_reached(limits_.max_variables, published_.size())},
         {PublishingLimit::Values, is_reached(limits_.max_values, values_)},
-        // Who allows no structures still has room for all else.
+        // A limit of 0 structures does not keep other variables out.
         {PublishingLimit::DataTypes,
          data_types() != 0 && is_reached(limits_.max_data_types, data_types())},
     };

@@ -19,8 +19,8 @@ struct ReasonRow {
     std::string_view text;
 };
 
-/// In the order of UnpublishedReason. Two have one name in the execution log and a bit each in the
-/// event (W588, 7-1-6 and 9-2-2).
+/// Rows in the order of UnpublishedReason. Two reasons share a name in the execution log but have
+/// separate bits in the event (W588, 7-1-6 and 9-2-2).
 constexpr std::array reason_rows{
     ReasonRow{"MultiDimensionalArray", 0, "is an array of structures with several dimensions"},
     ReasonRow{"MultiDimensionalArray", 1, "has a member that is an array of several dimensions"},
@@ -55,7 +55,7 @@ void tell_record(LogSink& log, RecordKind kind, LogLevel level, std::string text
     tell(log, record);
 }
 
-/// Without a line for people: there may be a hundred thousand.
+/// Writes no log text, because there may be a hundred thousand variables.
 void tell_published(LogSink& log, const PublishedVariable& published)
 {
     const RecordField fields[] = {{"Name", borrowed(published.variable->name)},
@@ -78,7 +78,7 @@ void tell_unpublished(LogSink& log, const UnpublishedVariable& one)
                 fields);
 }
 
-/// From these positions on, as they were looked at.
+/// Records the variables from these positions on, in the order in which they were examined.
 void tell_variables(LogSink& log, const Publication& publication, std::size_t first,
                     std::size_t first_unpublished)
 {

@@ -7,13 +7,14 @@
 
 namespace busbar::controller::detail {
 
-/// ValueRank (Part 3, 5.6.2).
+/// Returns the ValueRank (Part 3, 5.6.2).
 [[nodiscard]] inline std::int32_t value_rank(const ResolvedType& type)
 {
     return type.is_array() ? static_cast<std::int32_t>(type.dimensions.size()) : -1;
 }
 
-/// ArrayDimensions: the lengths, whatever the first index is; null for no array.
+/// Returns the ArrayDimensions: the lengths, whatever the first index is; null if it is not an
+/// array.
 [[nodiscard]] inline Array<std::uint32_t> array_dimensions(const ResolvedType& type)
 {
     Array<std::uint32_t> lengths;

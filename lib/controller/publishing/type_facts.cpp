@@ -6,7 +6,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-/// Enough for any limit, and far from overflow.
+/// Greater than any limit, and far from overflow.
 constexpr std::uint64_t most_values = std::uint64_t{1} << 56U;
 
 std::uint64_t times(std::uint64_t a, std::uint64_t b)
@@ -60,7 +60,7 @@ TypeFactsTable::new_definitions(const DerivedType* top,
     const auto visit = [&](const DerivedType* type) {
         if (found.size() <= room && seen.insert(type).second) {
             std::string name = fold_name(type->name);
-            // What it is made of is known with it.
+            // If a type is known, so are the types that it consists of.
             if (!known.contains(name)) {
                 found.push_back(std::move(name));
                 open.push_back(type);
@@ -89,7 +89,7 @@ const TypeFacts& TypeFactsTable::of_type(const DerivedType& type)
     return *kept;
 }
 
-// Goes down as deep as ProgramLimits::max_depth allows types to lie in one another.
+// Recursion is limited by ProgramLimits::max_depth.
 TypeFacts TypeFactsTable::find_facts(const DerivedType& type)
 {
     TypeFacts facts;

@@ -11,20 +11,20 @@
 
 namespace busbar::controller::detail {
 
-/// What the rules of W588, 6-2-2 ask of a structure or union, with all that lies in it.
+/// The facts about a structure or union, with all its parts, that the rules of W588, 6-2-2 need.
 struct TypeFacts {
     std::uint64_t values{0};
-    std::uint64_t members{0}; // its own
-    /// Of structures and unions within one another, itself included.
+    std::uint64_t members{0}; // its own only
+    /// Depth of nested structures and unions, itself included.
     std::uint64_t levels{0};
     bool has_matrix{false};
     bool has_union{false};
     bool has_first_index{false};
-    /// Types of its members that are structures or unions, each once.
+    /// The structures and unions that its members are of, each once.
     std::vector<const DerivedType*> inner{};
 };
 
-/// The same of a variable.
+/// The same facts about a variable.
 struct VariableFacts {
     std::uint64_t size{0};
     std::uint64_t values{0};
@@ -35,22 +35,22 @@ struct VariableFacts {
     bool has_matrix{false};
     bool has_union{false};
     bool has_first_index{false};
-    /// Of a structure or union, or of elements that are.
+    /// The type of a structure or union, or of an array's elements.
     const DerivedType* structure{nullptr};
 };
 
-/// The facts of a program's types, each found when it is asked for first and only once.
+/// The facts about a program's types; computes each once, when it is first requested.
 class TypeFactsTable {
 public:
-    /// `program` must outlive it.
+    /// `program` must outlive this object.
     explicit TypeFactsTable(const ProgramTypes& program)
         : program_{&program}, facts_(program.program().types.size())
     {
     }
 
     [[nodiscard]] VariableFacts of(const TypeUse& use);
-    /// The folded names of structures and unions that `top` is made of, itself included, which are
-    /// not in `known`; no further ones once there are more than `room`. `top` may be null.
+    /// Returns the folded names of the structures and unions that `top` consists of, itself
+    /// included, that are not in `known`; stops once there are more than `room`. `top` may be null.
     [[nodiscard]] std::vector<std::string>
     new_definitions(const DerivedType* top, const std::unordered_set<std::string>& known,
                     std::uint64_t room);
@@ -61,7 +61,7 @@ private:
     void add_member(TypeFacts& facts, const DerivedType& type, const TypeUse& use);
 
     const ProgramTypes* program_;
-    /// In the order of Program::types.
+    /// Facts in the order of Program::types.
     std::vector<std::optional<TypeFacts>> facts_;
 };
 

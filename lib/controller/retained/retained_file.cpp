@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t magic = 0x5652'4242; // "BBRV"
 constexpr std::uint32_t version = 2;
-/// It has no number of a write.
+/// The version without the number of a write.
 constexpr std::uint32_t first_version = 1;
 constexpr std::size_t crc_size = 4;
 

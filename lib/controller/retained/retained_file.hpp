@@ -25,7 +25,7 @@ class RetainedWriter {
 public:
     RetainedWriter(std::size_t count, std::uint64_t last_write);
     void add(const RetainedValue& value);
-    /// The file.
+    /// Returns the file.
     [[nodiscard]] std::vector<std::byte> take();
 
 private:
@@ -35,14 +35,14 @@ private:
 
 class RetainedReader {
 public:
-    /// `file` must outlive it and what it gives.
+    /// `file` must outlive this object and the values that it returns.
     explicit RetainedReader(std::span<const std::byte> file);
 
-    /// Empty: it can be read to its end. Else why not.
+    /// Tells why the file cannot be read; empty if it can.
     [[nodiscard]] const std::string& problem() const { return problem_; }
-    /// 0 if there is a problem, or none was written yet.
+    /// Number of the last write in the file; 0 if there is none or the file cannot be read.
     [[nodiscard]] std::uint64_t last_write() const { return last_write_; }
-    /// None behind the last.
+    /// Returns the next value; nothing after the last one.
     [[nodiscard]] std::optional<RetainedValue> next();
 
 private:

@@ -30,7 +30,7 @@ void add_entry(binary::Writer& writer, const JournalEntry& entry)
 
 std::size_t size_of(const JournalEntry& entry)
 {
-    // Both lengths, the offset and the type's print.
+    // Size of two lengths, the offset, the type's print and the contents.
     return 3 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + entry.name.size() +
            entry.bytes.size();
 }
@@ -48,7 +48,7 @@ std::optional<JournalEntry> read_entry(binary::Reader& reader)
         {reinterpret_cast<const char*>(name.data()), name.size()}, type_print, offset, bytes};
 }
 
-/// The record of a write, with what stands before the first one of a file.
+/// Encodes a write; the first record of a file follows the file's header.
 std::vector<std::byte> record_of(std::span<const JournalEntry> entries, std::uint64_t number,
                                  bool is_first)
 {
@@ -79,12 +79,12 @@ std::vector<std::byte> record_of(std::span<const JournalEntry> entries, std::uin
 
 struct Record {
     std::size_t size;
-    bool is_whole; // its checksum is right
+    bool is_whole; // whether the checksum is right
     std::uint64_t number;
-    std::span<const std::byte> entries; // with how many they are
+    std::span<const std::byte> entries; // with their number in front
 };
 
-/// Nothing if the bytes end before it does.
+/// Reads the first record; nothing if it is incomplete.
 std::optional<Record> first_record(std::span<const std::byte> bytes)
 {
     binary::Reader reader{bytes};
@@ -103,10 +103,10 @@ std::optional<Record> first_record(std::span<const std::byte> bytes)
 
 } // namespace
 
-/// What the files have.
+/// The contents of both files.
 struct RetainedJournal::Found {
     std::vector<std::vector<std::byte>> files{};
-    /// Of records, by the numbers of their writes.
+    /// The bodies of records, by the numbers of their writes.
     std::map<std::uint64_t, std::span<const std::byte>> bodies{};
     std::vector<Problem> problems{};
 };
@@ -136,7 +136,7 @@ void RetainedJournal::read(File& file, Found& found) const
     const auto found_magic = header.number<std::uint32_t>();
     const auto found_version = header.number<std::uint32_t>();
     if (!header.ok()) {
-        return; // cut off before there was a record
+        return; // cut off before the first record
     }
     if (found_magic != journal_magic || found_version != journal_version) {
         return problem("is not a journal of retained values", true);
@@ -192,7 +192,7 @@ Stored<void> RetainedJournal::append(std::span<const JournalEntry> entries)
     }
     File& file = files_[active_];
     const auto record = record_of(entries, last_ + 1, file.size == 0);
-    // Without memory nothing has begun yet; from here on a part of it may be there.
+    // A failed allocation has not written anything; after this a part may be on the medium.
     error_ = StorageError::Full;
     if (record.size() > max_size - file.size) {
         return not_stored(*error_);
@@ -249,7 +249,7 @@ Stored<void> RetainedJournal::remove(File& file)
 Stored<void> RetainedJournal::saved()
 {
     File& other = files_[1 - active_];
-    // Writes go to the active one meanwhile, unless they are refused.
+    // Writes go to the active file in the meantime, unless they are refused.
     File gone = other;
     if (auto removed = remove(gone); !removed) {
         return removed;

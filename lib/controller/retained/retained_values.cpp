@@ -19,11 +19,11 @@ namespace busbar::controller {
 
 namespace {
 
-/// All of an image's variables with names and whatever else there is of each.
+/// Large enough for all variables of an image with their names and types.
 constexpr std::size_t max_file_size = 2 * server::ImageLayout::max_bytes;
 
-/// Whether what lies at `from` is a value, whoever wrote the file: no text longer than its place,
-/// no truth value of its own kind.
+/// Tells whether the bytes at `from` are a valid value, since the file may come from anywhere: no
+/// text longer than its place, no truth value other than 0 and 1.
 bool is_value(const server::ImagePlace& place, const std::byte* from)
 {
     for (std::uint32_t i = 0; i < place.elements; ++i, from += place.stride) {
@@ -93,7 +93,7 @@ void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::siz
         const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {
             const std::uint32_t handle = first_handle + i;
-            // One that was there before was removed, and comes back in another place.
+            // A variable of this name was removed, and returns at another place.
             const auto [known, is_new] =
                 by_name_.emplace(fold_name(variable.name), variables_.size());
             Variable taken{variable.name, handle, prints.print(variable.type)};
@@ -109,8 +109,8 @@ void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::siz
     }
 }
 
-/// Values on their way into the image's memory: those of the file, and over them what the journal
-/// has, which may be parts of a variable.
+/// Values on their way into the image's memory: those of the file, overwritten by the journal's,
+/// which may be parts of variables.
 class RetainedValues::Restoring {
 public:
     Restoring(const RetainedValues& owner, RetainedRestore& result) : owner_{owner}, result_{result}
@@ -138,7 +138,7 @@ public:
             return refuse(*variable);
         }
         std::vector<std::byte>& value = values_[variable->handle];
-        if (value.empty()) { // it is as declared
+        if (value.empty()) { // it keeps the declared value
             const std::byte* const declared = owner_.image_->memory().bytes(place);
             value.assign(declared, declared + place.bytes());
         }
@@ -158,16 +158,16 @@ public:
     }
 
 private:
-    /// Null for one that is gone, was added while the task ran, or has another type.
+    /// Finds the variable; null if it is gone, was added while the task ran, or has another type.
     const Variable* find(std::string_view name, std::uint64_t type_print)
     {
         const auto found = owner_.by_name_.find(fold_name(name));
         if (found == owner_.by_name_.end()) {
-            return nullptr; // it is no longer there, or no longer retained
+            return nullptr; // the variable is gone or no longer retained
         }
         const Variable& variable = owner_.variables_[found->second];
         if (variable.handle >= owner_.image_->layout().size()) {
-            return nullptr; // it was added, and the task has it already
+            return nullptr; // added later: the task already uses it
         }
         if (type_print != variable.type_print) {
             refuse(variable);
@@ -187,7 +187,7 @@ private:
 
     const RetainedValues& owner_;
     RetainedRestore& result_;
-    /// By handle.
+    /// Values by handle.
     std::map<std::uint32_t, std::vector<std::byte>> values_;
     std::set<std::uint32_t> refused_;
 };
@@ -197,7 +197,7 @@ RetainedRestore RetainedValues::restore()
     RetainedRestore result;
     Restoring restoring{*this, result};
     std::uint64_t last_write = 0;
-    std::string unreadable; // said once of a medium that is away
+    std::string unreadable; // report a medium that is away only once
     auto file = read_file(*storage_, options_.file, max_file_size);
     if (file) {
         detail::RetainedReader reader{*file};
@@ -225,7 +225,7 @@ RetainedRestore RetainedValues::restore()
             const bool is_there = handle < image_->layout().size();
             return is_there ? image_->memory().bytes(image_->place(handle)) : nullptr;
         };
-        // What fails is due again, and tells why then.
+        // A failed save stays due; its next attempt reports the reason.
         static_cast<void>(save(content(begun, journal_->begin_save())));
     }
     return result;
@@ -251,7 +251,7 @@ std::vector<std::byte> RetainedValues::content(BytesOf bytes_of, std::uint64_t l
 
 Stored<void> RetainedValues::save()
 {
-    // First the number: the scan that is read after it has all writes up to that.
+    // Take the number first: a scan that is read afterwards has all writes up to it.
     const std::uint64_t last_write = journal_->begin_save();
     const server::ImagePin pin = image_->pin();
     if (!pin) {
@@ -271,7 +271,7 @@ Stored<void> RetainedValues::save(std::vector<std::byte> now)
         return kept;
     }
     if (auto written = storage_->replace(options_.file, now, FileAccess::Owner); !written) {
-        // It may be there after all: the next call has to write.
+        // The file may exist after all: the next call must write.
         saved_.clear();
         return written;
     }

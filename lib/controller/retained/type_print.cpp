@@ -42,7 +42,7 @@ std::uint64_t TypePrints::print(const TypeUse& use)
 {
     const ResolvedType type = types_->resolve(use);
     Fingerprint made;
-    // Values are kept as they lie in memory.
+    // Values are stored as they are in memory.
     made.add(std::uint64_t{std::endian::native == std::endian::little});
     made.add(static_cast<std::uint64_t>(type.kind));
     made.add(std::uint64_t{type.dimensions.size()});

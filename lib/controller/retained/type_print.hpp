@@ -7,9 +7,9 @@
 
 namespace busbar::controller::detail {
 
-/// Prints of types: the same for types whose values lie in the same way in an image and mean the
-/// same, and otherwise others, but for the chance of 1 to 2^64. Names of types do not count, those
-/// of members and enumerators do.
+/// Computes fingerprints of types. They are equal for types whose values have the same layout in an
+/// image and the same meaning, and differ otherwise, with a chance of 1 to 2^64 for a mistake.
+/// Names of members and enumerators matter, names of types do not.
 class TypePrints {
 public:
     explicit TypePrints(const ProgramTypes& types,
@@ -21,7 +21,7 @@ public:
     [[nodiscard]] std::uint64_t print(const TypeUse& use);
 
 private:
-    /// Each once, so that types that lie twice in one another cost no more than others.
+    /// Computes each print once, so that types nested twice cost no more than others.
     [[nodiscard]] std::uint64_t print_of(const DerivedType& type);
 
     const ProgramTypes* types_;
