@@ -38,7 +38,7 @@ struct Administration::Impl {
 
     AdministrationParts parts;
     detail::NodeTable table;
-    /// Users or roles are others.
+    /// Raised when users or roles change.
     detail::NodeTable::Signal& changed;
     detail::NodeTable::Signal& files_changed;
     std::optional<detail::RoleSet> role_set;

@@ -16,8 +16,8 @@ using server::Event;
 constexpr std::uint16_t severity_of_success = 100;
 constexpr std::uint16_t severity_of_failure = 600;
 
-/// What becomes of a kind; in the order of RecordKind. No event type: no event. Kinds behind those
-/// here have none.
+/// The event for a kind of record, in the order of RecordKind. Without an event type there is no
+/// event, nor for kinds after the last row.
 struct Row {
     std::uint32_t event_type;
     std::string_view source_name;
@@ -69,7 +69,7 @@ const Row& row_of(RecordKind kind)
     return place < rows.size() ? rows[place] : none;
 }
 
-/// The subtype that says what was wrong (Part 5, 6.4.13 to 6.4.18).
+/// Returns the event type for what is wrong with the certificate (Part 5, 6.4.13 to 6.4.18).
 std::uint32_t certificate_type(StatusCode status)
 {
     struct Reason {
@@ -101,7 +101,7 @@ bool is_of_certificate(RecordKind kind)
     return kind == RecordKind::CertificateRefused || kind == RecordKind::CertificateSuppressed;
 }
 
-/// Fields that have other names in events, go elsewhere, or are not there.
+/// Tells whether a field has another name or place in events, or is left out.
 bool is_renamed(std::string_view name)
 {
     static constexpr std::array<std::string_view, 11> names{
@@ -110,7 +110,7 @@ bool is_renamed(std::string_view name)
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// The SourceName; of a session that ended by what ended it, "Session/Timeout" (Part 4, 6.5.6).
+/// Returns the SourceName; for a session it tells what ended it, "Session/Timeout" (Part 4, 6.5.6).
 String source_name(const Record& record, std::string_view usual)
 {
     const Variant* const cause =
@@ -119,7 +119,7 @@ String source_name(const Record& record, std::string_view usual)
     return String{text != nullptr ? "Session/" + text->str() : std::string{usual}};
 }
 
-/// Where there is no user yet (Part 5, 6.4.5, 6.4.6 and 6.4.8).
+/// Returns the user name for records made before a login (Part 5, 6.4.5, 6.4.6 and 6.4.8).
 std::string_view user_of_system(RecordKind kind)
 {
     switch (kind) {
@@ -160,7 +160,7 @@ void set_actor(Event& event, const Record& record)
 
 void set_certificate(Event& event, const Record& record)
 {
-    // The one that is new is nobody's who called (Part 12, 7.10.14).
+    // A new certificate does not belong to the client (Part 12, 7.10.14).
     if (record.certificate.empty() || record.kind == RecordKind::CertificateUpdated) {
         return;
     }
@@ -220,7 +220,7 @@ void AuditLog::record(const Record& record)
         lines_->record(record);
     }
     if (queue_ != nullptr && row_of(record.kind).event_type != 0) {
-        // Counted there if there is no room.
+        // The queue counts events that it has no room for.
         static_cast<void>(queue_->raise(audit_event(record, server_id_)));
     }
 }

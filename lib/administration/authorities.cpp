@@ -27,7 +27,7 @@ constexpr std::array roles_of_authorities{
     RoleOfAuthority{Authority::Administrator, id::WellKnownRole_SecurityAdmin},
 };
 
-/// Gives it more permissions, on top of what it has.
+/// Adds permissions to those that the role has.
 void permit(model::NodeAccess& access, std::uint32_t role, PermissionType permissions)
 {
     const auto found =

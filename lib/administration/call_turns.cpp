@@ -23,7 +23,7 @@ void CallTurns::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
 {
     const StatusCode thrown =
         busbar::detail::guarded(*log_, "a Method of administration", [&] { serve_(batch, index); });
-    // Which is what it answers if nobody said anything else.
+    // This is the answer if serve_ gave none.
     StatusCode& answer = batch->results()[index].status;
     if (thrown.is_bad() && answer == status::Bad_InternalError) {
         answer = thrown;
@@ -46,7 +46,7 @@ void CallTurns::add(server::CallBatch batch)
         line->calls.push_back({shared, 0});
         return;
     }
-    // What needs memory comes before the first Method is done.
+    // Allocate memory before the first Method is called.
     std::list<Line> line;
     if (shared->size() > 1) {
         line.push_back({holder, {}});
@@ -80,7 +80,7 @@ void CallTurns::serve_next()
     if (lines_.empty()) {
         return;
     }
-    // The lines are as they will be before the Method is called, which may throw.
+    // Update the lines before calling the Method, which may throw.
     Line& line = lines_.front();
     Waiting& first = line.calls.front();
     const Holder holder = line.holder;

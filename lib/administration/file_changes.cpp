@@ -18,7 +18,7 @@ namespace {
 
 using server::MethodCall;
 
-/// Why OpenFiles and the Storage refuse, for an administrator.
+/// Explains a refusal of OpenFiles or the Storage to an administrator.
 std::string reason_of_file(StatusCode status)
 {
     struct Row {
@@ -55,7 +55,7 @@ void refuse_file(MethodCall& call, StatusCode status)
     call.fail(status, reason_of_file(status));
 }
 
-/// Either the outputs or why not.
+/// Answers with the outputs or the reason for the failure.
 void answer(MethodCall& call, StatusCode status)
 {
     if (status.is_bad()) {
@@ -89,7 +89,7 @@ DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
         return DataValue{aspect == Aspect::Size ? Variant{entry->size} : Variant{entry->modified}};
     }
     default:
-        // Whom a value is for is not known here; Open tells those who may not.
+        // A value is the same for all users; Open refuses users without the right to write.
         return DataValue{Variant{!files_.writers.empty() && !files_.is_written_by_program}};
     }
 }
@@ -135,11 +135,12 @@ void FileNodes::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
 void FileNodes::open(MethodCall& call, const std::string& path)
 {
     const auto mode = call.input<std::uint8_t>(0);
-    // Who only reads would keep writers and readers out, and hold what is never written.
+    // A reader with this mode would keep others out, and never write.
     if ((mode & open_write) != 0 && !may_call(space_, writing_, call.user())) {
         return refuse_file(call, status::Bad_UserAccessDenied);
     }
-    auto outputs = one_output(Variant{std::uint32_t{0}}); // a handle nobody knows is never closed
+    auto outputs = one_output(Variant{std::uint32_t{0}}); // allocate this first: a handle that the
+                                                          // client never got could not be closed
     const auto handle = open_.open(path, mode, holder_of(server_, call));
     if (!handle) {
         return refuse_file(call, handle.error());
@@ -152,7 +153,7 @@ void FileNodes::close(MethodCall& call, const std::string& path)
 {
     const Holder holder = holder_of(server_, call);
     const OpenFiles::Key key{path, call.input<std::uint32_t>(0), holder};
-    // The right to write counts now: it may have gone since Write.
+    // Check the right again: it may have been taken away since Write.
     if (open_.is_changed(key) && !may_call(space_, writing_, call.user())) {
         open_.discard(key);
         return refuse_file(call, status::Bad_UserAccessDenied);
@@ -164,7 +165,7 @@ void FileNodes::read_file(MethodCall& call, const std::string& path)
 {
     const Holder holder = holder_of(server_, call);
     const OpenFiles::Key key{path, call.input<std::uint32_t>(0), holder};
-    // Read again if the client does not get it.
+    // Restore the position if the client does not get the answer.
     busbar::detail::Undo undo{[&, before = open_.position(key)] {
         static_cast<void>(before ? open_.set_position(key, *before) : before.error());
     }};
@@ -263,7 +264,7 @@ void FileNodes::create_file(MethodCall& call, const std::string& path)
     call.succeed(std::move(outputs));
 }
 
-/// As if it had not been asked for.
+/// Removes a new file or folder whose request failed.
 void FileNodes::undo_creation(const std::string& path)
 {
     static_cast<void>(files_.storage->remove(path));
@@ -321,7 +322,8 @@ StatusCode FileNodes::copy_file(const std::string& from, const std::string& to)
     return kept ? StatusCode{status::Good} : status_of(kept.error());
 }
 
-/// Of a folder one by one: what fails leaves each file in one of both places, or in both.
+/// Copies or moves an entry; the files of a folder one by one. After a failure each file is at one
+/// of the two places, or at both.
 StatusCode FileNodes::transfer(const std::string& from, const std::string& to,
                                StorageEntry::Kind kind, bool copies)
 {

@@ -18,10 +18,10 @@ namespace busbar::administration::detail {
 
 namespace {
 
-/// The roots of all FileSystems have it.
+/// Prefix of the roots of all FileSystems.
 constexpr std::string_view files_prefix = "Files/";
 
-/// Whose a right is: writers do all that is not the program's.
+/// Returns the roles with a right: writers have all but the program's own.
 NamedRoles roles_of(const FileSystem& files, FileRight right)
 {
     const bool is_programs = right == FileRight::Write && files.is_written_by_program;
@@ -33,8 +33,8 @@ model::NodeAccess access_of_folder(const FileSystem& files)
     return access_of(Thing::Files, NodeClass::Object, roles_of(files, FileRight::Read));
 }
 
-/// The entry point of all folders (Part 20, 4.3.2), whose own Methods are for nobody: it is no
-/// folder of a medium. Objects, where namespace 0 has none.
+/// Returns the entry point of all folders (Part 20, 4.3.2), or Objects if namespace 0 has none. No
+/// role may call its Methods, because it is not a folder of a medium.
 model::NodeIndex entry_point(model::AddressSpace& space)
 {
     const model::NodeIndex objects = space.find(id::ObjectsFolder);
@@ -42,7 +42,7 @@ model::NodeIndex entry_point(model::AddressSpace& space)
     if (system == model::no_node) {
         return objects;
     }
-    // It is there already with a second folder.
+    // This fails, harmlessly, for the second FileSystem.
     static_cast<void>(space.add_reference(objects, NodeId{0, id::HasComponent}, system));
     for (const char* method : {"CreateDirectory", "CreateFile", "Delete", "MoveOrCopy"}) {
         if (const model::NodeIndex node = child_of(space, system, method); node != model::no_node) {
@@ -191,8 +191,8 @@ Configured<void> FileNodes::add_methods()
     return {};
 }
 
-/// Methods of files belong to a type of their own, those of directories to the root; all other
-/// Objects refer to them.
+/// Adds a Method. Methods of files belong to a type of their own, those of directories to the root;
+/// all other Objects refer to them.
 Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method method,
                                                FileRight right)
 {
@@ -236,7 +236,7 @@ Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t numbe
     return {};
 }
 
-/// Without an entry that has no node, and the other way round.
+/// Adds an entry and its node, or neither.
 void FileNodes::add_entry(const std::string& path, Entry entry)
 {
     const auto place = entries_.emplace(path, entry).first;
@@ -338,7 +338,7 @@ void FileNodes::refresh()
     found.emplace("", Entry{StorageEntry::Kind::Folder, 0});
     if (!collect("", 1, found)) {
         is_stale_ = false;
-        return; // what cannot be read now is not gone
+        return; // a folder that cannot be read now still exists
     }
     std::vector<std::string> gone;
     for (const auto& [path, entry] : entries_) {
@@ -347,7 +347,7 @@ void FileNodes::refresh()
             gone.push_back(path);
         }
     }
-    // What is in a folder before the folder.
+    // Remove the contents of a folder before the folder.
     std::for_each(gone.rbegin(), gone.rend(), [&](const std::string& path) { remove_entry(path); });
     for (auto& [path, entry] : found) {
         if (!entries_.contains(path) && entries_.contains(folder_of(path))) {

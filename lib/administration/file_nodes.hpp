@@ -23,16 +23,16 @@ namespace busbar::administration::detail {
 
 enum class FileRight : std::uint8_t { Read, Write, Delete };
 
-/// The nodes of one FileSystem: Objects that follow what there is in the Storage, and one Method of
-/// each kind for all of them.
+/// The nodes of one FileSystem: Objects that follow the content of the Storage, and one Method of
+/// each kind that all of them share.
 class FileNodes final : public server::DataSource {
 public:
     FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock,
               LogSink& log);
 
-    /// The problem is one of the namespace, which is too small, or of nodes that are there already.
+    /// Adds the nodes. Fails if namespace 0 is too small or a node exists already.
     [[nodiscard]] Configured<void> add_nodes();
-    /// Adds and removes nodes as the Storage has files.
+    /// Adds and removes nodes until they match the Storage.
     void refresh();
 
     [[nodiscard]] server::DataSourceOptions options() const override
@@ -57,20 +57,20 @@ private:
     [[nodiscard]] Result<void> add_file(const model::NewNode& node, std::uint32_t number);
     [[nodiscard]] Result<model::NodeIndex> add_method(std::uint32_t declaration, Method method,
                                                       FileRight right);
-    /// The type of the files.
+    /// Adds the type of the files.
     [[nodiscard]] Configured<void> add_type();
     [[nodiscard]] Configured<void> add_methods();
-    /// False if the medium cannot be read.
+    /// Lists the entries of a folder; false if the medium cannot be read.
     [[nodiscard]] bool collect(const std::string& folder, std::size_t depth, Entries& found);
-    /// Whether clients see the file of this name. Says once that they do not see one.
+    /// Tells whether clients see the file of this name. Logs the first one that they do not see.
     [[nodiscard]] bool is_shown(const StorageEntry& entry);
     void add_entry(const std::string& path, Entry entry);
     [[nodiscard]] bool add_entry_nodes(const std::string& path, Entry& entry);
     void remove_entry(const std::string& path);
-    /// The same where the medium has changed already: what fails is done before the next Method.
+    /// Does the same after the medium has changed; repeats a failure before the next Method.
     void refresh_soon();
     [[nodiscard]] NodeId node_id(std::string_view path) const;
-    /// The path of one of our Objects; nothing for other nodes.
+    /// Returns the path of one of these Objects; null for other nodes.
     [[nodiscard]] const std::string* path_of(const NodeId& node) const;
     [[nodiscard]] DataValue value_of(const std::string& path, Aspect aspect);
     void expire();
@@ -88,9 +88,9 @@ private:
     void delete_entry(server::MethodCall& call, const std::string& path);
     void move_or_copy(server::MethodCall& call, const std::string& path);
 
-    /// Whether there may be a new entry of this name in the folder, and its path.
+    /// Returns the path of a new entry with this name in the folder, if it may exist.
     [[nodiscard]] Result<std::string> new_path(const std::string& folder, std::string_view name);
-    /// The path of the first argument; null unless it is in the folder.
+    /// Returns the path in the first argument; null unless it is in the folder.
     [[nodiscard]] const std::string* child_path(const server::MethodCall& call,
                                                 const std::string& folder) const;
     [[nodiscard]] std::size_t entries_below(const std::string& path) const;
@@ -104,7 +104,7 @@ private:
     const FileSystem& files_;
     const WallClock& clock_;
     LogSink& log_;
-    /// It was logged that a name in the folder is none.
+    /// True once a name that clients cannot see was logged.
     bool is_told_{false};
     OpenFiles open_;
     CallTurns turns_;
@@ -114,19 +114,20 @@ private:
     std::vector<model::NodeIndex> directory_methods_;
     std::vector<model::NodeIndex> file_methods_;
     std::vector<Method> methods_;
-    /// By path; the root is "".
+    /// Entries by path; the root is "".
     Entries entries_;
-    /// The path of each number; empty for those that are free.
+    /// Paths by number; empty for free numbers.
     std::vector<std::string> paths_;
-    /// Has room for all of them, so that a removal needs no memory.
+    /// Capacity is reserved for all numbers, so that a removal needs no memory.
     std::vector<std::uint32_t> free_numbers_;
-    /// A refresh did not come to its end.
+    /// True if a refresh was not completed.
     bool is_stale_{false};
 };
 
-/// What files of clients may be called: a name (see is_name) that is no path and is not hidden.
+/// Tells whether a client may give a file this name: a name (see is_name) that is not a path and
+/// not hidden.
 [[nodiscard]] bool is_file_name(std::string_view name);
-/// The path of the folder that it is in; "" for the root.
+/// Returns the path of the containing folder; "" for the root.
 [[nodiscard]] std::string_view folder_of(std::string_view path);
 
 } // namespace busbar::administration::detail

@@ -32,7 +32,7 @@ constexpr std::array file_properties{
     FileProperty{"LastModifiedTime", id::DateTime, FileAspect::LastModifiedTime},
 };
 
-/// "parent//name", in the parent's namespace.
+/// Returns the NodeId "parent//name" in the parent's namespace.
 NodeId node_below(const NodeId& parent, std::string_view name)
 {
     return NodeId{parent.namespace_index(),

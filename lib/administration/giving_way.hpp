@@ -19,10 +19,10 @@ template <typename T>
     }
 }
 
-/// What has to go, so that `taker` can have `wanted` more of what all users together have too much
-/// of: of the user who has most of it, and more than `taker` would have, the first one of the
-/// smallest `order`. The end of `held` if nobody has more. `weight` is how much each one takes;
-/// those of 0 stay.
+/// Finds an element to remove so that `taker` can have `wanted` more of a resource that all users
+/// share. Takes it from the user with the largest share, if that is larger than the taker's would
+/// be: the first of the elements with the smallest `order`. Gives the end of `held` if there is
+/// none. `weight` is the share of an element; those with 0 stay.
 template <typename Range, typename Weight, typename Order>
 [[nodiscard]] auto find_giving_way(Range& held, const Holder& taker, std::size_t wanted,
                                    Weight weight, Order order)
@@ -46,7 +46,7 @@ template <typename Range, typename Weight, typename Order>
     return loser;
 }
 
-/// Of places, of which each counts for one.
+/// The same if each element counts as one.
 template <typename Range, typename Order>
 [[nodiscard]] auto find_giving_way(Range& held, const Holder& taker, Order order)
 {

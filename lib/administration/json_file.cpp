@@ -51,7 +51,7 @@ Configured<std::optional<Json>> read_json_file(Storage& storage, std::string_vie
 bool is_kept_whole(std::string_view text)
 {
     while (!text.empty()) {
-        // Control characters of two bytes are no trouble in a file, unlike on a terminal.
+        // Allow control characters of two bytes, which do harm on a terminal but not in a file.
         const bool is_control = text.size() > 1 && text[0] == '\xC2' &&
                                 (static_cast<unsigned char>(text[1]) & 0xE0U) == 0x80U;
         const std::size_t size = is_control ? 2 : busbar::detail::utf8_sequence(text);

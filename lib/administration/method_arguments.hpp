@@ -14,22 +14,22 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/types/data_types.hpp>
 
-/// What Methods of the administration get and give.
+/// Access to the arguments of administration's Methods.
 namespace busbar::administration::detail {
 
-/// The text of an argument; empty if it is null. Valid as long as the call.
+/// Returns an argument's text, empty for null; valid as long as the call.
 [[nodiscard]] std::string_view text_view(const server::MethodCall& call, std::size_t index);
 [[nodiscard]] inline std::string text_input(const server::MethodCall& call, std::size_t index)
 {
     return std::string{text_view(call, index)};
 }
 
-/// The bytes of an argument; empty if it is null. Valid as long as the call.
+/// Returns an argument's bytes, empty for null; valid as long as the call.
 [[nodiscard]] std::span<const std::byte> bytes_input(const server::MethodCall& call,
                                                      std::size_t index);
 
-/// The structure of the first argument; empty if it is another one, which the Method's
-/// InputArguments do not let through.
+/// Returns the structure in the first argument; an empty one for another type, which the Method's
+/// InputArguments do not allow.
 template <typename T>
 [[nodiscard]] T structure_input(const server::MethodCall& call)
 {
@@ -47,7 +47,7 @@ template <typename T>
     return result; // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks)
 }
 
-/// An array that is empty rather than null.
+/// Makes an array of structures; an empty list does not become null.
 template <typename T, typename From>
 [[nodiscard]] Variant structures(const std::vector<From>& list)
 {
@@ -59,18 +59,18 @@ template <typename T, typename From>
     return Variant{std::move(objects)};
 }
 
-/// The same of texts.
+/// Makes an array of Strings; an empty list does not become null.
 [[nodiscard]] Variant texts(const std::vector<std::string>& list);
 
-/// The same of NodeIds.
+/// Makes an array of NodeIds; an empty list does not become null.
 [[nodiscard]] Variant node_ids(const std::vector<NodeId>& ids);
 
-/// What the Property InputArguments or OutputArguments of a Method in namespace 0 says.
+/// Returns the Property InputArguments or OutputArguments of a Method in namespace 0.
 [[nodiscard]] Array<Argument> declared_arguments(const model::AddressSpace& space,
                                                  model::NodeIndex method,
                                                  std::string_view property);
 
-/// The outputs of a Method that has one.
+/// Returns the outputs of a Method that has a single one.
 [[nodiscard]] inline Array<Variant> one_output(Variant value)
 {
     Array<Variant> outputs;

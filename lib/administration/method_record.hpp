@@ -14,9 +14,9 @@
 
 namespace busbar::administration::detail {
 
-/// Tells what a Method of the administration did, or why not; `refusal` may be null. `more` are the
-/// fields that its event type has. What is done is done, so that a record for which there is no
-/// memory is lost.
+/// Records what a Method of the administration did or, with a `refusal`, why it did nothing. `more`
+/// are the fields of its event type. If there is no memory for the record it is lost, because the
+/// Method's effect cannot be undone.
 inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
                         StatusCode status, const Refusal* refusal,
                         std::span<const RecordField> more = {},
@@ -45,14 +45,13 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
     });
 }
 
-/// Answers the call with the refusal's status and reason.
+/// Answers the call with the status and reason of the refusal.
 inline void answer_with(server::MethodCall& call, const Refusal& refusal)
 {
     call.fail(refusal.status, reason_of(refusal));
 }
 
-/// What AdministrationParts::may_change_users says against a change; nothing if it has no
-/// objection.
+/// Asks AdministrationParts::may_change_users; nothing if a change is allowed.
 inline std::optional<Refusal> refusal_of(const std::function<Configured<void>()>& may_change)
 {
     const auto may = may_change ? may_change() : Configured<void>{};

@@ -9,9 +9,10 @@
 
 namespace busbar::administration::detail {
 
-/// What a worker has of run(). When it is gone, done or not, the end goes to the server's thread.
+/// The job of a worker, see run(). When it is destroyed, whether done or not, the end is posted to
+/// the server's thread.
 struct NodeTable::Job {
-    /// For `end`, which is on another thread than the work.
+    /// Passed to `end`, which runs on another thread than the work.
     struct Outcome {
         StatusCode status{status::Bad_InternalError};
         busbar::detail::ThrownText thrown;
@@ -39,7 +40,7 @@ struct NodeTable::Job {
     }
     void post_end()
     {
-        work = nullptr; // what it holds goes before the end comes
+        work = nullptr; // release what the work holds before `end` runs
         if (task != nullptr) {
             table.post(std::move(task));
         }
@@ -187,7 +188,7 @@ void NodeTable::serve(const std::shared_ptr<server::CallBatch>& batch, std::size
     if (may_administer_ && !may_administer_(call.user())) {
         return call.fail(status::Bad_UserAccessDenied);
     }
-    // The table may grow while the Method adds nodes.
+    // Copy it: the table may grow while the Method adds nodes.
     const Method method = entry->method;
     method(std::move(call));
 }
@@ -200,7 +201,7 @@ void NodeTable::attach(server::Waker* waker)
 
 void NodeTable::handle_completions()
 {
-    // What these ask for comes in the next round, when what was answered is on its way.
+    // Leave tasks that are posted from here on to the next round, when the answers have been sent.
     Task* first = posted_.take();
     for (Signal& signal : signals_) {
         if (signal.is_raised.exchange(false)) {
@@ -237,7 +238,7 @@ void NodeTable::do_signal(Signal& signal)
         signal.tries = 0;
     } else if (++signal.tries != most_tries) {
         raise(signal);
-    } else { // with whatever comes next
+    } else { // repeat it in the next round
         signal.tries = 0;
         signal.is_raised = true;
     }

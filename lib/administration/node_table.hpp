@@ -21,80 +21,80 @@
 
 namespace busbar::administration::detail {
 
-/// The options of administration's own sources. A call that waits for the worker is late when the
-/// client's own timeoutHint has passed (Part 4, 7.32), and not before: after Bad_Timeout the client
-/// would not know that it is done all the same.
+/// The options of administration's own sources. A call that waits for the worker times out only
+/// after the client's own timeoutHint (Part 4, 7.32): after an earlier Bad_Timeout the client would
+/// not know that it is done all the same.
 [[nodiscard]] inline server::DataSourceOptions own_source_options()
 {
     return {.timeout = std::chrono::hours{1}, .is_always_in_service = true};
 }
 
-/// Functions behind nodes: values that are made when they are asked for, values that are checked
+/// The functions for nodes: values that are computed when they are read, values that are checked
 /// when they are written, and Methods.
 ///
-/// On the server's thread, but for post() and raise(). A function that throws ends what it was
-/// called for, and the log is told.
+/// Used on the server's thread, except post() and raise(). If a function throws, its operation ends
+/// and the log is told.
 class NodeTable final : public server::DataSource {
 public:
     using Value = std::function<DataValue()>;
-    /// Good, or why not.
+    /// Returns Good or the reason for a refusal.
     using Setter = std::function<StatusCode(const DataValue& value)>;
     using Method = server::MethodTable::Function;
 
-    /// How often something is tried again at once for which there was no memory.
+    /// Number of attempts, without delay, for a task that runs out of memory.
     static constexpr unsigned most_tries = 3;
-    /// Something to do on the server's thread.
+    /// A task for the server's thread.
     struct Task {
         std::function<void()> function;
-        /// It is done after so many rounds of completions.
+        /// Number of rounds of completions before the task runs.
         unsigned rounds{1};
         unsigned tries{0};
         Task* next{nullptr};
     };
-    /// Something to do on the server's thread, once for all who have asked for it.
+    /// A task for the server's thread that runs once, however often it was raised.
     struct Signal {
         std::function<void()> function;
         std::atomic<bool> is_raised{false};
         unsigned tries{0};
     };
 
-    /// The clock gives values their source timestamps.
+    /// The clock provides the source timestamps of values.
     NodeTable(const WallClock& clock, LogSink& log);
     NodeTable(const NodeTable&) = delete;
     NodeTable& operator=(const NodeTable&) = delete;
     ~NodeTable() override;
-    /// Names the server that the nodes belong to; to be called before it calls this source.
+    /// Sets the server that the nodes belong to; must be called before it calls this source.
     void set_server(server::Server& server) { turns_.set_server(server); }
 
-    /// The Variable's value comes from `value` from now on. False if there is no such node.
+    /// Lets `value` provide the Variable's value from now on. False if the node does not exist.
     bool bind_value(model::AddressSpace& space, model::NodeIndex node, Value value,
                     Setter setter = {});
     bool bind_method(model::AddressSpace& space, model::NodeIndex node, Method method);
-    /// Whether there is a Waker, without which nothing that is posted is ever done.
+    /// True if there is a Waker, without which posted tasks never run.
     [[nodiscard]] bool has_way_back() const { return !waker_.is_empty(); }
     /// See AdministrationParts::may_administer.
     void ask_before_calls(std::function<bool(const server::UserIdentity&)> may_administer)
     {
         may_administer_ = std::move(may_administer);
     }
-    /// Does the task in the next round of completions. A task that must not fail to come, because
-    /// of what was done before, is made before that. Any thread.
+    /// Runs the task in the next round of completions. Allocate a task beforehand if it must run
+    /// because of what was done. Thread-safe.
     void post(std::unique_ptr<Task> task) noexcept;
     void post(std::function<void()> function)
     {
         post(std::make_unique<Task>(Task{std::move(function)}));
     }
-    /// Does the Method in the next round, when the server is in none of its callbacks. One that
-    /// throws answers as those do that are served at once.
+    /// Calls the Method in the next round, outside of the server's callbacks. If it throws, it
+    /// answers like Methods that are served at once.
     void post(server::MethodCall call, std::function<void(server::MethodCall& call)> method);
-    /// As long as the table; before others raise it.
+    /// Returns a signal that lives as long as the table; call this before other threads raise it.
     [[nodiscard]] Signal& add_signal(std::function<void()> function);
-    /// Any thread.
+    /// Makes the signal's task run. Thread-safe.
     void raise(Signal& signal) noexcept;
-    /// Has the worker do `work`, and calls `end` on the server's thread afterwards; without a
-    /// worker it does both at once. `end` gets Good, Bad_TooManyOperations if the worker has no
-    /// room, Bad_InternalError if it drops the work, or the status of what one of them threw. If
-    /// this throws there was no memory, and neither is called.
+    /// Lets the worker do `work`, and calls `end` on the server's thread afterwards; without a
+    /// worker it calls both at once. `end` gets Good, Bad_TooManyOperations if the worker has no
+    /// room, Bad_InternalError if the worker drops the work, or the status of an exception. Throws
+    /// only if there is no memory; then neither is called.
     void run(server::Worker* worker, std::function<void()> work,
              std::function<void(StatusCode done)> end);
 
@@ -129,7 +129,7 @@ private:
     const WallClock* clock_;
     LogSink* log_;
     std::function<bool(const server::UserIdentity&)> may_administer_;
-    /// The handle is the index.
+    /// Indexed by handle.
     std::vector<Entry> entries_;
     CallTurns turns_;
     std::deque<Signal> signals_;
@@ -137,7 +137,7 @@ private:
     busbar::detail::WakerSlot waker_;
 };
 
-/// The child with this name in namespace 0; no_node if there is none.
+/// Finds the child with this name in namespace 0; no_node if there is none.
 [[nodiscard]] model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex parent,
                                         std::string_view name);
 

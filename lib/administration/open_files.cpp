@@ -105,7 +105,7 @@ bool OpenFiles::make_room(const Holder& holder, std::uint64_t bytes)
     return true;
 }
 
-/// What the file has, for one that is written.
+/// Loads the content of a file that is opened to be changed.
 StatusCode OpenFiles::load(Open& open)
 {
     if (open.size > limits_.max_file_size) {

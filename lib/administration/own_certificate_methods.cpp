@@ -32,7 +32,7 @@ constexpr const char* no_certificate =
     "these values cannot be put into a certificate; expected names of at most 64 bytes, a country "
     "of two letters, and valid host names and IP addresses";
 
-/// Argument number `index`, an array of ByteStrings.
+/// Concatenates the ByteStrings in argument number `index`.
 std::vector<std::byte> concatenated(const MethodCall& call, std::size_t index)
 {
     std::vector<std::byte> all;
@@ -90,7 +90,7 @@ Checked<crypto::OwnCertificate> OwnCertificateMethods::own_of(const MethodCall& 
     const std::string& uri = needs_.server.config().application_uri;
     if (format.empty()) {
         auto own = store.match(chain, uri);
-        // The key is another one: Part 12, 7.10.5, Table 88.
+        // Another key has a status of its own: Part 12, 7.10.5, Table 88.
         return own || own.error().status != status::Bad_CertificateInvalid
                    ? own
                    : refuse_certificate(status::Bad_SecurityChecksFailed, text(own.error()));
@@ -110,7 +110,7 @@ Checked<crypto::OwnCertificate> OwnCertificateMethods::own_of(const MethodCall& 
     return crypto::OwnCertificate{*std::move(certificates), *std::move(key)};
 }
 
-/// Issuers have to be in the trust list already, or in the transaction.
+/// Checks the certificate; its issuers must be in the trust list or in the transaction.
 Checked<void> OwnCertificateMethods::check_own(const crypto::OwnCertificate& own) const
 {
     crypto::TrustList list = needs_.transaction.trust_list(0);
@@ -167,7 +167,7 @@ void OwnCertificateMethods::run_slowly(const std::shared_ptr<MethodCall>& call,
                      });
 }
 
-/// Part 12, 7.10.10. The new key waits in the files for its certificate.
+/// Part 12, 7.10.10. A new key stays in the files until its certificate arrives.
 void OwnCertificateMethods::create_signing_request(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
@@ -211,7 +211,7 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
         });
 }
 
-/// Part 12, 7.10.6: for a slot that is empty, as DeleteCertificate makes it in a transaction.
+/// Part 12, 7.10.6. The slot must be empty, as after DeleteCertificate in the same transaction.
 void OwnCertificateMethods::create_self_signed(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
@@ -267,7 +267,7 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
                 return shared->fail(made->error(), no_certificate);
             }
             if (!needs_.transaction.is_own_deleted() ||
-                *needs_.transaction.owner() != holder) { // it is over meanwhile
+                *needs_.transaction.owner() != holder) { // the transaction has ended since
                 return shared->fail(status::Bad_InvalidState,
                                     "the transaction ended while the key was being generated");
             }
@@ -277,7 +277,7 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
         });
 }
 
-/// Part 12, 7.10.7. A server cannot be without: what is deleted has to get a successor in the same
+/// Part 12, 7.10.7. The server needs a certificate: a successor must follow in the same
 /// transaction.
 void OwnCertificateMethods::remove(MethodCall call)
 {

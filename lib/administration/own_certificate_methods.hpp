@@ -11,25 +11,25 @@
 
 namespace busbar::administration::detail {
 
-/// What the Methods for the own certificate need of ServerConfiguration.
+/// The parts of ServerConfiguration that the Methods for the own certificate use.
 struct OwnCertificateNeeds {
     server::Server& server;
     const ManagedCertificates& files;
     NodeTable& table;
     const WallClock& clock;
     LogSink& log;
-    /// Where keys are made; null: on the server's thread.
+    /// Generates keys; if null, the server's thread does.
     server::Worker* worker;
     Transaction& transaction;
 };
 
-/// The Methods of ServerConfiguration that are about the server's own certificate (Part 12, 7.10.5
-/// to 7.10.8 and 7.10.10). One slot: an RSA certificate of DefaultApplicationGroup.
+/// The Methods of ServerConfiguration for the server's own certificate (Part 12, 7.10.5 to 7.10.8
+/// and 7.10.10). There is one slot: an RSA certificate of DefaultApplicationGroup.
 class OwnCertificateMethods {
 public:
     explicit OwnCertificateMethods(const OwnCertificateNeeds& needs) : needs_{needs} {}
 
-    /// Nothing else may use the own certificate's files meanwhile.
+    /// While this is true, nothing else may use the own certificate's files.
     [[nodiscard]] bool is_making_key() const { return !making_key_.expired(); }
 
     void update(server::MethodCall call);
@@ -41,17 +41,17 @@ public:
 private:
     /// Good if the inputs name the slot.
     [[nodiscard]] StatusCode check_slot(const server::MethodCall& call) const;
-    /// What the inputs make: the certificate with those above it and its key.
+    /// Makes the certificate, with its issuers and its key, from the inputs.
     [[nodiscard]] Checked<crypto::OwnCertificate> own_of(const server::MethodCall& call) const;
     [[nodiscard]] Checked<void> check_own(const crypto::OwnCertificate& own) const;
-    /// Runs `work` where keys are made, then `finish` on the server's thread; if there is no room
-    /// for the work, or it throws, the call fails instead.
+    /// Runs `work` where keys are generated, then `finish` on the server's thread. If there is no
+    /// room for the work, or it throws, the call fails instead.
     void run_slowly(const std::shared_ptr<server::MethodCall>& call, std::function<void()> work,
                     std::function<void()> finish);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
 
     OwnCertificateNeeds needs_;
-    /// Exists while a key is made, however that ends.
+    /// Not expired while a key is being generated, however that ends.
     std::weak_ptr<const void> making_key_;
 };
 

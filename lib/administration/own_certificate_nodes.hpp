@@ -10,10 +10,10 @@
 
 namespace busbar::administration::detail {
 
-/// What the server's own certificate says, as the Object "OwnCertificate" below
-/// ServerConfiguration, in the server's namespace: W588, 3-2-5 lists these. With the access of
-/// ServerConfiguration's Properties. ConfiguredSubject and ConfiguredHosts are what `configured`
-/// says (see ManagedCertificates); without it they are not there.
+/// Shows the server's own certificate as the Object "OwnCertificate" below ServerConfiguration, in
+/// the server's namespace, with the facts that W588, 3-2-5 lists. It has the access rights of
+/// ServerConfiguration's Properties. ConfiguredSubject and ConfiguredHosts have the values of
+/// `configured` (see ManagedCertificates); without that they do not exist.
 [[nodiscard]] Configured<void>
 add_own_certificate(server::Server& server, NodeTable& table,
                     const std::function<crypto::CertificateSubject()>& configured);
