@@ -13,7 +13,7 @@
 
 namespace busbar::administration::detail {
 
-/// Both of them (Part 3, 8.55).
+/// Combines two sets of permissions (Part 3, 8.55).
 [[nodiscard]] constexpr PermissionType together(PermissionType a, PermissionType b)
 {
     return PermissionType{static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b)};
@@ -27,7 +27,8 @@ namespace busbar::administration::detail {
 inline constexpr PermissionType may_see = together(PermissionType::Browse, PermissionType::Read);
 inline constexpr PermissionType may_act = together(PermissionType::Write, PermissionType::Call);
 
-/// Whether one of the user's roles has the permission at the node, where namespace 0 has all roles.
+/// Tells whether one of the user's roles has the permission at the node, provided that namespace 0
+/// has all roles.
 [[nodiscard]] bool may(PermissionType permission, const model::AddressSpace& space,
                        model::NodeIndex node, const server::UserIdentity& user);
 [[nodiscard]] inline bool may_call(const model::AddressSpace& space, model::NodeIndex method,
@@ -36,8 +37,8 @@ inline constexpr PermissionType may_act = together(PermissionType::Write, Permis
     return may(PermissionType::Call, space, method, user);
 }
 
-/// The owner of what a Call leaves behind, such as a file handle or a transaction: one user in one
-/// session. The ownership ends with the session, and when the session gets another user.
+/// The owner of something that outlasts a Call, such as a file handle or a transaction: one user in
+/// one session. The ownership ends with the session, and when the session gets another user.
 struct Holder {
     Holder(NodeId of = {}, std::uint32_t number = 0, std::string key = {})
         : session{std::move(of)}, user{number}, share{std::move(key)}
@@ -53,7 +54,7 @@ struct Holder {
     friend bool operator==(const Holder&, const Holder&) = default;
 };
 
-/// The present user in the session.
+/// Returns the present user of the session.
 [[nodiscard]] Holder holder_of(server::Server& server, const NodeId& session);
 [[nodiscard]] inline Holder holder_of(server::Server& server, const server::MethodCall& call)
 {
@@ -61,8 +62,8 @@ struct Holder {
 }
 /// True while the session exists and still has the same user.
 [[nodiscard]] bool is_there(server::Server& server, const Holder& holder);
-/// Whether who called the Method may still call it, before a late effect. Bad_SessionClosed where
-/// the holder is not there any more.
+/// Checks, before a late effect, whether the caller of the Method may still call it.
+/// Bad_SessionClosed if the holder is gone.
 [[nodiscard]] StatusCode check_still(server::Server& server, const Holder& holder,
                                      const NodeId& object, const NodeId& method);
 

@@ -28,7 +28,7 @@ constexpr std::array known_roles{
     KnownRole{who::security_admin, id::WellKnownRole_SecurityAdmin},
 };
 
-/// A node whose name says what it is, within a thing.
+/// A node that belongs to another thing than the node around it, by its name.
 struct Placed {
     Thing within;
     std::string_view name;
@@ -54,7 +54,7 @@ constexpr std::array placed{
     Placed{Thing::ServerFacts, "ResetToServerDefaults", Thing::Reset},
 };
 
-/// What all other Methods within a thing are.
+/// Returns the thing that other Methods within a thing belong to.
 Thing methods_of(Thing within)
 {
     switch (within) {
@@ -83,7 +83,7 @@ Thing thing_of(const model::AddressSpace& space, model::NodeIndex node, Thing wi
     return is_of_role || space.node_class(node) == NodeClass::Method ? methods_of(within) : within;
 }
 
-/// The permissions of a role with this bit (Part 3, 8.55); none if it has no right.
+/// Returns the permissions of the role with this bit (Part 3, 8.55); none if it has no right.
 PermissionType permissions_of(const Rights& rights, Roles role, NodeClass node_class,
                               bool is_argument)
 {
@@ -115,12 +115,12 @@ void permit(Array<RolePermissionType>& all, const NodeId& role, PermissionType p
     }
 }
 
-/// Those that have no right are not among them.
+/// Returns the permissions of other roles that stay; a role without any right loses them.
 Array<RolePermissionType> kept_of(const model::NodeAccess& before, const Rights& rights,
                                   NodeClass node_class, bool is_argument)
 {
     Array<RolePermissionType> kept;
-    kept.clear(); // not null: nobody, if there are no roles
+    kept.clear(); // not null: if no role stays, no user has access
     for (const RolePermissionType& each : before.role_permissions) {
         const auto known =
             std::find_if(known_roles.begin(), known_roles.end(),

@@ -7,8 +7,9 @@
 #include <busbar/administration/authorities.hpp>
 #include <busbar/model/address_space.hpp>
 
-/// Who may do what with which part of the administration, and over which channel: one table, from
-/// which the nodes get their RolePermissions and AccessRestrictions. The server enforces those.
+/// The rights of each role to each part of the administration, and the channels that they need, in
+/// one table. The nodes get their RolePermissions and AccessRestrictions from it, which the server
+/// enforces.
 namespace busbar::administration::detail {
 
 /// Roles as bits.
@@ -22,7 +23,7 @@ inline constexpr Roles supervisor = 1U << 2U;
 inline constexpr Roles engineer = 1U << 3U;
 inline constexpr Roles configure_admin = 1U << 4U;
 inline constexpr Roles security_admin = 1U << 5U;
-/// Roles that the program names, see NamedRoles.
+/// Roles that the program defines, see NamedRoles.
 inline constexpr Roles readers = 1U << 6U;
 inline constexpr Roles writers = 1U << 7U;
 
@@ -35,11 +36,11 @@ inline constexpr Roles operators = operator_ | supervisor | engineers;
 namespace over {
 inline constexpr std::uint16_t any = 0;
 inline constexpr std::uint16_t is_signed = 1;
-inline constexpr std::uint16_t encrypted = 3;      // which is signed, too
-inline constexpr std::uint16_t signed_session = 5; // not without a session
+inline constexpr std::uint16_t encrypted = 3;      // includes signing
+inline constexpr std::uint16_t signed_session = 5; // requires a session
 } // namespace over
 
-/// What a right is about.
+/// The things that rights apply to.
 enum class Thing : std::uint8_t {
     StateChange,      // RequestServerStateChange
     ServerStatus,     // ServerDiagnosticsSummary
@@ -47,29 +48,30 @@ enum class Thing : std::uint8_t {
     Roles,            // the RoleSet and its roles
     RoleRules,        // what a role consists of, AddRole and RemoveRole
     UserManagement,   // the Object, and the rules for passwords
-    Users,            // the list, and what changes it
+    Users,            // the list, and the Methods that change it
     OwnPassword,      // ChangePassword
     ServerFacts,      // ServerConfiguration and its Variables
     TrustLists,       // groups, trust lists, rejected certificates, and transactions as they are
-    TrustListChanges, // what changes a trust list
+    TrustListChanges, // the Methods that change a trust list
     TransactionEnds,  // ApplyChanges and CancelChanges
-    OwnCertificate,   // what changes or gives away the server's certificate
+    OwnCertificate,   // the Methods that change the server's certificate or disclose its key
     Reset,            // ResetToServerDefaults
-    Settings,         // the Object, its Method, and settings but those of security
+    Settings,         // the Object, its Method, and all settings except those of security
     SecuritySettings, // Setting::is_security
-    Files,            // files and folders, and what reads them
-    FileChanges,      // what changes files
+    Files,            // files and folders, and the Methods that read them
+    FileChanges,      // the Methods that change files
     Count
 };
 
-/// Browse and Read; Write of Variables; Call of Methods, and of an Object's Methods.
+/// The rights to see nodes (Browse and Read), to write Variables, and to call Methods, including
+/// Methods of an Object.
 struct Rights {
     Roles see;
     Roles write;
     Roles call;
 };
 
-/// `five_levels` counts with Authorities::FiveLevels.
+/// `five_levels` applies with Authorities::FiveLevels.
 struct RightOfThing {
     constexpr RightOfThing(Thing t, std::uint16_t c, const Rights& all)
         : RightOfThing{t, c, all, all}
@@ -145,25 +147,26 @@ static_assert([] {
     return true;
 }());
 
-/// Whom who::readers and who::writers are; others are the well-known roles.
+/// The roles that the bits readers and writers stand for; other bits are well-known roles.
 struct NamedRoles {
     std::vector<NodeId> readers;
     std::vector<NodeId> writers;
 };
 
-/// What a node of this class has that is part of the thing. Variables that belong to a Method are
-/// of class Method, with `is_argument`.
+/// Returns the access rights of a node of this class that belongs to the thing. Variables of a
+/// Method have the class Method and `is_argument`.
 [[nodiscard]] model::NodeAccess access_of(Thing thing, NodeClass node_class,
                                           const NamedRoles& roles = {}, bool is_argument = false,
                                           Authorities authorities = Authorities::Standard);
 
-/// Gives the thing's rights to the node, and to all below it those of the things that they are.
-/// What a role may do beyond that stays, if it has a right; what else namespace 0 says goes.
+/// Gives the node the rights of the thing, and the nodes below it those of the things that they
+/// belong to. A role that has any of these rights keeps its other permissions; all other
+/// permissions in namespace 0 are removed.
 void give_rights(model::AddressSpace& space, model::NodeIndex node, Thing thing,
                  Authorities authorities);
 
-/// The same for all that namespace 0 and the administration's own nodes have; after those were
-/// added.
+/// The same for all nodes of administration in namespace 0 and the server's namespace; call it
+/// after these were added.
 void give_rights(model::AddressSpace& space, Authorities authorities);
 
 } // namespace busbar::administration::detail

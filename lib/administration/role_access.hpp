@@ -9,12 +9,12 @@
 
 namespace busbar::administration::detail {
 
-/// The well-known roles by which nobody changes anything (Part 3, 4.9.2).
+/// The well-known roles that cannot change anything (Part 3, 4.9.2).
 inline constexpr std::array<std::string_view, 4> reading_roles{"Anonymous", "AuthenticatedUser",
                                                                "TrustedApplication", "Observer"};
 
-/// The access level mask of a user with these roles (UserIdentity::access_level_mask): reading
-/// alone, unless one of them is for more.
+/// Returns the access level mask of a user with these roles (UserIdentity::access_level_mask): only
+/// reading, unless one of the roles allows more.
 [[nodiscard]] inline std::uint8_t access_of(const std::vector<std::string>& roles)
 {
     constexpr std::uint8_t reading = 0x05; // CurrentRead and HistoryRead

@@ -66,7 +66,7 @@ void write_role(JsonWriter& json, const RoleRules& role)
     json.end_object();
 }
 
-/// What is wrong with a role in the file.
+/// An error in a role of the file.
 struct Wrong {
     std::string_view member;
     std::string_view expected;
@@ -211,7 +211,7 @@ Configured<std::vector<RoleRules>> read_roles(Storage& storage, std::string_view
                 list->items[i].find(wrong->member), wrong->expected)};
         }
     }
-    // What these mean is not for a file to say.
+    // A file cannot change the meaning of these.
     const std::vector<RoleRules> known = well_known_roles();
     for (std::size_t i = 0; i < 3; ++i) {
         roles[i] = known[i];

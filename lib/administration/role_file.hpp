@@ -6,14 +6,14 @@
 
 #include <busbar/administration/role_list.hpp>
 
-/// How roles lie in their file.
+/// Reads and writes the file of roles.
 namespace busbar::administration::detail {
 
-/// Those of Part 3, 4.9.2, without further rules.
+/// Returns the roles of Part 3, 4.9.2 without additional rules.
 [[nodiscard]] std::vector<RoleRules> well_known_roles();
 
 [[nodiscard]] std::string document_of(const std::vector<RoleRules>& roles);
-/// The well-known roles with the rules of the file, and its other roles behind them.
+/// Reads the well-known roles with the rules of the file, followed by its other roles.
 [[nodiscard]] Configured<std::vector<RoleRules>> read_roles(Storage& storage, std::string_view file,
                                                             const RoleLimits& limits);
 

@@ -19,7 +19,7 @@ namespace busbar::administration {
 namespace {
 
 constexpr std::string_view ua_uri = "http://opcfoundation.org/UA/";
-/// Part 3, 4.9.2.
+/// The well-known roles of Part 3, 4.9.2.
 constexpr std::array<std::string_view, 9> well_known{
     "Anonymous", "AuthenticatedUser", "TrustedApplication", "Observer",     "Operator",
     "Engineer",  "Supervisor",        "ConfigureAdmin",     "SecurityAdmin"};
@@ -33,7 +33,7 @@ Unexpected<Refusal> refuse_role(StatusCode status, std::string_view role, std::s
                    {}});
 }
 
-/// Those whose one rule is their meaning.
+/// True for roles that are defined by their single rule.
 bool is_fixed(const RoleRules& role)
 {
     return role.namespace_uri == ua_uri &&
@@ -46,7 +46,7 @@ bool is_of_administrators(const RoleRules& role)
     return role.namespace_uri == ua_uri && role.name == "SecurityAdmin";
 }
 
-/// Nobody can have the role, whatever its other rules are.
+/// True if no session can have the role, whatever its rules are.
 bool admits_nobody(const RoleRules& role)
 {
     return (!role.applications_exclude && role.applications.empty()) ||
@@ -79,8 +79,8 @@ Checked<void> remove_from(std::vector<T>& list, const Value& value, const RoleRu
     return {};
 }
 
-// Copies that own their texts, which a request may have lent, and have none that is null: that is
-// the same as an empty one here.
+// Copies a rule with texts of its own, because a request may have lent them. Null texts become
+// empty, which means the same here.
 
 IdentityMappingRuleType own_copy(const IdentityMappingRuleType& rule)
 {
@@ -402,7 +402,7 @@ server::UserRights RoleList::roles_of(const server::RoleQuestion& question) cons
 {
     server::UserRights rights{0, {}};
     for (const RoleRules& role : roles_) {
-        // Anonymous and AuthenticatedUser follow from the token; no list of roles has them.
+        // Anonymous and AuthenticatedUser follow from the token and are not assigned by the list.
         const bool is_of_token = role.name == "Anonymous" || role.name == "AuthenticatedUser";
         if (!is_of_token && detail::fits(role, question)) {
             rights.roles.push_back(role.name);

@@ -15,8 +15,8 @@ using Pairs = std::vector<std::string>;
 
 constexpr std::size_t thumbprint_size = 40;
 
-/// Parts a distinguished name at any of `separators` that stands outside quotes; quotes and
-/// backslashes are taken away, and blanks around a part.
+/// Splits a distinguished name at any of `separators` outside quotes; removes quotes, backslashes
+/// and the blanks around each part.
 Pairs parts_of(std::string_view text, std::string_view separators)
 {
     Pairs parts(1);
@@ -44,7 +44,7 @@ bool is_pair(const std::string& part)
     return sign != std::string::npos && sign != 0 && sign + 1 < part.size();
 }
 
-/// Each pair of the rule must be one of the subject, which is written as Certificate::subject does.
+/// True if the subject, written as by Certificate::subject, has every pair of the rule.
 bool is_subject(std::string_view rule, std::string_view subject)
 {
     const Pairs wanted = parts_of(rule, "/");
@@ -85,7 +85,7 @@ bool fits(const IdentityMappingRuleType& rule, const server::RoleQuestion& quest
     }
 }
 
-/// Empty and zero fields do not count (Part 18, 4.4.2).
+/// Compares endpoints; empty and zero fields of the rule are ignored (Part 18, 4.4.2).
 bool fits(const EndpointType& endpoint, const server::RoleQuestion& question)
 {
     const auto is_same = [](const String& wanted, std::string_view there) {
@@ -110,12 +110,12 @@ bool fits(const RoleRules& role, const server::RoleQuestion& question)
 
 bool admits(const RoleRules& role, const server::RoleQuestion& question)
 {
-    // An ApplicationUri that no certificate proves is not one of those in the list.
+    // An ApplicationUri that is not proven by a certificate never matches the list.
     const bool is_listed = question.is_trusted && has(role.applications, question.application_uri);
     const bool is_listed_endpoint =
         std::any_of(role.endpoints.begin(), role.endpoints.end(),
                     [&](const EndpointType& endpoint) { return fits(endpoint, question); });
-    // What is to be excluded and says nothing of itself is excluded, too.
+    // A list of excluded applications also excludes any without a proven ApplicationUri.
     const bool is_excluded = role.applications_exclude && !role.applications.empty() &&
                              (is_listed || !question.is_trusted);
     return !is_excluded && (role.applications_exclude || is_listed) &&

@@ -22,7 +22,7 @@ namespace {
 using model::NodeIndex;
 using server::MethodCall;
 
-/// The node of a well-known role (Part 6, Annex A); no_node in a small namespace 0.
+/// Finds the node of a well-known role (Part 6, Annex A); no_node in a small namespace 0.
 NodeIndex well_known_node(const model::AddressSpace& space, std::string_view name)
 {
     struct WellKnown {
@@ -137,7 +137,7 @@ void RoleSet::bind_values(const std::string& name, NodeIndex node)
     bind_one(
         "EndpointsExclude", [](const RoleRules& role) { return Variant{role.endpoints_exclude}; },
         setter(&RoleList::set_endpoints_exclude));
-    // Rules are the whole of it.
+    // Roles consist of rules only.
     bind_one("CustomConfiguration", [](const RoleRules&) { return Variant{false}; });
 }
 
@@ -211,7 +211,7 @@ Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
     const auto name_space = space_.namespace_index(role.namespace_uri);
     model::NewNode node;
     node.id = node_id(role);
-    // A namespace that a model brought once may be gone.
+    // The namespace may be missing if its model is no longer loaded.
     node.browse_name = QualifiedName{name_space.value_or(own_namespace_), String{role.name}};
     node.parent = space_.find(id::Server_ServerCapabilities_RoleSet);
     model::InstanceOptions options;
@@ -221,7 +221,8 @@ Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
     if (!made) {
         return made;
     }
-    give_rights(space_, *made, Thing::Roles, Authorities::Standard); // which all have alike
+    give_rights(space_, *made, Thing::Roles, Authorities::Standard); // it is the same with all
+                                                                     // Authorities
     bind(role.name, *made);
     return made;
 }
@@ -298,7 +299,7 @@ void RoleSet::remove_role(MethodCall call)
         return refuse_call(call, removed.error());
     }
     undo.keep();
-    table_.raise(remove_nodes_); // not while a Method of it may be running
+    table_.raise(remove_nodes_); // later, because a Method of the node may be running
     changed(call);
     call.succeed();
 }

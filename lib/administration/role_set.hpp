@@ -15,11 +15,11 @@ namespace busbar::administration::detail {
 /// The RoleSet object (Part 18, 4.2 and 4.3) over a RoleList.
 class RoleSet {
 public:
-    /// `changed` is raised when roles are others.
+    /// Raises `changed` when roles change.
     RoleSet(server::Server& server, RoleList& roles, NodeTable& table, NodeTable::Signal& changed,
             LogSink& log, const std::function<Configured<void>()>& may_change);
 
-    /// The problem says what is missing in namespace 0.
+    /// Connects the nodes; the problem names what is missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
 
 private:
@@ -28,18 +28,18 @@ private:
     void bind(const std::string& role, model::NodeIndex node);
     void bind_values(const std::string& role, model::NodeIndex node);
     void bind_methods(const std::string& role, model::NodeIndex node);
-    /// A Method that changes the list.
+    /// Binds a Method that changes the list.
     void bind_change(model::NodeIndex node, std::string_view method, Change change);
     void add_role(server::MethodCall call);
     void remove_role(server::MethodCall call);
     void remove_nodes();
-    /// The node of a role that is not well-known.
+    /// Adds the node of a role that is not well-known.
     [[nodiscard]] Result<model::NodeIndex> add_node(const RoleRules& role);
     [[nodiscard]] NodeId node_id(const RoleRules& role) const;
-    /// What was done, for those who write logs; sessions get their roles anew.
+    /// Records the change; sessions then get their roles again.
     void changed(const server::MethodCall& call);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
-    /// Refuses what may not change now.
+    /// Refuses the call if users and roles cannot be changed now.
     [[nodiscard]] bool is_refused(server::MethodCall& call);
 
     server::Server& server_;
@@ -47,13 +47,13 @@ private:
     RoleList& roles_;
     NodeTable& table_;
     NodeTable::Signal& changed_;
-    /// Sessions get their roles anew.
+    /// Gives sessions their roles again.
     NodeTable::Signal& renew_roles_;
     NodeTable::Signal& remove_nodes_;
     LogSink& log_;
     const std::function<Configured<void>()>& may_change_;
     std::uint16_t own_namespace_{0};
-    /// Nodes of roles that were removed.
+    /// Nodes of removed roles.
     std::vector<NodeId> gone_;
 };
 

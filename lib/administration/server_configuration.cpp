@@ -30,8 +30,8 @@ const char* reason_of_end(StatusCode state)
 
 using server::MethodCall;
 
-/// Of certificates that GetRejectedList answers (Part 12, 7.10.12 lets a server leave older ones
-/// out).
+/// Maximum size of the certificates in an answer of GetRejectedList (Part 12, 7.10.12 allows
+/// leaving older ones out).
 constexpr std::size_t max_rejected_bytes = 1U << 20U;
 
 } // namespace
@@ -195,7 +195,7 @@ void ServerConfiguration::bind_values()
              [this] { return Variant{String{server_.config().product_uri}}; });
     bind_one(id::ServerConfiguration_ApplicationType,
              [] { return Variant{static_cast<std::int32_t>(ApplicationType::Server)}; });
-    // Part 12, Annex D: it does not say.
+    // The value for servers that do not tell (Part 12, Annex D).
     bind_one(id::ServerConfiguration_ServerCapabilities, [] { return texts({"NA"}); });
     bind_one(id::ServerConfiguration_SupportedPrivateKeyFormats,
              [] { return texts({std::string{private_key_format}}); });
@@ -277,7 +277,8 @@ void ServerConfiguration::get_rejected_list(MethodCall call)
     call.succeed(one_output(Variant{std::move(ders)}));
 }
 
-/// From all groups that have it: GetRejectedList does not tell them apart either.
+/// Removes the certificate from all groups that have it, because GetRejectedList does not tell them
+/// apart either.
 void ServerConfiguration::remove_rejected(MethodCall call)
 {
     const std::string thumbprint = crypto::spelled_thumbprint(text_view(call, 0));
@@ -367,7 +368,7 @@ void ServerConfiguration::trust_changed(std::size_t group)
         running.trust_changed();
         return;
     }
-    // Whose certificate is not in the list itself logs in again and is checked anew.
+    // Users whose certificate is not in the list itself must log in again, which checks it again.
     const crypto::TrustList list = transaction_.groups()[group].store->trust_list(clock_.now());
     static_cast<void>(running.end_sessions([&](const server::UserIdentity& user) {
         return user.token_type == UserTokenType::Certificate &&

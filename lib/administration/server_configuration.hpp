@@ -17,12 +17,13 @@ namespace busbar::administration::detail {
 /// The ServerConfiguration object (Part 12, 7.10) with its CertificateGroups.
 class ServerConfiguration {
 public:
-    /// `worker`: where keys are made; null: on the server's thread.
+    /// `worker` generates keys; if null, the server's thread does.
     ServerConfiguration(server::Server& server, const ManagedCertificates& files, NodeTable& table,
                         const WallClock& clock, LogSink& log, server::Worker* worker,
                         const std::function<bool()>& is_in_setup);
 
-    /// The problem says what is missing in namespace 0, or is that of finish_changes.
+    /// Connects the nodes; the problem names what is missing in namespace 0, or comes from
+    /// finish_changes.
     [[nodiscard]] Configured<void> attach();
 
 private:
@@ -37,9 +38,9 @@ private:
     void bind_own(model::NodeIndex node, OwnMethod method);
     void bind_values();
     void bind_diagnostics();
-    /// RemoveRejectedCertificate, which the standard does not have.
+    /// Adds RemoveRejectedCertificate, which is not part of the standard.
     [[nodiscard]] Configured<void> add_remove_rejected();
-    /// InApplicationSetup, which the type has as an optional one.
+    /// Adds InApplicationSetup, which is optional in the type.
     [[nodiscard]] Configured<void> add_setup();
     void add_group(std::uint32_t group, crypto::CertificateStore& store, std::string folder,
                    crypto::CertificatePurpose purpose);
@@ -64,7 +65,7 @@ private:
     const std::function<bool()>& is_in_setup_;
     Transaction transaction_;
     OwnCertificateMethods own_;
-    /// One for each group.
+    /// One list for each group.
     std::deque<TrustListFile> trust_lists_;
 };
 

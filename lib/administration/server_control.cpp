@@ -16,11 +16,11 @@ namespace {
 
 using server::MethodCall;
 
-/// A day: further ahead nobody plans by a running countdown.
+/// A day; a longer countdown is probably a mistake.
 constexpr std::uint32_t max_seconds = 86'400;
 constexpr std::size_t max_reason = 256;
 
-/// For whoever gave no reason.
+/// The text for a request without a reason.
 std::string_view usual_reason(ServerState state, bool restarts)
 {
     if (restarts) {
@@ -78,7 +78,7 @@ Checked<void> ServerControl::check(const Wish& wish) const
         return refuse_state(status::Bad_InvalidState,
                             "expected Running, Shutdown, Suspended or Failed");
     }
-    // How many seconds is of no interest to a server that stays.
+    // The number of seconds does not matter for a server that stays.
     if (wish.ends_server() && wish.seconds_till_shutdown > max_seconds) {
         return refuse_state(status::Bad_OutOfRange,
                             "a stop in " + std::to_string(wish.seconds_till_shutdown) +
@@ -134,7 +134,7 @@ void ServerControl::request(MethodCall call)
     }
     auto task = std::make_unique<NodeTable::Task>();
     task->function = [this, asked = std::move(wish)] { carry_out(asked); };
-    task->rounds = 2; // when a second Method of the same Call has been answered, too
+    task->rounds = 2; // after a second Method of the same Call has been answered, too
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
     needs_.table.post(std::move(task));

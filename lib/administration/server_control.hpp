@@ -14,22 +14,22 @@
 
 namespace busbar::administration::detail {
 
-/// RequestServerStateChange of the Server object (Part 5, 9.4): Running, Suspended and Failed as
-/// RunningServer::change_state has them, and Shutdown. The other states say how a server finds
-/// itself: who asks for one gets Bad_InvalidState.
+/// Implements RequestServerStateChange of the Server object (Part 5, 9.4) with Running, Suspended
+/// and Failed as in RunningServer::change_state, and with Shutdown. The other states describe what
+/// a server detects itself; requesting one gives Bad_InvalidState.
 ///
-/// A Shutdown counts down (Part 5, 12.10), and Running takes it back until it is over. After it the
-/// program ends, or goes on without its server, which is Failed then.
+/// A Shutdown counts down (Part 5, 12.10), and Running cancels it until the countdown is over. Then
+/// the program ends, or continues without its server, which is in the state Failed.
 ///
-/// A restart is a Shutdown after which the program starts again and is Running, so that it is taken
-/// with these two states only.
+/// A restart is a Shutdown after which the program starts again in the state Running, so that only
+/// these two states can request it.
 class ServerControl final : private server::CountdownHeir {
 public:
     struct Needs {
         server::Server& server;
         NodeTable& table;
         LogSink& log;
-        /// What ends what serves, for good and to start again, see AdministrationParts.
+        /// Functions that end, stop or start the server, see AdministrationParts.
         const std::function<void()>& stop;
         const std::function<void(const std::string&)>& shut_down;
         const std::function<Configured<void>()>& may_run;
@@ -40,7 +40,7 @@ public:
 
     explicit ServerControl(const Needs& needs) : needs_{needs} {}
 
-    /// The problem says what is missing in namespace 0.
+    /// Connects the Method; the problem names what is missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
 
 private:
@@ -58,10 +58,10 @@ private:
     };
 
     void request(server::MethodCall call);
-    /// Good, or what the Method answers.
+    /// Returns Good or the refusal for the Method's answer.
     [[nodiscard]] Checked<void> check(const Wish& wish) const;
     void carry_out(const Wish& wish);
-    /// Whether what the server is out for can be ended by Running.
+    /// Tells whether Running can end the state that the server is in.
     [[nodiscard]] Checked<void> check_run() const;
     [[nodiscard]] ServerState countdown_ended() override;
 

@@ -14,7 +14,7 @@ namespace busbar::administration::detail {
 
 namespace {
 
-/// For the answer to arrive.
+/// Time for the answer to arrive.
 constexpr std::chrono::seconds till_end{2};
 
 } // namespace
@@ -51,7 +51,7 @@ void ServerReset::reset(server::MethodCall& call)
     }
     tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
-    needs_.table.post(std::move(end)); // the answer first
+    needs_.table.post(std::move(end)); // send the answer first
 }
 
 } // namespace busbar::administration::detail

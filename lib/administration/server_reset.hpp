@@ -10,8 +10,8 @@
 
 namespace busbar::administration::detail {
 
-/// ResetToServerDefaults of ServerConfiguration (Part 12, 7.10.13): forgets what administrators
-/// changed and ends the server, which warns its clients.
+/// Implements ResetToServerDefaults of ServerConfiguration (Part 12, 7.10.13): forgets the changes
+/// of administrators and ends the server, after warning its clients.
 class ServerReset {
 public:
     /// See AdministrationParts.
@@ -26,7 +26,8 @@ public:
 
     explicit ServerReset(const Needs& needs) : needs_{needs} {}
 
-    /// After ServerConfiguration. The problem says what is missing in namespace 0.
+    /// Connects the Method, after ServerConfiguration. The problem names what is missing in
+    /// namespace 0.
     [[nodiscard]] Configured<void> attach();
 
 private:

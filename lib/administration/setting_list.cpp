@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t settings_version = 1;
 constexpr std::size_t max_elements = 1'000;
 constexpr std::size_t max_text = 65'536;
-/// Of the file: what can be read again.
+/// Maximum size of the file, which must be readable again.
 constexpr std::size_t max_settings_size = 4U << 20U;
 
 Unexpected<Problem> wrong_value(const Setting& setting, const Variant& value, std::string expected,
@@ -74,7 +74,7 @@ bool is_short(const Variant& value)
            (list == nullptr || std::all_of(list->begin(), list->end(), fits));
 }
 
-/// With texts of its own, which a request may have lent.
+/// Copies a value with texts of its own, because a request may have lent them.
 Variant own_copy(const Variant& value)
 {
     if (const auto* const text = value.get_if<String>()) {
@@ -110,8 +110,8 @@ void write_authors(detail::JsonWriter& json, const SettingAuthors& authors)
     json.end_object();
 }
 
-/// Of these changes. What cannot be read is left out: that nobody knows who made a change is no
-/// reason to lose the change.
+/// Reads the authors of these changes. Ignores those that cannot be read: an unknown author must
+/// not lose a change.
 SettingAuthors authors_in(const detail::Json& document, const SettingValues& changes)
 {
     SettingAuthors authors;

@@ -28,7 +28,8 @@ Thing thing_of(const Setting& setting)
     return setting.is_security ? Thing::SecuritySettings : Thing::Settings;
 }
 
-/// Part 8, 5.6.4.3: the number is that of the common code of UNECE Recommendation 20.
+/// Returns the unit; its number is derived from the common code of UNECE Recommendation 20 (Part 8,
+/// 5.6.4.3).
 EUInformation unit_of(std::string_view unit)
 {
     struct Unit {
@@ -74,7 +75,7 @@ model::NewVariable variable_like(const Variant& value)
     return variable;
 }
 
-/// A property with a value of its own.
+/// A property with a constant value.
 struct Fixed {
     QualifiedName name;
     NodeId data_type;
@@ -227,7 +228,8 @@ Result<void> SettingNodes::add_method()
     if (!added) {
         return fail(added.error());
     }
-    give_rights(space, *added, Thing::Settings, Authorities::Standard); // which all have alike
+    give_rights(space, *added, Thing::Settings, Authorities::Standard); // it is the same with all
+                                                                        // Authorities
     needs_.table.bind_method(space, *added, [this](MethodCall call) {
         needs_.table.post(std::move(call), [this](MethodCall& each) { set(each); });
     });
@@ -284,7 +286,7 @@ void SettingNodes::read(server::ReadBatch batch)
     batch.complete();
 }
 
-/// A change of the server is none for a callback of the server's.
+/// Posts the write: a callback of the server must not change the server.
 void SettingNodes::write(server::WriteBatch batch)
 {
     const auto kept = std::make_shared<server::WriteBatch>(std::move(batch));
@@ -314,7 +316,7 @@ void SettingNodes::write_set(server::WriteBatch& batch)
                  done ? std::string{} : text(done.error()));
 }
 
-/// As a Write of its Variable would be decided.
+/// Decides like a Write of the setting's Variable.
 bool SettingNodes::may_change(const server::UserIdentity& user, const std::string& name) const
 {
     const model::AddressSpace& space = needs_.server.address_space();

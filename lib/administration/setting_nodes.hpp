@@ -13,19 +13,19 @@
 
 namespace busbar::administration::detail {
 
-/// The settings as Variables of the server's own namespace, below an Object "Settings" of the
-/// Objects folder, in folders after the parts of their names; with default, range, unit, whether
-/// they were changed online and whether they wait for a restart as properties. The values of one
-/// Write are a set, as are those of one call of the Method Set.
+/// Shows the settings as Variables of the server's own namespace, below an Object "Settings" of the
+/// Objects folder, in folders named by the parts of their names. Properties show the default, range
+/// and unit, whether the setting was changed online and whether it waits for a restart. The values
+/// of one Write are applied together, as are those of one call of the Method Set.
 ///
-/// Who may read and change them: Thing::Settings and Thing::SecuritySettings.
+/// Thing::Settings and Thing::SecuritySettings determine the roles that may read and change them.
 class SettingNodes final : public server::DataSource {
 public:
     struct Needs {
         server::Server& server;
         SettingList& list;
         SettingOwner& owner;
-        /// For the Method, and the way back to the server's thread.
+        /// Runs the Method, and posts to the server's thread.
         NodeTable& table;
         LogSink& log;
         const WallClock& clock;
@@ -34,7 +34,7 @@ public:
 
     explicit SettingNodes(const Needs& needs) : needs_{needs} {}
 
-    /// The problem is one of nodes that are there already.
+    /// Adds the nodes; the problem is about a node that exists already.
     [[nodiscard]] Configured<void> add_nodes();
 
     [[nodiscard]] server::DataSourceOptions options() const override
@@ -45,7 +45,7 @@ public:
     void write(server::WriteBatch batch) override;
 
 private:
-    /// What the handle of a node says besides the setting's index.
+    /// The part of a node's handle in addition to the setting's index.
     struct Aspect {
         static constexpr std::uint64_t value = 0;
         static constexpr std::uint64_t waits = 1;

@@ -11,8 +11,9 @@
 
 namespace busbar::administration::detail {
 
-/// The facts as Properties of an Object "Status" of the server's own namespace, below the Objects
-/// folder. They are read whatever the server's state. Who may: Thing::ServiceStatus.
+/// Adds the facts as Properties of an Object "Status" of the server's own namespace, below the
+/// Objects folder. They can be read in every state of the server, by the roles that
+/// Thing::ServiceStatus allows.
 [[nodiscard]] Configured<void> add_status_nodes(server::Server& server, NodeTable& table,
                                                 std::span<const StatusFact> facts,
                                                 Authorities authorities);

@@ -19,7 +19,7 @@ using crypto::CertificateSubject;
 struct Field {
     std::string_view name;
     std::string CertificateSubject::*member;
-    /// In characters (RFC 5280, Appendix A.1).
+    /// Maximum number of characters (RFC 5280, Appendix A.1).
     std::size_t longest;
 };
 
@@ -47,7 +47,7 @@ std::string_view trim(std::string_view text)
     return text;
 }
 
-/// Takes the value off the front of `rest`; nothing if a quote is not closed.
+/// Takes the value at the front of `rest`; nothing if a quote is not closed.
 std::optional<std::string_view> take_value(std::string_view& rest)
 {
     rest = trim(rest);
@@ -68,7 +68,7 @@ std::optional<std::string_view> take_value(std::string_view& rest)
     return value;
 }
 
-/// What is expected instead of the value; empty if nothing is wrong with it.
+/// Describes what is expected instead of the value; empty if the value is valid.
 std::string fault_of(const Field& field, std::string_view value)
 {
     const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };

@@ -43,7 +43,7 @@ Checked<void> commit_files(FileTransaction& change)
 {
     Stored<void> done = not_stored(StorageError::Failed);
     const StatusCode thrown = busbar::detail::caught([&] { done = change.commit(); });
-    // What is decided is finished as soon as the files can be written again.
+    // A decided change is finished as soon as the files can be written again.
     if (done || (change.is_decided() && change.recover())) {
         return {};
     }
@@ -165,12 +165,12 @@ Checked<Transaction::Changed> Transaction::apply(std::string_view application_ur
     for (std::size_t i = 0; i < lists_.size(); ++i) {
         const NewList& each = lists_[i];
         ++groups_[each.group].version;
-        busbar::detail::attempt([&] { // what is changed is so whoever hears of it
+        busbar::detail::attempt([&] { // reporting may fail, the change stays
             groups_[each.group].store->tell_changes(before[i], each.list);
         });
     }
     if (own_) {
-        // Gives the new key its name; a later load does it otherwise.
+        // Rename the new key; if this fails, a later load does it.
         busbar::detail::attempt([&] {
             const crypto::OwnCertificateStore store{*files_.files};
             static_cast<void>(store.load(application_uri));
@@ -206,7 +206,7 @@ Configured<void> finish_changes(Storage& files)
 {
     FileTransaction interrupted{files, detail::transaction_folder};
     const auto finished = interrupted.recover();
-    // On a medium that is not there yet nothing was begun.
+    // Nothing can have begun on a medium that is not present yet.
     if (finished || finished.error() == StorageError::Away) {
         return {};
     }

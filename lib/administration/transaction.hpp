@@ -24,18 +24,19 @@ struct CertificateGroup {
     NodeId id;
     NodeId trust_list_id;
     crypto::CertificateStore* store{nullptr};
-    /// Where the store's root lies in the files.
+    /// Path of the store's root in the files.
     std::string folder;
     crypto::CertificatePurpose purpose{};
-    /// Counts the changes, so that who reads the list in pieces knows of them.
+    /// Number of changes, by which a session that reads the list in pieces detects them.
     std::uint32_t version{0};
 };
 
-/// Changes of certificates and trust lists that are applied together or not at all (Part 12,
-/// 7.10.2): begun by the first of them, by one user in one session, and over with ApplyChanges,
-/// CancelChanges, the session, or another user of the session.
+/// Collects changes of certificates and trust lists that are applied together or not at all (Part
+/// 12, 7.10.2). The first change begins a transaction, which belongs to one user in one session.
+/// ApplyChanges, CancelChanges, the end of the session or a change of its user ends it.
 ///
-/// On the server's thread, but apply(), which may be called where nothing else uses the files.
+/// Used on the server's thread, except apply(), which may be called where nothing else uses the
+/// files.
 class Transaction {
 public:
     Transaction(const ManagedCertificates& files, const WallClock& clock)
@@ -45,29 +46,29 @@ public:
 
     [[nodiscard]] std::vector<CertificateGroup>& groups() { return groups_; }
     [[nodiscard]] bool is_active() const { return owner_.has_value(); }
-    /// Null if there is none.
+    /// Null if no transaction is active.
     [[nodiscard]] const Holder* owner() const { return owner_ ? &*owner_ : nullptr; }
-    /// Begins one or goes on with it: Bad_TransactionPending if another session has one.
+    /// Begins or continues a transaction: Bad_TransactionPending if another session has one.
     [[nodiscard]] StatusCode enter(const Holder& holder);
-    /// Good if the session may end it: Bad_NothingToDo if there is none, Bad_SessionIdInvalid if it
-    /// is another's.
+    /// Good if the session may end the transaction: Bad_NothingToDo if there is none,
+    /// Bad_SessionIdInvalid if it belongs to another session.
     [[nodiscard]] StatusCode check_end(const Holder& holder) const;
 
-    /// What the group's list will be.
+    /// Sets the group's future list.
     void set_trust_list(std::size_t group, crypto::TrustList list, crypto::TrustListParts parts);
     void set_own_certificate(crypto::OwnCertificate own);
-    /// There has to be another one before apply().
+    /// Deletes the own certificate; a new one must be set before apply().
     void delete_own_certificate();
     [[nodiscard]] bool is_own_deleted() const { return is_active() && is_own_deleted_; }
-    /// The list as it will be, or as it is.
+    /// Returns the future list, or the present one if it is not changed.
     [[nodiscard]] crypto::TrustList trust_list(std::size_t group) const;
 
-    /// What apply() has changed.
+    /// The result of apply().
     struct Changed {
         std::vector<std::size_t> groups;
         std::optional<crypto::OwnCertificate> own;
     };
-    /// Writes all of it. Refused: nothing has changed, and the transaction is over as well, unless
+    /// Writes all changes. If refused, nothing has changed; the transaction ends as well, unless
     /// there was no memory.
     [[nodiscard]] Checked<Changed> apply(std::string_view application_uri);
     void cancel(StatusCode why);
@@ -109,8 +110,8 @@ private:
     std::vector<TransactionErrorType> errors_;
 };
 
-/// Enters a Transaction. One that this begins is over again with it, unless keep() was called when
-/// something was changed: what fails leaves no transaction that keeps others out.
+/// Enters a Transaction. Ends it again on destruction if this began it, unless keep() was called
+/// after a change: a failed request must not leave a transaction that blocks other sessions.
 class TransactionEntry {
 public:
     TransactionEntry(Transaction& transaction, const Holder& holder)
@@ -127,7 +128,7 @@ public:
         }
     }
 
-    /// That of Transaction::enter.
+    /// Returns the status of Transaction::enter.
     [[nodiscard]] StatusCode status() const { return status_; }
     void keep() { is_undone_ = false; }
 
@@ -137,14 +138,14 @@ private:
     StatusCode status_;
 };
 
-/// The reason of Bad_TransactionPending, for an administrator.
+/// Reason for an administrator with Bad_TransactionPending.
 inline constexpr const char* other_transaction =
     "another session is changing certificates: it must apply or cancel its changes, or end";
 
-/// Finishes what an earlier change of the folder has decided; before anything is staged.
+/// Finishes an earlier change of the folder that was decided; call it before staging anything.
 [[nodiscard]] Checked<void> prepare_files(FileTransaction& change);
-/// Writes all of it. Refused: nothing has changed, unless it was decided and the medium failed on
-/// the way; then the next prepare_files or finish_changes goes on with it.
+/// Writes all changes. If refused, nothing has changed, unless the change was decided and then the
+/// medium failed; the next prepare_files or finish_changes continues with it.
 [[nodiscard]] Checked<void> commit_files(FileTransaction& change);
 
 /// The CertificateType of the server's own certificate.

@@ -48,7 +48,7 @@ std::string_view TransferNodes::name_of(const NodeId& object) const
     return text.substr(std::min(text.size(), text.rfind('/') + 1));
 }
 
-/// The one that the Object and the handle name, if it is the session's.
+/// Finds the session's file that the Object and the handle denote.
 TransferFile* TransferNodes::file_of(const MethodCall& call)
 {
     const std::string_view name = name_of(call.object_id());
@@ -133,7 +133,8 @@ void TransferNodes::close_and_commit(MethodCall& call)
         const StatusCode taken = may.is_bad() ? may : transfer_.owner->take(request, *file->bytes);
         return end_taking(call, file, taken, std::move(outputs), transfer_.owner->why_refused());
     }
-    // The file may be gone at the end, with its session, and so may the right to send it.
+    // The session, and with it the file, may end during the work, and the right to send it may be
+    // lost.
     const auto kept = std::make_shared<MethodCall>(std::move(call));
     const auto work = [bytes = file->bytes, prepare = std::move(preparation)] { prepare(); };
     const auto end = [this, kept, holder = holder_of(server_, *kept), outputs = std::move(outputs),
@@ -163,22 +164,22 @@ void TransferNodes::end_taking(MethodCall& call, TransferFile* file, StatusCode 
                                Array<Variant> outputs, std::string reason)
 {
     if (taken.is_bad()) {
-        return call.fail(taken, std::move(reason)); // the client has it still
+        return call.fail(taken, std::move(reason)); // the client keeps the file
     }
     if (file != nullptr) {
-        file->deadline = TimePoint::min(); // what stays of it now goes with the next call
+        file->deadline = TimePoint::min(); // the next call removes the file
         busbar::detail::attempt([&] { drop(*file); });
     }
     call.succeed(std::move(outputs));
 }
 
-/// It is open already, for who asked for it (Part 20, 4.4.3).
+/// Refuses: the client that requested the file already has it open (Part 20, 4.4.3).
 void TransferNodes::open(MethodCall& call)
 {
     call.fail(status::Bad_InvalidState, "the file is already open");
 }
 
-/// Without CloseAndCommit nothing of it is kept.
+/// Discards the file; only CloseAndCommit keeps it.
 void TransferNodes::close(MethodCall& call)
 {
     const TransferFile* const file = file_of(call);
@@ -195,7 +196,7 @@ void TransferNodes::read_file(MethodCall& call)
     if (file == nullptr) {
         return call.fail(status::Bad_InvalidArgument, no_such_file);
     }
-    // Read again if the client does not get it.
+    // Restore the position if the client does not get the answer.
     busbar::detail::Undo undo{[file, before = file->position] { file->position = before; }};
     const auto bytes = TransferFiles::read(*file, call.input<std::int32_t>(1));
     if (!bytes) {

@@ -161,7 +161,7 @@ Result<Array<Variant>> TransferNodes::keep(TransferFile file)
     outputs.push_back(Variant{node_id(*name)});
     outputs.push_back(Variant{handle});
     if (!file.is_written) {
-        outputs.push_back(Variant{NodeId{}}); // it is complete
+        outputs.push_back(Variant{NodeId{}}); // the file is already complete
     }
     handle = files_.add(std::move(file), now()).handle;
     outputs[1] = Variant{handle};

@@ -23,11 +23,11 @@
 
 namespace busbar::administration::detail {
 
-/// The Object of one TemporaryFileTransfer and the Objects of its files. Each file has Methods of
-/// its own: those that several share would lead from one session's file to another's.
+/// The Object of one TemporaryFileTransfer and the Objects of its files. Each file has its own
+/// Methods: shared ones would have references from one session's file to those of others.
 class TransferNodes final : public server::DataSource {
 public:
-    /// All must outlive the object.
+    /// All members must outlive the object.
     struct Needs {
         server::Server& server;
         const TemporaryFileTransfer& transfer;
@@ -35,13 +35,13 @@ public:
         const WallClock& clock;
         LogSink& log;
         NodeTable& table;
-        /// Where files are taken; null: on the server's thread.
+        /// Processes files; if null, the server's thread does.
         server::Worker* worker;
     };
 
     explicit TransferNodes(const Needs& needs);
 
-    /// The problem is one of the namespace, which is too small, or of nodes that are there already.
+    /// Adds the nodes. Fails if namespace 0 is too small or a node exists already.
     [[nodiscard]] Configured<void> add_nodes();
 
     [[nodiscard]] server::DataSourceOptions options() const override
@@ -60,7 +60,7 @@ private:
         Method method;
         bool changes;
     };
-    /// By the handles of the Methods; those of the transfer, then those of its files.
+    /// Indexed by the handles of Methods: those of the transfer, then those of its files.
     static const std::array<Declared, 9> declared;
     static constexpr std::size_t methods_of_transfer = 3;
 
@@ -70,16 +70,16 @@ private:
     [[nodiscard]] Result<void> add_timeout(model::NodeIndex transfer);
     [[nodiscard]] NamedRoles roles() const;
     [[nodiscard]] NodeId node_id(std::string_view below) const;
-    /// A name that nobody can guess.
+    /// Returns a name that cannot be guessed.
     [[nodiscard]] Result<std::string> new_name();
-    /// What the Object of the call is called; empty if it is none of our files.
+    /// Returns the name of the Object that is called; empty if it is not one of these files.
     [[nodiscard]] std::string_view name_of(const NodeId& object) const;
     [[nodiscard]] TransferFile* file_of(const server::MethodCall& call);
     [[nodiscard]] TimePoint now() const;
     void expire();
     void drop(const TransferFile& file);
     void remove_nodes(const std::string& name);
-    /// Keeps the file and adds its Object, or neither. What its Method answers.
+    /// Adds the file and its Object, or neither. Returns the outputs of the Method.
     [[nodiscard]] Result<Array<Variant>> keep(TransferFile file);
     [[nodiscard]] Result<void> add_file(const std::string& name);
     [[nodiscard]] DataValue value_of(const TransferFile& file, FileAspect aspect) const;
@@ -87,7 +87,7 @@ private:
     void generate_for_read(server::MethodCall& call);
     void generate_for_write(server::MethodCall& call);
     void close_and_commit(server::MethodCall& call);
-    /// Answers; `file` may be gone.
+    /// Answers the call; `file` may be gone.
     void end_taking(server::MethodCall& call, TransferFile* file, StatusCode taken,
                     Array<Variant> outputs, std::string reason);
     void open(server::MethodCall& call);
@@ -104,13 +104,13 @@ private:
     const WallClock& clock_;
     NodeTable& table_;
     server::Worker* worker_;
-    bool is_taking_{false}; // a file that takes long
+    bool is_taking_{false}; // true while a file is processed on the worker
     TransferFiles files_;
     CallTurns turns_;
     std::uint16_t namespace_{0};
-    /// Below it are the Objects of files; nobody sees it.
+    /// Parent of the files' Objects, which no client can see.
     model::NodeIndex container_{model::no_node};
-    /// The names of the files by their numbers, which are in the handles of Variables.
+    /// Names of the files by the numbers in their Variables' handles.
     std::vector<std::string> numbers_;
 };
 

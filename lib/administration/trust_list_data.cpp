@@ -36,7 +36,7 @@ Unexpected<Refusal> refuse_list(StatusCode status, std::string found, std::strin
     return refuse({status, "trust list", std::move(found), "Part 12, 7.8.2", std::move(remedy)});
 }
 
-/// Reads the members of one list.
+/// Decodes the elements of one list.
 template <typename T>
 Checked<std::vector<T>> parse_all(const Array<ByteString>& ders, std::string_view what)
 {

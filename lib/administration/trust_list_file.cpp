@@ -21,12 +21,13 @@ namespace {
 
 using server::MethodCall;
 
-// Of one list, by all sessions together: files, and what they hold in largest lists. The user who
-// has most gives way to one who has less.
+// Limits for one list and all sessions together: number of open files, and their content in
+// multiples of the largest list. The user with the largest share gives way to one with a smaller
+// share.
 
 constexpr std::size_t max_open = 16;
 constexpr std::size_t max_open_lists = 4;
-/// Bytes of one answer; the client asks again for the rest (Part 20, 4.2.4).
+/// Maximum number of bytes in one answer; the client asks again for the rest (Part 20, 4.2.4).
 constexpr std::size_t max_read = 65'536;
 
 // Modes of Open (Part 20, 4.2.2).
@@ -77,7 +78,7 @@ void TrustListFile::bind_values(model::NodeIndex node)
     const auto bind_one = [&](std::string_view name, NodeTable::Value value) {
         needs_.table.bind_value(space, child_of(space, node, name), std::move(value));
     };
-    // It has no meaning here (Part 12, 7.8.2.1).
+    // Not meaningful for trust lists (Part 12, 7.8.2.1).
     bind_one("Size", [] { return DataValue{status::Bad_NotSupported}; });
     bind_one("Writable", [] { return DataValue{Variant{true}}; });
     bind_one("UserWritable", [] { return DataValue{Variant{true}}; });
@@ -178,7 +179,7 @@ void TrustListFile::open(MethodCall call)
                          "found mode " + std::to_string(mode) +
                              ", expected 1 (read) or 6 (write and erase)");
     }
-    // Those who only look would keep administrators out.
+    // Refuse users who may only look: they would keep administrators out.
     if (!may_call(needs_.server.address_space(), close_and_update_, call.user())) {
         return call.fail(status::Bad_UserAccessDenied, "only SecurityAdmin changes trust lists");
     }
@@ -337,7 +338,7 @@ void TrustListFile::refuse_call(MethodCall& call, const Refusal& refusal)
     answer_with(call, refusal);
 }
 
-/// Part 12, 7.8.2.6. In force at once; it leaves the rejected list.
+/// Part 12, 7.8.2.6. Takes effect at once and removes the certificate from the rejected list.
 void TrustListFile::add_certificate(MethodCall call)
 {
     if (const StatusCode state = check_single_change(); state.is_bad()) {
@@ -347,7 +348,7 @@ void TrustListFile::add_certificate(MethodCall call)
     }
     const std::span<const std::byte> der = bytes_input(call, 0);
     auto certificate = crypto::Certificate::parse(der);
-    // CA certificates come with their revocation lists, which this Method has no place for.
+    // CA certificates need revocation lists, which this Method cannot take.
     if (!certificate || !call.input<bool>(1)) {
         return call.fail(status::Bad_CertificateInvalid,
                          certificate ? "this Method adds trusted certificates only; add issuers "
@@ -360,7 +361,7 @@ void TrustListFile::add_certificate(MethodCall call)
     if (bytes_of(list, all_lists).size() > needs_.files.max_trust_list_size) {
         return call.fail(status::Bad_RequestTooLarge, too_large());
     }
-    // Trusted CAs count, other clients do not.
+    // Only trusted CAs matter here, not other clients.
     crypto::TrustList alone = list;
     std::erase_if(alone.trusted, [&](const crypto::Certificate& each) {
         return !(each == *certificate) && !crypto::is_authority(each);
@@ -377,7 +378,7 @@ void TrustListFile::add_certificate(MethodCall call)
     call.succeed();
 }
 
-/// One that was rejected is moved, so that the log has one change.
+/// Moves a rejected certificate, so that the log shows a single change.
 Checked<void> TrustListFile::trust(const crypto::Certificate& certificate)
 {
     crypto::CertificateStore& store = *group().store;
@@ -418,14 +419,14 @@ Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bo
     done = done ? group().store->stage(list, parts, change, group().folder) : done;
     done = done ? commit_files(change) : done;
     if (done) {
-        busbar::detail::attempt([&] { // what is taken out is so whoever hears of it
+        busbar::detail::attempt([&] { // reporting may fail, the removal stays
             group().store->tell_changes(before, list);
         });
     }
     return done;
 }
 
-/// Part 12, 7.8.2.7. In force at once.
+/// Part 12, 7.8.2.7. Takes effect at once.
 void TrustListFile::remove_certificate(MethodCall call)
 {
     if (const StatusCode state = check_single_change(); state.is_bad()) {
@@ -446,7 +447,7 @@ void TrustListFile::remove_certificate(MethodCall call)
                          std::string{is_trusted ? "trusted" : "issuers"} +
                              " has no certificate with the thumbprint " + printable(thumbprint));
     }
-    // A copy: the store reads its list again on the way.
+    // Copy it: the store reads its list again on the way.
     // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
     const crypto::Certificate certificate = *found;
     if (const auto done = take_out(certificate, is_trusted); !done) {

@@ -12,7 +12,7 @@
 
 namespace busbar::administration::detail {
 
-/// What the TrustList objects need of ServerConfiguration.
+/// The parts of ServerConfiguration that TrustList objects use.
 struct TrustListNeeds {
     server::Server& server;
     NodeTable& table;
@@ -20,22 +20,22 @@ struct TrustListNeeds {
     const ManagedCertificates& files;
     const WallClock& clock;
     LogSink& log;
-    /// Raised when the group's list is another one.
+    /// Raised when the group's list changes.
     NodeTable::Signal& changed;
 };
 
-/// A TrustList object (Part 12, 7.8.2): the list of a CertificateGroup as a file, which is read as
-/// it is and written into the transaction.
+/// A TrustList object (Part 12, 7.8.2): the list of a CertificateGroup as a file. Sessions read the
+/// present list; writing changes it in the transaction.
 class TrustListFile {
 public:
     TrustListFile(const TrustListNeeds& needs, std::size_t group);
 
     void attach(model::NodeIndex node);
-    /// Somebody writes it.
+    /// True while a session has the list open for writing.
     [[nodiscard]] bool is_open_for_writing() const;
-    /// Closes what sessions that are gone have open.
+    /// Closes the files of sessions that are gone.
     void expire();
-    /// The list is another one.
+    /// Reports a change of the list.
     void tell_changed() { needs_.table.raise(needs_.changed); }
 
 private:
@@ -64,28 +64,29 @@ private:
     void remove_certificate(server::MethodCall call);
 
     [[nodiscard]] CertificateGroup& group() { return needs_.transaction.groups()[group_]; }
-    /// The session's open file that the call's first input names; null if there is none.
+    /// Finds the session's open file by the handle in the call's first input; null if there is
+    /// none.
     [[nodiscard]] Open* find(const server::MethodCall& call);
     void forget(const Open& open);
-    /// Answers the call; false if it was refused.
+    /// Adds the file and answers the call; false if it was refused.
     [[nodiscard]] bool keep(server::MethodCall& call, Open open);
-    /// One more, with these bytes; of other users' those that are only read may give way.
+    /// Makes room for a file with these bytes; files that other users only read may give way.
     [[nodiscard]] bool make_room(const Holder& holder, std::size_t bytes);
-    /// Good if the list may be changed at once, without a transaction.
+    /// Good if the list may be changed without a transaction.
     [[nodiscard]] std::string too_large() const;
     [[nodiscard]] StatusCode check_single_change() const;
-    /// Adds it to the trusted ones, or moves it there from the rejected ones.
+    /// Adds the certificate to the trusted ones, or moves it there from the rejected ones.
     [[nodiscard]] Checked<void> trust(const crypto::Certificate& certificate);
-    /// Removes it from the list, with the revocation lists of a CA.
+    /// Removes the certificate from the list, with the revocation lists of a CA.
     [[nodiscard]] Checked<void> take_out(const crypto::Certificate& certificate, bool is_trusted);
-    /// Refused unless `refusal` is null.
+    /// Records the call; it was refused unless `refusal` is null.
     void tell(const server::MethodCall& call, const Refusal* refusal);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
 
     TrustListNeeds needs_;
     model::NodeIndex close_and_update_{model::no_node};
     std::size_t group_;
-    std::list<Open> open_; // the oldest in front
+    std::list<Open> open_; // oldest first
     std::uint32_t last_handle_{0};
 };
 

@@ -84,7 +84,7 @@ Unexpected<Refusal> refuse_configured(std::string_view name)
                        "Change the user in the configuration that defines it");
 }
 
-/// A configured user as one of the list.
+/// Converts a configured user to a user of the list.
 User user_of(const ConfiguredUser& user)
 {
     return {.name = user.name,
@@ -140,13 +140,13 @@ std::string document_of(const std::vector<User>& users)
     return json.take() + "\n";
 }
 
-/// What is wrong with a user in the file.
+/// An error in a user of the file.
 struct Wrong {
     std::string_view member;
     std::string_view expected;
 };
 
-/// A user as the file has it, or what is wrong.
+/// Reads a user of the file.
 Expected<User, Wrong> user_of(const Json& json)
 {
     const std::string* const name = detail::text_of(json, "name");
@@ -207,7 +207,7 @@ Configured<void> UserList::load()
             }
             if (!user) {
                 const auto [member, expected] = user.error();
-                // A hash is not for a log.
+                // Never log a hash.
                 const Json* const found =
                     member == "password_hash" ? nullptr : list->items[i].find(member);
                 return Unexpected{detail::wrong_member(
@@ -317,7 +317,7 @@ server::PasswordUsers::Change UserList::publication(const std::vector<User>& use
             change.remove(user.name);
             continue;
         }
-        // It fails for what is no hash only, which none of them is.
+        // This fails only for an invalid hash, and all of these are valid.
         static_cast<void>(change.set(user.name, user.password_hash,
                                      {detail::access_of(user.roles), user.roles,
                                       has(user, user_bit::must_change_password)}));
@@ -486,7 +486,7 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     const std::lock_guard lock{change_mutex_};
     std::vector<User> users = users_;
     User* const user = find_in(users, name);
-    // Somebody may have been faster.
+    // Another change may have been made first.
     if (user == nullptr || user->password_hash != known->password_hash) {
         return refuse_user(status::Bad_IdentityTokenInvalid, name, "was changed in the meantime");
     }

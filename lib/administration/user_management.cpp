@@ -22,7 +22,7 @@ namespace {
 
 using server::MethodCall;
 
-/// Changes that wait for the one that is under way.
+/// Number of changes that may wait for the running one.
 constexpr std::size_t max_waiting = 256;
 constexpr std::ptrdiff_t max_waiting_of_user = 64;
 constexpr const char* too_many_changes =
@@ -48,7 +48,7 @@ std::uint32_t options_of(const server::PasswordRules& rules)
     return bits;
 }
 
-/// What the options cannot say, and what no other node says of names.
+/// Describes rules that the options cannot express, and those of names, which no other node shows.
 LocalizedText restrictions_of(const server::PasswordRules& rules)
 {
     std::string text = "A user's name has " + std::to_string(rules.min_name_length) + " to " +
@@ -78,13 +78,13 @@ Variant users_of(const UserList& list)
     return structures<UserManagementDataType>(all);
 }
 
-/// False once nobody waits for the answer; `call` must outlive it.
+/// Returns a function that is false once the client no longer waits; `call` must outlive it.
 std::function<bool()> wanted_by(const MethodCall& call)
 {
     return [&call] { return !call.is_abandoned(); };
 }
 
-/// What becomes of a job that nobody waited for any more when it was to begin.
+/// The result of a job whose client had stopped waiting before it began.
 Checked<void> given_up()
 {
     return refuse({status::Bad_Timeout, "user management",
@@ -128,7 +128,7 @@ void UserManagement::bind_values()
                       [this] { return Variant{restrictions_of(users_.rules())}; });
 }
 
-/// Part 18, 5.2.5. Roles are given by the rules of the RoleSet.
+/// Part 18, 5.2.5. The rules of the RoleSet give roles.
 void UserManagement::add(MethodCall call)
 {
     run(std::move(call), [this](const MethodCall& c) {
@@ -183,7 +183,7 @@ void UserManagement::remove(MethodCall call)
         name);
 }
 
-/// Part 18, 5.2.8: whoever has a password may, over an encrypted channel.
+/// Part 18, 5.2.8: every user with a password may call it, over an encrypted channel.
 void UserManagement::change_password(MethodCall call)
 {
     if (call.user().token_type != UserTokenType::UserName) {
@@ -242,7 +242,7 @@ void UserManagement::run(MethodCall call, Change change, const std::string& sess
     start_next();
 }
 
-/// The oldest of another user than the last one, if there is any.
+/// Takes the oldest job of another user than the last one, if there is one.
 std::shared_ptr<UserManagement::Job> UserManagement::take_next()
 {
     auto next = std::find_if(jobs_.begin(), jobs_.end(),

@@ -22,11 +22,11 @@ public:
         server::Server& server;
         UserList& users;
         NodeTable& table;
-        /// Raised when users are others.
+        /// Raised when users change.
         NodeTable::Signal& changed;
         LogSink& log;
         crypto::Random& random;
-        /// Where passwords are hashed, which takes tens of milliseconds; null: the server's thread.
+        /// Hashes passwords, which takes tens of milliseconds; if null, the server's thread does.
         server::Worker* worker;
         /// See AdministrationParts::may_change_users.
         const std::function<Configured<void>()>& may_change;
@@ -39,21 +39,23 @@ public:
     {
     }
 
-    /// The problem says what is missing in namespace 0. After ServerConfiguration, which has it.
+    /// Connects the nodes, after ServerConfiguration has added them. The problem names what is
+    /// missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
 
 private:
-    /// What a Method does to the list.
+    /// The change that a Method makes to the list.
     using Change = std::function<Checked<void>(const server::MethodCall&)>;
     struct Job {
         server::MethodCall call;
         Holder holder;
         Change change;
-        /// Who calls.
+        /// Name of the calling user.
         std::string user;
-        /// It tries a password, as a login does.
+        /// True if the job tries a password, as a login does.
         bool tries_password;
-        /// Ends the sessions of one whose right is gone (Part 18, 5.2.6 and 5.2.7); may be null.
+        /// Ends the sessions of a user whose rights are gone (Part 18, 5.2.6 and 5.2.7); may be
+        /// null.
         std::unique_ptr<NodeTable::Task> end_sessions{};
     };
 
@@ -62,12 +64,12 @@ private:
     void modify(server::MethodCall call);
     void remove(server::MethodCall call);
     void change_password(server::MethodCall call);
-    /// Does the change where passwords are hashed, then answers. One at a time, so that logins,
-    /// which use the same worker, wait for one of them at most; users take turns.
+    /// Makes the change where passwords are hashed, then answers. Runs one job at a time, so that
+    /// logins, which use the same worker, wait for at most one; users take turns.
     void run(server::MethodCall call, Change change, const std::string& sessions_end_of = {},
              bool tries_password = false);
-    /// One job more in the queue. If it is full, one of the user who has most in it is refused, as
-    /// long as that is another one, who has more.
+    /// Makes room for a job in the queue. If the queue is full, a job of the user with the most is
+    /// refused, provided that it is another user with more jobs.
     [[nodiscard]] bool make_room(const Holder& holder);
     [[nodiscard]] std::shared_ptr<Job> take_next();
     void start_next();
@@ -85,8 +87,8 @@ private:
     crypto::Random& random_;
     server::Worker* worker_;
     const std::function<Configured<void>()>& may_change_;
-    std::list<std::shared_ptr<Job>> jobs_; // that wait
-    /// While that exists the worker is at a job, however it ends.
+    std::list<std::shared_ptr<Job>> jobs_; // waiting jobs
+    /// Not expired while the worker has a job, however that ends.
     std::weak_ptr<const void> busy_;
     std::string last_user_;
 };

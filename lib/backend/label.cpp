@@ -7,12 +7,12 @@ namespace busbar::backend {
 namespace {
 
 struct Traits {
-    /// Of the current value of timers and counters.
+    /// Type of the current value of timers and counters.
     LabelType current;
     std::size_t size;
 };
 
-/// By LabelType; texts are sized by their length.
+/// Indexed by LabelType; the sizes of texts depend on their lengths.
 constexpr std::array traits{
     Traits{LabelType::Bit, 1},
     Traits{LabelType::UnsignedWord, 2},

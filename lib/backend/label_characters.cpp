@@ -15,8 +15,9 @@ struct Range {
     char32_t last;
 };
 
-/// SH-082679, appendix 6, note 1. Of ASCII's symbols the comma, the period, the brackets and the
-/// underscore are left. What is beyond 16 bits would be a pair of surrogates.
+/// The characters that SH-082679, appendix 6, note 1 forbids. Of ASCII's symbols the comma, the
+/// period, the brackets and the underscore are allowed. Characters beyond 16 bits would need
+/// surrogates.
 constexpr std::array forbidden{
     Range{0x00, 0x1F},     Range{0x20, 0x2B},     Range{0x2D, 0x2D},        Range{0x2F, 0x2F},
     Range{0x3A, 0x40},     Range{0x5C, 0x5C},     Range{0x5E, 0x5E},        Range{0x60, 0x60},
@@ -31,7 +32,7 @@ bool is_forbidden(char32_t character)
     });
 }
 
-/// `sequence` is one character of UTF-8.
+/// Decodes `sequence`, which must be one UTF-8 character.
 char32_t code_point(std::string_view sequence)
 {
     constexpr std::array lead_masks{0x00U, 0x7FU, 0x1FU, 0x0FU, 0x07U};

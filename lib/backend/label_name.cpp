@@ -20,13 +20,13 @@ bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/// What stands between names.
+/// True for a character that separates names.
 bool is_delimiter(char c)
 {
     return c == '.' || c == ',' || c == '[' || c == ']';
 }
 
-/// Of UTF-8; bytes that are none count as one each.
+/// Counts UTF-8 characters; each invalid byte counts as one.
 std::size_t characters(std::string_view text)
 {
     std::size_t count = 0;
@@ -36,7 +36,7 @@ std::size_t characters(std::string_view text)
     return count;
 }
 
-/// Digits of a bit device's word: K, how many of them, and the name (SH-082679, 8.3).
+/// True for digits of a bit device's word: K, the number of digits and the name (SH-082679, 8.3).
 bool is_digit_specification(std::string_view name)
 {
     constexpr std::size_t prefix = 2;
@@ -44,7 +44,7 @@ bool is_digit_specification(std::string_view name)
            name[1] >= '1' && name[1] <= '8' && !is_digit(name[prefix]);
 }
 
-/// Walks a name once.
+/// Reads a name from front to back, once.
 class NameReader {
 public:
     explicit NameReader(std::string_view text) : text_{text} {}
@@ -101,7 +101,7 @@ private:
         return true;
     }
 
-    /// "[1,2]" and "[1][2]", as often as there are any.
+    /// Reads any number of indices, such as "[1,2]" and "[1][2]".
     [[nodiscard]] bool read_indices(LabelName::Part& part)
     {
         while (skip('[')) {
@@ -114,7 +114,7 @@ private:
                 return fail("',' or ']'");
             }
         }
-        // "[1,2]" has a character for each index, and one for the end.
+        // "[1,2]" counts a character for each index and one for the end.
         return count_in(part.indices.empty() ? 0 : part.indices.size() + 1);
     }
 
@@ -141,7 +141,7 @@ private:
         return is_there;
     }
 
-    /// Counts what has been read as it is written in the end.
+    /// Adds to the length that the name has when it is written.
     [[nodiscard]] bool count_in(std::size_t more)
     {
         length_ += more;
@@ -150,7 +150,7 @@ private:
                          " characters, with periods, indices and commas");
     }
 
-    /// Always false.
+    /// Reports a problem; always returns false.
     bool fail(std::string_view expected)
     {
         constexpr std::size_t enough = 40;
@@ -169,7 +169,7 @@ private:
 
     std::string_view text_;
     std::size_t at_{0};
-    /// Characters of what has been read.
+    /// Number of characters read.
     std::size_t length_{0};
     Problem problem_{};
 };

@@ -7,8 +7,8 @@ namespace busbar::command_line {
 
 namespace {
 
-/// A line that the formatter prints as it is: no request, no escape sequence, and "-" as the
-/// character that a shell reads.
+/// Escapes a line so that the formatter prints it as it is: no request, no escape sequence, and "-"
+/// as the character that a shell reads.
 std::string escaped(const std::string& line)
 {
     std::string text{line.starts_with('.') || line.starts_with('\'') ? "\\&" : ""};
@@ -24,7 +24,7 @@ std::string escaped(const std::string& line)
     return text;
 }
 
-/// Paragraphs end where a line is empty; a line that is indented is kept as it stands.
+/// Formats paragraphs, which end at empty lines; indented lines stay as they are.
 std::string paragraphs(const std::string& text)
 {
     std::string result;

@@ -19,7 +19,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app)
         [](const CLI::App* command) { return !command->get_name().empty(); });
 }
 
-/// The options that --help lists.
+/// Lists the options that --help shows.
 std::vector<const CLI::Option*> options_of(const CLI::App& app, bool is_positional)
 {
     return app.get_options([is_positional](const CLI::Option* option) {
@@ -32,7 +32,7 @@ bool is_repeated(const CLI::Option& option)
     return option.get_expected_max() > 1;
 }
 
-/// "--config FILE", "-a, --attribute NAME".
+/// Writes an option as "--config FILE" or "-a, --attribute NAME".
 std::string name_of(const CLI::Option& option, bool is_positional)
 {
     std::string name = option.get_name(is_positional, !is_positional);
@@ -72,7 +72,7 @@ std::vector<ManualPage::Entry> entries_of(const CLI::App& app)
     std::vector<ManualPage::Entry> entries;
     for (const bool is_positional : {true, false}) {
         for (const CLI::Option* option : options_of(app, is_positional)) {
-            // Every command has it.
+            // Skip the help option of commands, since every command has it.
             if (app.get_parent() == nullptr || option != app.get_help_ptr()) {
                 entries.push_back({name_of(*option, is_positional), text_of(*option)});
             }
@@ -81,12 +81,12 @@ std::vector<ManualPage::Entry> entries_of(const CLI::App& app)
     return entries;
 }
 
-/// A part for each command, "cert" and "cert list" alike.
+/// Adds a part for each command, and for its commands, such as "cert" and "cert list".
 void add_commands(const CLI::App& app, const std::string& prefix, ManualPage& page)
 {
     for (const CLI::App* command : commands_of(app)) {
         const std::string name = prefix + command->get_name();
-        // CLI11 hands that of a program down to its commands.
+        // Commands inherit the program's footer from CLI11.
         const std::string own = command->get_footer();
         const std::string footer = own == app.get_footer() ? "" : own;
         page.sections.push_back(
@@ -150,7 +150,7 @@ std::string completion_of(const CLI::App& app, const std::string& program)
            function + " " + program + "\n";
 }
 
-/// Without the newline that App::exit adds.
+/// Removes the final newline, because App::exit adds one.
 std::string last_line_open(std::string text)
 {
     if (text.ends_with('\n')) {
