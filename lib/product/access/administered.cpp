@@ -72,7 +72,7 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
                                                 "decide"};
         }
         waits_for_port_ = !config.machine.is_used;
-        if (!waits_for_port_) { // or nobody could log in by the code
+        if (!waits_for_port_) { // otherwise no client could use the code to log in
             new_code_ = setup_->begin(random_, config.users.password_rules.cost);
             show_accounts();
         }
@@ -181,11 +181,11 @@ void Administered::attach(const ToAdminister& what)
         parts.users = &*users_;
         parts.certificates = &certificates_;
         parts.is_in_setup = [this] { return setup_->is_active(); };
-        // Not those who log in by the same code and are later: the session ends soon.
+        // Another user with the same code is too late: that session ends soon.
         parts.may_administer = [this](const server::UserIdentity& user) {
             return user.name != Setup::user_name || !users_->has_administrator();
         };
-        // Whoever sets it up is its first administrator, whatever the mode.
+        // The user who sets the controller up becomes its first administrator, in any mode.
         parts.may_change_users = [this, is_in_run = what.is_in_run]() -> Configured<void> {
             return is_in_run() && !setup_->is_active() ? refused_in_run("users and roles")
                                                        : Configured<void>{};

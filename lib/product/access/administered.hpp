@@ -19,14 +19,16 @@
 
 namespace busbar::product {
 
-/// Whether certificates and users are managed online: where certificates decide.
+/// Tells whether certificates and users are managed online, which requires that certificates decide
+/// about clients.
 [[nodiscard]] bool manages_certificates(const ControllerConfig& config);
 
-/// What an Administered works on; all must outlive it, but the worker, which is to end before.
+/// The objects that an Administered uses. All must outlive it, except the worker, which must end
+/// before it.
 struct ToAdminister {
     server::Server& server;
     Admission& admission;
-    /// Is told of another certificate.
+    /// Updated when the certificate changes.
     ControllerConfig& config;
     Settings& settings;
     server::Worker& worker;
@@ -36,71 +38,73 @@ struct ToAdminister {
     std::function<void()> start_over;
     /// Goes on without the server; empty: the program ends.
     std::function<void(const std::string& reason)> shut_down;
-    /// Whether the server may go on without a restart, and if not, why not.
+    /// Tells whether the server may continue without a restart, or why not.
     std::function<Configured<void>()> may_run;
-    /// Has another server take over, soon.
+    /// Replaces the server by a new one soon.
     std::function<void(const administration::RestartWish& wish)> restart;
-    /// Whether that would work, and if not, why not.
+    /// Tells whether a restart would work, or why not.
     std::function<Configured<void>()> may_restart;
-    /// Whether a machine is in RUN, in which users and roles stay as they are (W588, 3-2-6).
+    /// Tells whether a machine is in RUN, where users and roles cannot change (W588, 3-2-6).
     std::function<bool()> is_in_run;
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> users_changed;
-    /// Called on the server's thread when other kinds of user may log in than before.
+    /// Called on the server's thread when the kinds of user that may log in have changed.
     std::function<void()> offer_changed;
-    /// Called on the server's thread when `config` was told of another certificate. May be empty.
+    /// Called on the server's thread when `config` got another certificate. May be empty.
     std::function<void()> renewed;
-    /// Beside those of the configuration.
+    /// In addition to those of the configuration.
     std::vector<administration::FileSystem> file_systems;
     std::vector<administration::TemporaryFileTransfer> file_transfers;
     std::vector<administration::StatusFact> status{};
 };
 
-/// What administrators change while the controller runs, kept in the folder of certificates.
+/// Everything that administrators change while the controller runs, kept in the folder of
+/// certificates.
 class Administered {
 public:
     static constexpr const char* users_file = "users.json";
     static constexpr const char* roles_file = "roles.json";
 
-    /// Throws a ConfigError if what is kept in `files`, the folder of certificates, cannot be read.
-    /// All must outlive it.
+    /// Throws a ConfigError if a list in `files`, the folder of certificates, cannot be read. All
+    /// arguments must outlive this object.
     Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
                  LogSink& lines);
 
-    /// The server's log.
+    /// Returns the server's log.
     [[nodiscard]] LogSink& log() { return audit_; }
     [[nodiscard]] const server::RoleMapper& roles() const { return listener_roles_; }
-    /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
-    /// before the server is made. Throws ConfigError. `admission` must outlive it.
+    /// Adds the users that were added online to those of the file, and lets `config` offer them.
+    /// Called once, before the server is created. Throws ConfigError. `admission` must outlive this
+    /// object.
     void add_users(Admission& admission, ControllerConfig& config);
-    /// Has endpoints offer passwords if a user of the list, or of the setup, has one.
+    /// Makes endpoints offer passwords if a user of the list, or of the setup, has one.
     void offer_passwords(std::vector<server::EndpointConfig>& endpoints) const;
-    /// Who decides about clients, also in a setup.
+    /// Decides about clients, also during a setup.
     [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
-    /// The one-time code of the setup, if this is the first start of a controller that has one.
+    /// The one-time code of the setup, if this is the first start of a controller with a setup.
     [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
     /// Returns true while there is no administrator but the one of the setup.
     [[nodiscard]] bool is_in_setup() const { return setup_ && setup_->is_active(); }
-    /// Returns true if there would be a setup, but no port by which anybody could do it.
+    /// Returns true if there would be a setup, but there is no port for it.
     [[nodiscard]] bool is_waiting_for_port() const { return waits_for_port_; }
-    /// Where the hash of the code lies, for people.
+    /// The place of the file with the code's hash, for people.
     [[nodiscard]] std::string code_place() const { return files_.place(Setup::code_file); }
-    /// Those users again, after `admission` has read its file again. Throws ConfigError.
+    /// Reads the users again, after `admission` has read its file again. Throws ConfigError.
     void read_users();
-    /// Once, before clients connect. Throws ConfigError.
+    /// Connects all this to the server; called once, before clients connect. Throws ConfigError.
     void attach(const ToAdminister& what);
-    /// See Administration; after attach(). Any thread.
+    /// See Administration; call it after attach(). Thread-safe.
     void refresh_files() { administration_->refresh_files(); }
 
 private:
     void end_setup(server::Server& server);
     /// Shows administrators the accounts that `admission_` and the setup have.
     void show_accounts();
-    /// For a start at which they are damaged.
+    /// Copies the lists, for a start at which they are damaged.
     void keep_lists();
-    /// What administrators changed, and all certificates.
+    /// Deletes all that administrators changed, and all certificates.
     [[nodiscard]] Configured<void> reset();
-    /// Any thread.
+    /// Thread-safe.
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 
     const WallClock& clock_;

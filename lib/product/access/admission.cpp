@@ -10,7 +10,8 @@ namespace {
 constexpr std::uint8_t read_only = 0x01; // CurrentRead
 constexpr std::uint8_t everything = 0xFF;
 
-/// Who administers reads and writes what belongs to that.
+/// Returns the access level mask; an administrator can read and write the variables of
+/// administration.
 std::uint8_t mask_of(AccountAccess access)
 {
     return access == AccountAccess::Read ? read_only : everything;
@@ -21,7 +22,7 @@ bool needs_certificates(const ControllerConfig& config)
     return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
 }
 
-/// The first kind of user that only one of both lets in; empty if there is none.
+/// Returns the first kind of user that only one of both admits; empty if there is none.
 std::string changed_kind(const UserConfig& before, const UserConfig& after)
 {
     const std::pair<const char*, bool> kinds[] = {

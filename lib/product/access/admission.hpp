@@ -8,16 +8,17 @@
 
 namespace busbar::product {
 
-/// Who is let in: the trust lists of clients and, apart from them, of users; the users themselves.
+/// Admits clients and users: has the trust lists of clients and, separately, of users, and the
+/// users themselves.
 class Admission {
 public:
-    /// Makes the folders that are missing in `files`, the folder of certificates. Throws
-    /// ConfigError. `files` and `log` must outlive it.
+    /// Creates missing folders in `files`, the folder of certificates. Throws ConfigError. `files`
+    /// and `log` must outlive this object.
     Admission(const ControllerConfig& config, Storage& files, LogSink& log);
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
-    /// The users that are let in now.
+    /// The users that are admitted now.
     [[nodiscard]] const UserConfig& user_config() const { return config_; }
     [[nodiscard]] server::PasswordUsers& passwords() { return users_.passwords(); }
     [[nodiscard]] crypto::CertificateStore& client_store() { return client_store_; }
@@ -26,20 +27,21 @@ public:
     {
         return config_.certified ? &user_store_ : nullptr;
     }
-    /// From now on; nothing: endpoints let in no anonymous users. Their sessions are the caller's.
+    /// Sets the access of anonymous users; without one endpoints do not admit them. The caller must
+    /// end their sessions.
     void let_anonymous_in(std::optional<AccountAccess> access);
-    /// Throws a ConfigError that begins with `file` if kinds of user came or went, but anonymous
-    /// ones: endpoints offer those since the start.
+    /// Throws a ConfigError that begins with `file` if kinds of user, other than anonymous ones,
+    /// were added or removed: endpoints offer the same kinds since the start.
     void check_users(const UserConfig& users, const std::string& file) const;
-    /// Lets in whom `users` names from now on, and nobody else; after check_users().
+    /// Admits only the users in `users` from now on; call check_users() first.
     void replace_users(const UserConfig& users);
-    /// Reads the trust lists again, which happens anyway when files change, and tells the log of
-    /// what was found; how many there are.
+    /// Reads the trust lists again, which also happens when files change, and logs changes. Returns
+    /// a text with the numbers of certificates.
     [[nodiscard]] std::string read_certificates(DateTime now);
-    /// Tells the log of certificates that came into the folders of the trust lists or went from
-    /// there; see CertificateStore::tell_found_changes().
+    /// Logs certificates that were added to the folders of the trust lists or removed from them;
+    /// see CertificateStore::tell_found_changes().
     void tell_found_certificates(DateTime now);
-    /// Where passwords are checked from now on; it is to end before this and the server.
+    /// Sets the worker that checks passwords; it must end before this object and the server.
     void check_passwords_on(server::Worker& worker) { users_.passwords().set_worker(&worker); }
 
 private:

@@ -4,10 +4,11 @@
 
 namespace busbar::product {
 
-/// Asks whoever decides now, for who cannot be given another validator later.
+/// Forwards to the present validator, for objects whose validator cannot be replaced.
 class CurrentValidator final : public crypto::CertificateValidator {
 public:
-    /// `validator` must outlive this, or the next call. Before the first validate().
+    /// Sets the validator; must be called before the first validate(). `validator` must outlive
+    /// this object or the next call.
     void use(crypto::CertificateValidator& validator) { validator_ = &validator; }
 
     [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,

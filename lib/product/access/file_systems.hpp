@@ -10,13 +10,13 @@
 
 namespace busbar::product {
 
-/// The folders whose files clients see.
+/// The folders whose files clients can see.
 class FileSystems {
 public:
-    /// Makes the folders that are missing. Throws ConfigError.
+    /// Creates missing folders. Throws ConfigError.
     explicit FileSystems(const std::vector<FilesConfig>& files);
 
-    /// They refer to this.
+    /// The FileSystems refer to this object.
     [[nodiscard]] const std::vector<administration::FileSystem>& all() const { return all_; }
 
 private:

@@ -6,7 +6,7 @@ namespace busbar::product {
 
 namespace {
 
-/// 32 characters that are not mistaken for each other.
+/// 32 characters that are not easily confused.
 constexpr std::string_view alphabet = "abcdefghjkmnpqrstuvwxyz023456789";
 static_assert(alphabet.size() == 32);
 constexpr std::size_t group = 5;

@@ -11,23 +11,23 @@
 
 namespace busbar::product {
 
-/// The account of a controller that nobody has configured yet.
+/// The account of a controller that has not been configured yet.
 struct FirstAccount {
     Account account;
-    /// When it was made just now: to be shown once, on a terminal, and kept nowhere.
+    /// Set if the password is new: show it once, on a terminal, and store it nowhere.
     std::optional<crypto::Secret> password;
 };
 
-/// "operator", with the hash in the file operator.password below `folder`; none if that is not
-/// there. Throws ConfigError if it cannot be read or is no hash.
+/// Loads "operator", whose hash is in the file operator.password in `folder`; nothing if the file
+/// does not exist. Throws ConfigError if it cannot be read or does not contain a hash.
 [[nodiscard]] std::optional<FirstAccount> load_first_account(const std::string& folder);
 
-/// The same with a new random password, whose hash is saved for its owner alone. Throws
+/// Makes the account with a new random password, and saves its hash for its owner alone. Throws
 /// ConfigError.
 [[nodiscard]] FirstAccount make_first_account(const std::string& folder, crypto::Random& random,
                                               const crypto::PasswordCost& cost);
 
-/// 100 random bits as "xxxxx-xxxxx-xxxxx-xxxxx". Throws ConfigError.
+/// Makes 100 random bits as "xxxxx-xxxxx-xxxxx-xxxxx". Throws ConfigError.
 [[nodiscard]] crypto::Secret new_password(crypto::Random& random);
 
 } // namespace busbar::product

@@ -4,9 +4,9 @@
 
 namespace busbar::product {
 
-/// --hash-password: reads a password from standard input, prints what a configuration may store.
-/// What it costs is what [users] of `config_file` says, in which nothing else has to make sense
-/// yet; "" is the built-in one. The program's exit code; throws ConfigError.
+/// Implements --hash-password: reads a password from standard input and prints its hash for a
+/// configuration. The cost is that in [users] of `config_file`, which may otherwise be invalid; ""
+/// is the built-in configuration. Returns the program's exit code; throws ConfigError.
 [[nodiscard]] int hash_password(const std::string& config_file);
 
 } // namespace busbar::product

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Certificates are configured, too: a refusal of one's own is a problem.
+/// Turns a refusal of the own certificate, which is part of the configuration, into a ConfigError.
 template <typename T>
 T expect_own(Checked<T> result)
 {
@@ -39,14 +39,13 @@ crypto::OwnCertificateSettings settings_of(const CertificateConfig& config, cons
     return settings;
 }
 
-/// Others than the controller has by itself, or by its preset.
+/// True if the names differ from those that the controller, or its preset, has by default.
 bool are_configured(const SubjectNames& names)
 {
     return !(names == SubjectNames{} || names == nj501_subject());
 }
 
-/// Whether the certificate says these of its owner; a name with the address is another one with
-/// each address.
+/// Tells whether the certificate has these names; a name that contains the address changes with it.
 bool has_names(const crypto::Certificate& own, const SubjectNames& names)
 {
     const crypto::CertificateSubject has = crypto::subject_of(own);
@@ -63,7 +62,8 @@ crypto::Secret read_file(const fs::path& path)
     return crypto::Secret{std::string_view{std::string{std::istreambuf_iterator<char>{file}, {}}}};
 }
 
-/// Version 0.1 kept certificate and key as files in `own` itself: clients trust that certificate.
+/// Takes over the files of version 0.1, which kept certificate and key directly in `own`, because
+/// clients trust that certificate.
 void take_over_first_version(const fs::path& own, const crypto::OwnCertificateStore& store,
                              const std::string& application_uri)
 {
@@ -111,7 +111,7 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
     }
     auto own = expect_own(
         store.load_or_create(settings_of(config, name, application_uri, host_names), now));
-    // One that was made before they were configured keeps its names, as clients may trust it.
+    // A certificate that was made earlier keeps its names, because clients may trust it.
     if (are_configured(config.subject) && !has_names(own.certificates.front(), config.subject)) {
         log.write(LogLevel::Warning, "certificate",
                   "the own certificate is " + printable(own.certificates.front().subject()) +

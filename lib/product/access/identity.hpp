@@ -9,24 +9,24 @@
 
 namespace busbar::product {
 
-/// The controller's certificate and key from the configured folder's own list (see
-/// crypto::OwnCertificateStore), made there if they are missing, of which `log` is told. Throws
+/// Loads the controller's certificate and key from the own list of the configured folder (see
+/// crypto::OwnCertificateStore). Creates them if they are missing, and tells `log`. Throws
 /// ConfigError.
 [[nodiscard]] channel::ApplicationIdentity load_identity(const CertificateConfig& config,
                                                          const std::string& name,
                                                          const std::string& application_uri,
                                                          const std::vector<std::string>& host_names,
                                                          DateTime now, LogSink& log);
-/// A new certificate with a new key instead of what is there, which is kept in own/replaced.
-/// Clients have to trust it anew. Throws ConfigError.
+/// Creates a new certificate with a new key, and moves the old ones to own/replaced. Clients must
+/// trust the new certificate. Throws ConfigError.
 [[nodiscard]] crypto::Certificate regenerate_certificate(const CertificateConfig& config,
                                                          const std::string& name,
                                                          const std::string& application_uri,
                                                          const std::vector<std::string>& host_names,
                                                          DateTime now);
 
-/// The names that file, project and administrators want in the certificate, empty where they are
-/// those that the controller has by itself, and the hosts by which clients reach it now.
+/// The names for the certificate from file, project and administrators, empty where the controller
+/// uses its own, and the hosts by which clients reach it now.
 [[nodiscard]] crypto::CertificateSubject configured_subject(const ControllerConfig& config);
 
 } // namespace busbar::product

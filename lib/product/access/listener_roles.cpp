@@ -8,7 +8,7 @@ namespace busbar::product {
 
 namespace {
 
-/// Who administers (Part 3, 4.9.2).
+/// Tells whether a role administers the server (Part 3, 4.9.2).
 bool is_administrative(const std::string& role)
 {
     return role == "SecurityAdmin" || role == "ConfigureAdmin";

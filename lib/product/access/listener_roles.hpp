@@ -4,12 +4,12 @@
 
 namespace busbar::product {
 
-/// Gives the roles that another mapper gives, and keeps to what the listener is for that somebody
-/// has connected to (ListenerUse): one for data knows no administrators, one for administration
-/// nobody else.
+/// Limits the roles that another mapper gives to the use of the listener that the client connected
+/// to (ListenerUse): one for data admits no administrators, one for administration admits only
+/// these.
 class ListenerRoles final : public server::RoleMapper {
 public:
-    /// `roles` must outlive it.
+    /// `roles` must outlive this object.
     explicit ListenerRoles(const server::RoleMapper& roles) : roles_{roles} {}
 
     [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion& question) const override

@@ -10,27 +10,27 @@
 
 namespace busbar::product {
 
-/// A TransferOwner that keeps what the last CloseAndCommit came to: a JSON document that the
-/// session of that call fetches with the option "report". What was refused has the reason,
-/// {"problem": "press.st:4:5: ..."}. On the server's thread.
+/// A TransferOwner that keeps the result of the last CloseAndCommit: a JSON document that the
+/// session of that call fetches with the option "report". For a refusal it contains the reason,
+/// {"problem": "press.st:4:5: ..."}. Used on the server's thread.
 class ReportingOwner : public administration::TransferOwner {
 public:
     [[nodiscard]] std::string why_refused() const override { return refusal_; }
 
 protected:
-    /// `log` must outlive it and gets, with this source, the files that are refused.
+    /// Refused files are written to `log`, which must outlive this object, with this source.
     ReportingOwner(const char* source, LogSink& log) : source_{source}, log_{log} {}
 
     [[nodiscard]] StatusCode allow();
     [[nodiscard]] StatusCode refuse(StatusCode status, std::string why);
 
-    /// The bytes of the text, which is refused if it has more than `max_size`.
+    /// Returns the bytes of the text; refuses more than `max_size`.
     [[nodiscard]] Result<std::vector<std::byte>> give(std::string_view text, std::size_t max_size);
-    /// The report, if it is this session's; Bad_NotFound otherwise.
+    /// Returns the report to the session that it belongs to; Bad_NotFound for other sessions.
     [[nodiscard]] Result<std::vector<std::byte>>
     give_report(const administration::TransferRequest& request, std::size_t max_size);
-    /// Keeps the report of a file that was taken, or the problem. What was refused of a change is
-    /// logged with its `verb`; empty: it was none.
+    /// Keeps the report of an accepted file, or the problem. A refused change is logged with its
+    /// `verb`; an empty one means that nothing was to change.
     [[nodiscard]] StatusCode report(const administration::TransferRequest& request,
                                     const Configured<std::string>& done, std::string_view verb);
 

@@ -48,7 +48,8 @@ void Setup::end()
     if (is_active_) {
         is_active_ = false;
         users_.remove(user_name);
-        static_cast<void>(files_.remove(code_file)); // it counts only without an administrator
+        static_cast<void>(files_.remove(code_file)); // the code is valid only while there is no
+                                                     // administrator
     }
 }
 
@@ -59,7 +60,7 @@ Checked<void> Setup::validate(const crypto::CertificateChain& chain,
     const bool is_stranger =
         !valid && (valid.error().status == status::Bad_CertificateUntrusted ||
                    valid.error().status == status::Bad_CertificateChainIncomplete);
-    // What follows in Part 4, 6.1.3, Table 100 still counts.
+    // Only trust is waived: the checks after it still apply (Part 4, 6.1.3, Table 100).
     return is_active_ && is_stranger ? crypto::check_certificate(chain.front(), context) : valid;
 }
 

@@ -11,31 +11,31 @@
 
 namespace busbar::product {
 
-/// Application setup (Part 12, G.2): a controller without administrator lets in the user "setup"
-/// with a code that it printed once, to make one. Meanwhile any client may connect, and whom that
-/// user has added may log in from it too.
+/// Application setup (Part 12, G.2): a controller without an administrator admits the user "setup"
+/// with a code that it printed once, in order to create one. In the meantime any client may
+/// connect, and users whom "setup" has added may log in from it, too.
 ///
-/// On the server's thread.
+/// Used on the server's thread.
 class Setup final : public crypto::CertificateValidator {
 public:
     static constexpr const char* user_name = "setup";
     static constexpr const char* code_file = "setup.code";
 
-    /// Not active. `inner` decides about clients.
+    /// Not active yet. `inner` decides about clients.
     Setup(Storage& files, crypto::CertificateValidator& inner, server::PasswordUsers& users)
         : files_{files}, inner_{inner}, users_{users}
     {
     }
 
-    /// Lets the user in. The code, if it was made just now: to be shown once, and kept nowhere; its
-    /// hash, which costs `cost`, is in the file setup.code. Throws ConfigError.
+    /// Admits the user. Returns the code if it is new: show it once and store it nowhere; the file
+    /// setup.code has its hash, which costs `cost`. Throws ConfigError.
     [[nodiscard]] std::optional<crypto::Secret> begin(crypto::Random& random,
                                                       const crypto::PasswordCost& cost);
     [[nodiscard]] bool is_active() const { return is_active_; }
-    /// For good: no such user, no such file, and strangers are strangers again.
+    /// Ends the setup for good: removes the user and the file, and refuses untrusted clients again.
     void end();
 
-    /// A client that is not trusted may connect while the setup lasts; nothing else is let pass.
+    /// Lets a client that is not trusted connect while the setup lasts; all other checks apply.
     [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
                                          const crypto::ValidationContext& context) override;
 

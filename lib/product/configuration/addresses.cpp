@@ -32,7 +32,7 @@ bool is_ip6(const std::string& address)
     return address.find(':') != std::string::npos;
 }
 
-/// RFC 3927, 2.1 and RFC 4291, 2.5.6.
+/// Link-local addresses of RFC 3927, 2.1 and RFC 4291, 2.5.6.
 bool is_link_local(const std::string& address)
 {
     in6_addr ip6{};
@@ -64,7 +64,8 @@ std::string text_of(const sockaddr& address)
     return is_written ? text : "";
 }
 
-/// Those of `interfaces` that clients of other machines may use where all are listened to.
+/// Selects those of `interfaces` that other machines can reach if the server listens to all of
+/// them.
 std::vector<std::string> reachable(const std::vector<std::string>& interfaces,
                                    const std::string& listen_address)
 {

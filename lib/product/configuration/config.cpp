@@ -18,7 +18,7 @@ namespace busbar::product {
 
 namespace {
 
-/// Larger ones are no configurations.
+/// Maximum size of a configuration.
 constexpr std::size_t max_config_size = 4U << 20U;
 
 bool is_any_address(const std::string& text)
@@ -38,7 +38,7 @@ bool is_host(const std::string& text)
            (text.find(':') == std::string::npos || is_any_address(text));
 }
 
-/// Part 3, 8.4: a language, and a country behind a hyphen or none.
+/// True for a language, optionally with a hyphen and a country (Part 3, 8.4).
 bool is_locale(const std::string& text)
 {
     const auto is_short = [](std::string_view part) {
@@ -134,7 +134,7 @@ void read_discovery(const TomlTable& table, ControllerConfig& all)
     config.allows_none = table.flag("allow_none", false);
 }
 
-/// What FindServersOnNetwork answers (Part 4, 5.5.3).
+/// Reads the servers that FindServersOnNetwork returns (Part 4, 5.5.3).
 std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 {
     constexpr std::size_t most = 1'000;

@@ -17,7 +17,7 @@ using SecuritySettings = std::vector<channel::SecuritySetting>;
 constexpr std::array modes{MessageSecurityMode::None, MessageSecurityMode::Sign,
                            MessageSecurityMode::SignAndEncrypt};
 
-/// Of all but None.
+/// Lists all policies but None.
 std::string policy_names()
 {
     std::string names;
@@ -49,8 +49,8 @@ channel::SecuritySetting read_setting(const TomlTable& table)
             mode == "Sign" ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt};
 }
 
-/// `policies` and `mode` (SH-082679, 9.9): these policies with the mode and every stronger one.
-/// Where none is named: None, and whatever is not deprecated.
+/// Reads `policies` and `mode` (SH-082679, 9.9): these policies with the mode and every stronger
+/// one. If none is named: None, and all that are not deprecated.
 SecuritySettings read_policies(const TomlTable& table)
 {
     std::vector<const crypto::SecurityPolicy*> policies;
@@ -89,7 +89,7 @@ SecuritySettings read_policies(const TomlTable& table)
     return settings;
 }
 
-/// `allow` (W588, 5-2-2): "None", "Sign - Basic256Sha256".
+/// Reads `allow` (W588, 5-2-2): "None", "Sign - Basic256Sha256".
 SecuritySettings read_allowed(const TomlTable& table)
 {
     SecuritySettings settings;
@@ -114,7 +114,7 @@ SecuritySettings read_allowed(const TomlTable& table)
     return settings;
 }
 
-/// [security], which says in one go what [[endpoint]] says one by one.
+/// Reads [security], which replaces a list of [[endpoint]].
 SecuritySettings read_security(const TomlTable& table)
 {
     table.allow({"policies", "mode", "allow"});

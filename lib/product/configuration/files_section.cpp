@@ -13,12 +13,13 @@ constexpr std::int64_t most_file_size = 1U << 30U;
 constexpr std::int64_t most_entries_of_files = 100'000;
 constexpr std::size_t most_folders = 16;
 
-/// One of both is the other, or lies in it.
+/// True if one of the folders is or contains the other.
 bool overlap(const std::string& a, const std::string& b)
 {
     const auto whole = [](const std::string& path) {
         std::error_code ignored;
-        // Of a relative path that is not there it would leave the working directory out.
+        // Make it absolute first: for a relative path that does not exist, weakly_canonical would
+        // leave the working directory out.
         const auto absolute = std::filesystem::absolute(path);
         auto made = std::filesystem::weakly_canonical(absolute, ignored);
         made = ignored ? absolute.lexically_normal() : made;

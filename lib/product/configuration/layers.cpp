@@ -23,13 +23,13 @@ Variant text_value(std::string_view text)
     return Variant{String{text}};
 }
 
-/// "no", "read" or "write".
+/// Converts to "no", "read" or "write".
 Variant access_value(const std::optional<AccountAccess>& access)
 {
     return text_value(!access ? "no" : *access == AccountAccess::Write ? "write" : "read");
 }
 
-/// Those that are no numbers and that more than the file says.
+/// Settings that are not numbers and that other layers besides the file set.
 constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerConfig&)>, 6>
     other_values{{
         {"endpoint", [](const ControllerConfig& c) { return endpoint_value(c.server); }},
@@ -43,7 +43,8 @@ constexpr std::array<std::pair<std::string_view, Variant (*)(const ControllerCon
          [](const ControllerConfig& c) { return access_value(c.users.certified); }},
     }};
 
-/// What a project always says (SH-082679, 9.7 to 9.11); of all else, what differs.
+/// Settings that a project always sets (SH-082679, 9.7 to 9.11); it sets others only if they
+/// differ.
 constexpr std::array<std::string_view, 6> project_settings{
     "endpoint",      "server.address",      "server.port", "certificates.trust_all_clients",
     "discovery.url", "discovery.interval_s"};
@@ -57,7 +58,7 @@ void set_names(server::ServerConfig& server, const ProductNames& names)
     }
 }
 
-/// Limits and names that no key sets are those of the preset.
+/// Returns the value; limits and names that no key sets come from the preset.
 Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
 {
     if (const LimitKey* const limit = find_limit(setting.name)) {
@@ -87,7 +88,7 @@ void set_preset(toml::table& table, const std::string& preset)
     }
 }
 
-/// The preset that counts over this file.
+/// Returns the preset that replaces the file's.
 std::string preset_of(const Layers& layers, const toml::table& file)
 {
     if (!layers.over.preset.empty()) {
@@ -102,7 +103,7 @@ std::string preset_of(const Layers& layers, const toml::table& file)
                                               : layers.over.project_preset;
 }
 
-/// Of the file, what limits for a size of memory are made of.
+/// Returns the keys of the file that determine limits for a size of memory.
 toml::table memory_of(const toml::table& file)
 {
     toml::table table;
@@ -116,7 +117,7 @@ toml::table memory_of(const toml::table& file)
 
 toml::table table_up_to(const Layers& layers, Layer last)
 {
-    toml::table table; // copies of nodes would not know their lines
+    toml::table table; // do not copy nodes: copies lose their lines
     if (last >= Layer::Preset) {
         toml::table file = parse_table(layers.text, layers.name);
         const std::string preset = preset_of(layers, file);
@@ -254,7 +255,7 @@ std::vector<Saying> Provenance::sayings(const Setting& setting) const
         if (auto place = where(layer, setting.name)) {
             all.push_back({layer, *std::move(place), std::move(now)});
         } else if (!now.is_null() && !all.back().value.is_null() && now != all.back().value) {
-            // Of a layer that sets another one, of which this one follows.
+            // The layer sets another key that this setting follows.
             const std::string by = layer != Layer::Preset ? std::string{}
                                    : preset.empty()       ? "limits.memory"
                                                           : preset;

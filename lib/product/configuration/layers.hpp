@@ -18,7 +18,7 @@
 
 namespace busbar::product {
 
-/// What says something of a configuration. The later ones count.
+/// The layers of a configuration; later ones override earlier ones.
 enum class Layer : std::uint8_t {
     BuiltIn,
     Preset, // or the limits for a size of memory
@@ -29,74 +29,73 @@ enum class Layer : std::uint8_t {
 };
 inline constexpr std::size_t layer_count = 6;
 
-/// What counts more than the file; nothing of it by default.
+/// Settings that override the file; none by default.
 struct Overlays {
-    /// Has `config`, which is that of the file and of `changes`, say what a project of model mode
-    /// says; `changes`, made online, count more. May throw ConfigError.
+    /// Applies a project of model mode to `config`, which consists of the file and of `changes`;
+    /// these were made online and take precedence. May throw ConfigError.
     std::function<void(ControllerConfig& config, const administration::SettingValues& changes)>
         project{};
     std::string project_preset{};
-    // The command line's.
+    // from the command line
     std::string preset{};
     std::optional<std::uint16_t> port{};
     ProductNames names{};
 };
 
-/// Everything that a configuration is made of.
+/// All layers of a configuration.
 struct Layers {
-    /// The file's text, and how messages call it.
+    /// The file's text, and its name in messages.
     std::string text;
     std::string name;
     Overlays over{};
     administration::SettingValues changes{};
-    /// Of `changes`; for people only.
+    /// Authors of `changes`; for people only.
     administration::SettingAuthors authors{};
 };
 
 struct Merged {
     ControllerConfig config;
-    /// Of each setting.
+    /// The values of all settings.
     administration::SettingValues values;
 };
 
-/// The configuration that is in force as far as all layers up to `last` say. `sources` has the
-/// files that it names. Throws ConfigError.
+/// Merges all layers up to `last` into a configuration. `sources` provides the files that it names.
+/// Throws ConfigError.
 [[nodiscard]] Merged merge(const Layers& layers, std::span<const administration::Setting> settings,
                            SourceFiles& sources, Layer last = Layer::CommandLine);
-/// The file's with the preset that counts instead of its own, but for one that was set online.
+/// Puts the overriding preset into the file's table, unless a preset was set online.
 [[nodiscard]] toml::table with_preset(toml::table file, const Overlays& over);
 
-/// What a layer says of a setting.
+/// A layer's value of a setting.
 struct Saying {
     Layer layer;
-    /// "nj501 (controller.toml:2)", "controller.toml:12"; empty: there is no more to say.
+    /// "nj501 (controller.toml:2)", "controller.toml:12"; empty if there is nothing to add.
     std::string where;
-    /// What is in force as far as the layers up to this one say. Null: they alone are no
+    /// The value if only the layers up to this one are merged. Null if they are not a valid
     /// configuration.
     Variant value;
 };
 
-/// Where the values of settings come from.
+/// The origin of the values of settings.
 class Provenance {
 public:
-    /// Throws a ConfigError if all layers together are no configuration. `sources` has the files
-    /// that it names.
+    /// Throws a ConfigError if all layers together are not a valid configuration. `sources`
+    /// provides the files that it names.
     Provenance(Layers layers, std::vector<administration::Setting> settings, SourceFiles& sources);
 
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
     [[nodiscard]] std::span<const administration::Setting> settings() const { return settings_; }
-    /// Returns who changed each setting online, and when.
+    /// Returns the author and time of each online change.
     [[nodiscard]] const administration::SettingAuthors& authors() const { return layers_.authors; }
-    /// The layers that say something of the setting. The first is the built-in one, the last is
-    /// what counts.
+    /// The layers that set the value. The first is the built-in one, the last is in force.
     [[nodiscard]] std::vector<Saying> sayings(const administration::Setting& setting) const;
-    /// The place of a key in the file, "controller.toml:12"; empty: it is not there.
+    /// Place of a key in the file, "controller.toml:12"; empty if it is not in the file.
     [[nodiscard]] std::string place(std::string_view key) const;
 
 private:
     [[nodiscard]] std::vector<Saying>
     sayings_of_preset(const administration::Setting& setting) const;
-    /// Where the layer says it; nothing if it does not.
+    /// Place where the layer sets it; nothing if it does not.
     [[nodiscard]] std::optional<std::string> where(Layer layer, const std::string& name) const;
     [[nodiscard]] Variant value(Layer layer, const std::string& name) const;
 
@@ -104,7 +103,7 @@ private:
     toml::table file_;
     std::vector<administration::Setting> settings_;
     ControllerConfig config_;
-    /// By layer; nothing where it is no configuration yet.
+    /// Values by layer; nothing for a layer that does not give a valid configuration yet.
     std::array<std::optional<administration::SettingValues>, layer_count> values_;
 };
 

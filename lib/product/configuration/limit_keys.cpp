@@ -34,7 +34,7 @@ using Passwords = server::PasswordRules;
 using Log = controller::ExecutionLogSettings;
 using Labels = controller::SimulatedLabelsOptions;
 
-/// What the limits of one struct have in common.
+/// Properties that all limits of a struct share.
 struct Common {
     std::string_view table;
     bool is_live{false};
@@ -42,12 +42,12 @@ struct Common {
     bool is_setting{true};
 };
 
-/// That of each struct.
+/// The properties for each struct.
 struct Commons {
     static constexpr std::string_view subscriptions = "limits.subscriptions";
 
     static constexpr Common of(Limits*) { return {"limits", true}; }
-    // Buffers of connections are as large as they were made.
+    // existing buffers keep their size
     static constexpr Common of(Transport*) { return {"limits"}; }
     static constexpr Common of(Decode*) { return {"limits", true}; }
     static constexpr Common of(Operations*) { return {"limits", true}; }
@@ -67,7 +67,7 @@ struct Commons {
     static constexpr Common of(ControllerConfig*) { return {"plc"}; }
 };
 
-/// Where each of them lies in a configuration.
+/// Finds each struct in a configuration.
 struct Place {
     static auto& of(auto& config, Limits*) { return config.server.limits; }
     static auto& of(auto& config, Transport*) { return config.server.limits.transport; }
@@ -98,7 +98,7 @@ using StructOf = decltype(struct_of(Member));
 template <auto Member>
 using FigureOf = decltype(figure_of(Member));
 
-/// What a number counts: seconds, or milliseconds of any other time.
+/// The unit of a number: seconds, or milliseconds for all other times.
 template <typename Figure>
 using TimeUnit = std::conditional_t<std::is_same_v<Figure, std::chrono::seconds>,
                                     std::chrono::seconds, std::chrono::milliseconds>;
@@ -125,12 +125,12 @@ void set(ControllerConfig& config, std::int64_t value)
     }
 }
 
-/// What few limits have.
+/// Properties that few limits have.
 struct More {
     std::string_view table{};
     std::string_view unit{};
     LimitEntry capacity{};
-    /// By default as the key.
+    /// The same as the key by default.
     LimitEntry figure{};
     bool is_security{false};
     bool at_restart{false};
@@ -408,8 +408,8 @@ std::string setting_name(const LimitKey& key)
 
 namespace {
 
-/// Table and name of a key, for looking one up among many: a Settings object asks for each of its
-/// settings whenever it is made.
+/// Splits a key into table and name, for fast look-up: a new Settings object looks up every
+/// setting.
 std::pair<std::string_view, std::string_view> place_of(const LimitKey* key)
 {
     return {key->table, key->name};

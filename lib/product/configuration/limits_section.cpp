@@ -15,7 +15,7 @@ namespace busbar::product {
 namespace {
 
 constexpr std::uint32_t bytes_of_a_chunk = 32'768;
-/// What a response has besides the value.
+/// Size of a response in addition to the value.
 constexpr std::uint64_t headers = 1'024;
 
 constexpr std::string_view operations = "operations.";
@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 5> limit_tables{
 constexpr std::int64_t longest_interval = 86'400'000;
 constexpr double most_overload = 1'000;
 
-/// The table "limits.subscriptions" of the root.
+/// Finds the table "limits.subscriptions" in the root.
 TomlTable table_of(const TomlTable& root, std::string_view path)
 {
     const std::size_t point = path.find('.');
@@ -32,7 +32,7 @@ TomlTable table_of(const TomlTable& root, std::string_view path)
     return point == std::string_view::npos ? table : table_of(table, path.substr(point + 1));
 }
 
-/// Keys of [limits] and the tables below it that are no LimitKey.
+/// Keys of [limits] and the tables below it that are not a LimitKey.
 std::vector<std::string_view> other_keys(std::string_view table)
 {
     if (table == "limits") {
@@ -62,7 +62,8 @@ void allow_keys(const TomlTable& table, std::string_view path)
     table.allow(allowed);
 }
 
-/// The operations of a request are an array, too, and one too many must not be too long for one.
+/// Checks the number of operations: they form an array, and one operation too many must still fit
+/// the array limit, so that it is refused as such.
 void check_operations(const TomlTable& table, const LimitKey& key, ControllerConfig& config)
 {
     const std::int64_t most = std::int64_t{config.server.limits.decode.max_array_length} - 1;
@@ -75,7 +76,7 @@ void check_operations(const TomlTable& table, const LimitKey& key, ControllerCon
     }
 }
 
-/// What holds messages must have room for some of them, unless the configuration says how much.
+/// Makes limits of buffers hold several messages, unless the configuration sets them.
 void make_room(const TomlTable& table, server::ServerLimits& limits)
 {
     const std::uint32_t message = limits.transport.max_message_size;
@@ -141,7 +142,7 @@ void read_password_rules(const TomlTable& table, server::PasswordRules& rules)
     }
 }
 
-/// As on the wire (Part 6, 5.2.2); the most that a text can have.
+/// Size on the wire (Part 6, 5.2.2); the maximum for texts.
 std::uint64_t encoded_size(const controller::PlcVariable& variable)
 {
     switch (variable.type) {
@@ -232,7 +233,7 @@ void check_size(const TomlTable& entry, const controller::PlcVariable& variable,
     check_text(entry, variable, limits.decode);
     std::uint64_t elements = 1;
     for (const std::uint32_t size : variable.dimensions) {
-        // One past it is enough to know.
+        // Stop at one more than allowed.
         elements = std::min<std::uint64_t>(elements * size, most_elements + 1);
     }
     if (elements > limits.decode.max_array_length) {

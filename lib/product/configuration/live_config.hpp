@@ -9,19 +9,18 @@
 
 namespace busbar::product {
 
-/// Puts of a configuration in force in a server that runs what can be: its name, the endpoints,
-/// whether they offer anonymous users, and the limits, but those of buffers that connections and
-/// the server have already.
+/// Applies a configuration to a running server as far as possible: its name, the endpoints, whether
+/// they offer anonymous users, and the limits, except those of buffers that exist already.
 class LiveConfig {
 public:
-    /// All must outlive it. `started` is what the server was made with, whose other users are those
-    /// that endpoints offer.
+    /// All arguments must outlive this object. The server was created with `started`; endpoints
+    /// offer the other kinds of user in that.
     LiveConfig(server::Server& server, const Administered& administered,
                const ControllerConfig& started, LogSink& log);
 
-    /// Whether the server would take it; changes nothing.
+    /// Tells whether the server would accept it; changes nothing.
     [[nodiscard]] Configured<void> check(const ControllerConfig& config) const;
-    /// One that check() found right. What fails all the same goes to the log.
+    /// Applies a configuration that check() accepted. Logs steps that fail nevertheless.
     void apply(const ControllerConfig& config) const;
 
 private:

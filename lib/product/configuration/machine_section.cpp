@@ -48,7 +48,7 @@ void read_types(const TomlTable& table, MachineConfig& machine)
 #endif
 }
 
-/// "15000000 observation": the code as the event log has it, and the level.
+/// Parses "15000000 observation": the code as in the event log, and the level.
 std::optional<controller::EventLevelChoice> find_event_level(std::string_view text)
 {
     for (const controller::MachineEventType& type : controller::machine_event_types()) {

@@ -12,7 +12,7 @@ namespace busbar::product {
 
 namespace {
 
-/// What one connection takes in net::ServerLoop: socket, timer and link.
+/// Memory of one connection in net::ServerLoop: socket, timer and link.
 constexpr std::size_t bytes_of_link = 4'096;
 constexpr std::string_view expected_size = "a size from \"1 MB\" to \"1024 GB\", such as \"64 MB\"";
 constexpr std::uint64_t least_memory = 1'000'000;
@@ -26,7 +26,7 @@ constexpr std::array units{Unit{"kB", 1'000},         Unit{"KiB", 1U << 10U},
                            Unit{"MB", 1'000'000},     Unit{"MiB", 1U << 20U},
                            Unit{"GB", 1'000'000'000}, Unit{"GiB", 1U << 30U}};
 
-/// Nothing unless it is a whole number with a unit.
+/// Parses an integer with a unit; nothing for other texts.
 std::optional<std::uint64_t> parse_size(std::string_view text)
 {
     std::uint64_t number = 0;
@@ -44,7 +44,7 @@ std::optional<std::uint64_t> parse_size(std::string_view text)
     return std::nullopt;
 }
 
-/// As an image's source has them: its writes wait for a scan's edge.
+/// The options of an image's source: its writes wait for the edge of a scan.
 server::DataSourceOptions options_of(const server::ImageOptions& image)
 {
     server::DataSourceOptions options;
@@ -52,8 +52,8 @@ server::DataSourceOptions options_of(const server::ImageOptions& image)
     return options;
 }
 
-/// What may wait for a scan's edge: at most a part of the memory, and as by default where there is
-/// enough.
+/// Limits what waits for the edge of a scan to a part of the memory, or to the default if that is
+/// less.
 void take_waiting(std::uint64_t memory, server::ImageOptions& image)
 {
     constexpr std::uint64_t for_a_write = 32'000'000;
@@ -65,7 +65,7 @@ void take_waiting(std::uint64_t memory, server::ImageOptions& image)
         static_cast<std::size_t>(std::min<std::uint64_t>(memory / part, image.max_waiting_bytes));
 }
 
-/// What takes most memory of the hashes that there are and those that will be made.
+/// Returns the cost of the hash, present or future, that takes the most memory.
 crypto::PasswordCost costliest(const UserConfig& users)
 {
     crypto::PasswordCost most = users.password_rules.cost;

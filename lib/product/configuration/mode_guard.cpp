@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 7> guarded{
     "users.anonymous",
 };
 
-/// The table with nothing but this key, if it has that.
+/// Returns a table with only this key, if it is present.
 toml::table part_of(const toml::table& table, std::string_view key)
 {
     toml::table part;

@@ -11,21 +11,21 @@
 
 namespace busbar::product {
 
-/// Settings that a machine takes in PROGRAM only: those of its server and of its security
+/// Settings that a machine accepts in PROGRAM mode only: those of its server and its security
 /// (W588, 3-2-2 and 3-2-6: "Changes in RUN mode").
 [[nodiscard]] std::span<const std::string_view> program_only_settings();
 
-/// Of a machine that is in RUN: Bad_InvalidState if one of those is another one in `next` than
-/// `now`, by its name.
+/// Checks a change on a machine in RUN: Bad_InvalidState, with the name, if one of those settings
+/// differs between `now` and `next`.
 [[nodiscard]] Configured<void> check_in_run(const administration::SettingValues& now,
                                             const administration::SettingValues& next);
 
-/// The same of a file that is read again: `now` and `next` are its tables. Of its security only
-/// ([users], [[endpoint]] and [security]), which counts at once; all else of those settings waits
-/// for a restart.
+/// The same for a file that is read again, with its tables as `now` and `next`. Checks only its
+/// security ([users], [[endpoint]] and [security]), which takes effect at once; the other settings
+/// wait for a restart.
 [[nodiscard]] Configured<void> check_file_in_run(const toml::table& now, const toml::table& next);
 
-/// Why a machine that is in RUN does not change that.
+/// The problem with a change on a machine in RUN.
 [[nodiscard]] Unexpected<Problem> refused_in_run(std::string what);
 
 } // namespace busbar::product

@@ -129,13 +129,13 @@ PlcEvent read_event(const TomlTable& table)
     return event;
 }
 
-/// The tables of one kind, by the name that a PlcConfig has for their list.
+/// The tables of one kind, with the name of their list in a PlcConfig.
 struct Entries {
     std::string_view list;
     const std::vector<TomlTable>& tables;
 };
 
-/// Of "variables[2].type" the table and the key; nothing if it is of no such list.
+/// Finds the table and the key of "variables[2].type"; nothing if it belongs to another list.
 std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view where,
                                                             const Entries& entries)
 {
@@ -153,7 +153,7 @@ std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view whe
                : std::nullopt;
 }
 
-/// Where the configuration says what the problem is about.
+/// Throws at the place in the configuration that the problem is about.
 [[noreturn]] void fail(const Problem& problem, std::initializer_list<Entries> lists)
 {
     static constexpr std::string_view expected = "expected ";
@@ -191,7 +191,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
         }
     }
     for (const PlcVariable& variable : config.plc.variables) {
-        // A text takes a change for each element: all of them can be written at once.
+        // Allow a change for each element of a text, so that all can be written at once.
         config.image.max_changes_per_scan =
             std::max(config.image.max_changes_per_scan, elements_of(variable));
     }

@@ -15,23 +15,23 @@ namespace busbar::product {
 
 struct ControllerConfig;
 
-/// Everything of a configuration that decides whether there can be such a PLC: its program, its
-/// image, and what [plc] adds. To try that takes time with the program, so that what went well once
-/// is remembered (SourceFiles::tried).
+/// The parts of a configuration that decide whether a PLC can be created: its program, its image,
+/// and [plc]. A trial takes time in proportion to the program; successes are remembered
+/// (SourceFiles::tried).
 struct PlcTrial {
     explicit PlcTrial(const ControllerConfig& config);
 
-    /// Makes such a PLC and drops it. The problem is that of ProgramImage, of SimulatedLabels, then
-    /// with the program's file, or of Plc::create. Any thread.
+    /// Creates such a PLC and drops it. The problem comes from ProgramImage, from SimulatedLabels,
+    /// then with the program's file, or from Plc::create. Thread-safe.
     [[nodiscard]] Configured<void> run() const;
 
     friend bool operator==(const PlcTrial&, const PlcTrial&) = default;
 
-    /// Of a machine, which may be null.
+    /// The program of a machine; may be null.
     std::shared_ptr<const controller::CheckedProgram> program;
     controller::PublishingLimits publishing;
     controller::ElementaryTypes elementary;
-    /// Of labels, which may be null, and its file.
+    /// The program of labels, which may be null, and its file.
     std::shared_ptr<const controller::Program> labels;
     std::string labels_file;
     controller::SimulatedLabelsOptions label_options;

@@ -71,7 +71,8 @@ constexpr std::array presets{Preset{"nj501", &take_nj501, nj501_departures},
                              Preset{"nx102", &take_nx102, nj501_departures},
                              Preset{"rd81opc96", &take_rd81opc96, {}}};
 
-/// What no key sets, and so has no row in limit_keys(), with its place among the figures there.
+/// A figure without a key, and so without a row in limit_keys(), with its place among the figures
+/// there.
 struct OtherFigure {
     int place;
     std::string_view name;
@@ -103,7 +104,7 @@ constexpr std::array other_figures{
                 }},
 };
 
-/// By their places.
+/// Collects the figures by their places.
 std::map<int, std::pair<std::string_view, std::uint64_t>> figures_of(const ControllerConfig& config)
 {
     std::map<int, std::pair<std::string_view, std::uint64_t>> figures;
@@ -118,7 +119,7 @@ std::map<int, std::pair<std::string_view, std::uint64_t>> figures_of(const Contr
     return figures;
 }
 
-/// Where it departs from the manual; `here` is what each setting is by default.
+/// Adds the settings that differ from the manual, with their defaults here and there.
 void add_departures(busbar::detail::JsonWriter& json, const Preset& preset)
 {
     const auto settings = controller_settings(

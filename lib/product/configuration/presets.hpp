@@ -8,8 +8,7 @@
 
 namespace busbar::product {
 
-/// A setting that a preset leaves as it is by default, though the product's manual has another
-/// default.
+/// A setting whose default a preset keeps, although the product's manual has another one.
 struct Departure {
     std::string_view setting;
     std::string_view manual;
@@ -17,22 +16,22 @@ struct Departure {
     std::string_view reason;
 };
 
-/// What a shipping product allows: all its published limits at once, the DataTypes of its variables
-/// and what the certificate says that it makes by itself.
+/// The limits of a shipping product: all its published limits, the DataTypes of its variables and
+/// the names in the certificate that it creates by default.
 struct Preset {
     std::string_view name;
-    /// Has the configuration say so.
+    /// Applies the preset to a configuration.
     void (*take)(ControllerConfig& config);
     std::span<const Departure> departures;
 };
 
 /// "nj501, nx102 or rd81opc96".
 inline constexpr std::string_view preset_names = "nj501, nx102 or rd81opc96";
-/// Null if there is none of this name.
+/// Finds a preset by name; null if there is none.
 [[nodiscard]] const Preset* find_preset(std::string_view name);
-/// Its figures, and where it departs from the manual, as one JSON object.
+/// Writes its figures, and its departures from the manual, as one JSON object.
 [[nodiscard]] std::string preset_json(const Preset& preset);
-/// Prints that; 2 for a name that is none.
+/// Prints the preset; 2 for an unknown name.
 [[nodiscard]] int print_preset(const std::string& name);
 
 } // namespace busbar::product

@@ -27,7 +27,7 @@ Overlays overlays_of(const Configuration& configuration,
     return over;
 }
 
-/// The project in the folder, which may be another process's; null if there is none.
+/// Opens the project in the folder, which another process may use; null if there is none.
 std::shared_ptr<const KeptProject> project_in(const std::string& folder)
 {
     constexpr std::size_t most = 256U << 20U;

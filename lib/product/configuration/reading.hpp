@@ -14,34 +14,34 @@
 
 namespace busbar::product {
 
-/// The effective configuration: what is in force is made by merge() and nowhere else, for a start
-/// as for each change of a running controller. Later layers count more (see Layer).
+/// The effective configuration. Only merge() makes it, for a start as well as for changes of a
+/// running controller. Later layers override earlier ones (see Layer).
 struct Reading {
-    /// Its config() is all of these, now and after each change.
+    /// Its config() merges all layers, now and after each change.
     std::unique_ptr<Settings> settings;
     /// The same; from read() of startup.hpp with the first account, where the controller makes one.
     ControllerConfig config;
-    /// Null if there is none.
+    /// Null for none.
     std::shared_ptr<KeptProject> project;
 };
 
-/// What of a TakenOver is used instead of what is there.
+/// Parts of a TakenOver that replace the present ones.
 struct Substitutes {
-    /// Files that count as read.
+    /// Files that are not read again.
     SourceFiles files{};
-    /// For a project that is there but cannot be read any more; empty: there is no other.
+    /// Replaces a project that can no longer be read; empty for none.
     std::string project{};
-    /// Instead of any project that is there.
+    /// Replaces any present project.
     bool takes_other_project{false};
-    /// Is served: what is there as this has it need not be read again; null: none is.
+    /// The project that is served, which need not be read again if it is unchanged; null for none.
     std::shared_ptr<const KeptProject> running{};
 };
 
-/// Whether anybody can log in or not. Throws ConfigError.
+/// Reads the configuration, even if no user can log in. Throws ConfigError.
 [[nodiscard]] Reading read_sources(const Configuration& configuration,
                                    Substitutes substitutes = {});
-/// Where all values of that come from. It only reads, so that it may be asked beside a controller
-/// that runs. Throws ConfigError.
+/// Finds the origin of all values. Only reads files, so that it can be used beside a running
+/// controller. Throws ConfigError.
 [[nodiscard]] Provenance provenance_of(const Configuration& configuration);
 
 } // namespace busbar::product

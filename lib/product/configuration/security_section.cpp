@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t least_iterations = 10'000;
 constexpr std::int64_t most_iterations = 10'000'000;
 
-/// "read" or "write"; `otherwise` if the key is not there.
+/// Reads "read" or "write"; `otherwise` if the key is missing.
 AccountAccess read_access(const TomlTable& table, std::string_view key, std::string otherwise)
 {
     const std::string text = table.text(key, std::move(otherwise));
@@ -24,7 +24,7 @@ AccountAccess read_access(const TomlTable& table, std::string_view key, std::str
     return text == "write" ? AccountAccess::Write : AccountAccess::Read;
 }
 
-/// The same, or "no".
+/// Reads the same, or "no".
 std::optional<AccountAccess> read_optional_access(const TomlTable& table, std::string_view key)
 {
     const std::string text = table.text(key, "no");
@@ -111,7 +111,7 @@ Account read_account(const TomlTable& table)
     }
     account.password_hash = table.text("password");
     if (!crypto::is_password_hash(account.password_hash)) {
-        // What stands there may be the password itself.
+        // Do not show the value: it may be the password itself.
         table.refuse("password", "found no hash, expected the output of --hash-password");
     }
     account.access = read_access(table, "access", "write");
@@ -131,7 +131,7 @@ std::string read_whole_file(const TomlTable& table, std::string_view key)
     return text;
 }
 
-/// [users.tokens]
+/// Reads [users.tokens].
 TokenConfig read_tokens(const TomlTable& table)
 {
     table.allow({"issuer", "algorithm", "key_file", "audience", "role"});

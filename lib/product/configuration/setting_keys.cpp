@@ -48,7 +48,7 @@ std::vector<Setting> server_settings()
     };
 }
 
-/// What is not said is as the product has it whose limits are chosen.
+/// The settings of security; defaults are those of the product whose limits are chosen.
 std::vector<Setting> security_settings(const ControllerConfig& preset)
 {
     const server::PasswordRules& rules = preset.users.password_rules;
@@ -84,7 +84,7 @@ std::vector<Setting> security_settings(const ControllerConfig& preset)
     };
 }
 
-/// Of the machine (W588, 3-2-2).
+/// The settings of the machine (W588, 3-2-2).
 std::vector<Setting> machine_settings()
 {
     return {

@@ -13,30 +13,30 @@
 
 namespace busbar::product {
 
-/// Everything of a configuration that administrators may change online: a setting has the name of
-/// its key, "limits.subscriptions.items". Accounts and tokens are not among them, which have hashes
-/// and keys, nor the folder of certificates, in which the changes lie, nor the folders of files:
-/// what clients reach of the machine is decided on the machine.
+/// All parts of a configuration that administrators may change online; a setting has the name of
+/// its key, "limits.subscriptions.items". Accounts and tokens are not included, because they have
+/// hashes and keys, nor are the folder of certificates, which contains the changes, and the folders
+/// of files: the machine's own configuration decides which of its files clients reach.
 ///
-/// The limits' defaults are those of the file's preset. Throws a ConfigError if there is none of
-/// its name.
+/// Defaults of limits are those of the file's preset. Throws a ConfigError if there is no such
+/// preset.
 [[nodiscard]] std::vector<administration::Setting> controller_settings(const toml::table& file);
 
-/// The endpoints as the setting of this name has them, whichever way a file says it.
+/// The endpoints in the form of the setting of this name, in whichever form the file has them.
 [[nodiscard]] Variant endpoint_value(const server::ServerConfig& config);
 [[nodiscard]] std::string setting_name(const SubjectKey& key);
-/// True if the key stands for a list of tables, [[plc.variable]]: its value is a list of texts,
-/// each an inline table: `{ name = "Speed", type = "Int16" }`.
+/// True if the key stands for a list of tables, such as [[plc.variable]]; its value is a list of
+/// texts, each an inline table: `{ name = "Speed", type = "Int16" }`.
 [[nodiscard]] bool is_table_list(std::string_view name);
-/// True for what is of the security profile (W588, 3-2-6): who may come in, and how his
-/// messages are protected.
+/// True for a setting of the security profile (W588, 3-2-6): access of users, and protection of
+/// messages.
 [[nodiscard]] bool is_security_setting(std::string_view name);
-/// True if a change is in force at once.
+/// True if a change takes effect at once.
 [[nodiscard]] bool is_live(std::string_view name);
 
-/// Where a manual or the standard says what a key is to be.
+/// A rule for a key in a manual or the standard.
 struct Rule {
-    /// "server.port"; with a star at its end all that begin like this.
+    /// "server.port"; a star at its end stands for all keys with that beginning.
     std::string_view key;
     std::string_view source;
 };

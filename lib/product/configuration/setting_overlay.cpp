@@ -13,7 +13,7 @@ namespace busbar::product {
 
 namespace {
 
-/// A table that a text says: `{ name = "Speed", type = "Int16" }`.
+/// Parses an inline table: `{ name = "Speed", type = "Int16" }`.
 toml::table table_of(const std::string& name, std::string_view text)
 {
     auto parsed = parse_toml("value = " + std::string{text});
@@ -60,7 +60,7 @@ void insert(toml::table& into, std::string_view key, const std::string& name, co
             return;
         }
         if (texts->empty()) {
-            into.erase(key); // an empty array would be one of values
+            into.erase(key); // an empty array would be an array of values
             return;
         }
         toml::array tables;
@@ -69,7 +69,7 @@ void insert(toml::table& into, std::string_view key, const std::string& name, co
         }
         into.insert_or_assign(key, std::move(tables));
         if (name == "endpoint") {
-            into.erase("security"); // another way to say the same
+            into.erase("security"); // it sets the same in another form
         }
     }
 }
@@ -173,7 +173,7 @@ std::string value_text(const Variant& value)
         return std::to_string(*number);
     }
     if (const auto* const real = value.get_if<double>()) {
-        char digits[32]; // as few as it takes
+        char digits[32]; // the shortest form
         static_cast<void>(std::snprintf(digits, sizeof digits, "%.15g", *real));
         return digits;
     }

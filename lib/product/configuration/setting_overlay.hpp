@@ -8,14 +8,15 @@
 
 namespace busbar::product {
 
-/// Puts what was changed online over what a file says. Throws a ConfigError that names the setting
-/// where a text is no inline table.
+/// Applies online changes to a file's table. Throws a ConfigError with the setting if a text is not
+/// an inline table.
 void overlay(toml::table& file, const administration::SettingValues& changes);
 
-/// The value of a key, as the setting has it; null if the file has none, or one of another type.
+/// The value of a key in the form of the setting; null if the file does not have it, or has another
+/// type.
 [[nodiscard]] Variant value_in(const toml::table& file, const administration::Setting& setting);
 
-/// The value of a setting, for people: 7, true, "text", [1, 2].
+/// Writes a setting's value for people: 7, true, "text", [1, 2].
 [[nodiscard]] std::string value_text(const Variant& value);
 
 } // namespace busbar::product

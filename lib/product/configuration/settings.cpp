@@ -21,7 +21,7 @@ namespace {
 using administration::Setting;
 using administration::SettingValues;
 
-/// Administration is over encrypted connections only.
+/// True if there is an encrypted endpoint, which administration requires.
 bool is_encrypted(const ControllerConfig& config)
 {
     const auto& endpoints = config.server.endpoints;
@@ -35,7 +35,7 @@ bool is_in_run(const MachineConfig& machine)
     return machine.program != nullptr && machine.mode == controller::MachineMode::Run;
 }
 
-/// The program that was sent, for people.
+/// Describes the program that was sent, for people.
 std::string received_text(Storage& folder)
 {
     if (const auto bytes =
@@ -215,7 +215,7 @@ void Settings::apply(const SettingValues& changes)
 std::vector<std::string> forget_changes(const std::string& path)
 {
     std::vector<std::string> forgotten;
-    SourceFiles sources; // without the program, which may be what is damaged
+    SourceFiles sources; // without the program, which may be the damaged file
     const std::string place =
         certificate_folder(parse_table(read_config_text(path, sources), name_of_file(path)));
     if (std::error_code ignored; !std::filesystem::exists(place, ignored)) {
@@ -240,7 +240,7 @@ std::vector<std::string> forget_changes(const std::string& path)
     try {
         const Settings without{path};
     } catch (const ConfigError&) {
-        return forgotten; // the program that it ran with last is all that it can start with
+        return forgotten; // the controller cannot start without the program that it ran with last
     }
     expect(last.forget_file(folder.place(ReceivedProgram::file_name)));
     return forgotten;

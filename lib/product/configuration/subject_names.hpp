@@ -10,9 +10,9 @@
 
 namespace busbar::product {
 
-/// What the own certificate says of its owner when it is made.
+/// The owner's names for the own certificate when it is created.
 struct SubjectNames {
-    /// "{address}" stands for the machine's address (W588, 3-2-4); empty: the server's name.
+    /// "{address}" stands for the machine's address (W588, 3-2-4); if empty, the server's name.
     std::string common_name{};
     std::string organization{"Busbar"};
     std::string locality{};
@@ -23,7 +23,7 @@ struct SubjectNames {
     friend bool operator==(const SubjectNames&, const SubjectNames&) = default;
 };
 
-/// A key of [certificates] for one of them, with the bytes that it has at most (RFC 5280, A.1).
+/// A key of [certificates] for one of the names, with its maximum size in bytes (RFC 5280, A.1).
 struct SubjectKey {
     std::string_view name;
     std::string SubjectNames::*member;
@@ -39,11 +39,11 @@ inline constexpr std::array subject_keys{
     SubjectKey{"organizational_unit", &SubjectNames::organizational_unit, 64},
 };
 
-/// What W588 has its products make by themselves (3-2-4, 5-1-1).
+/// The default names of the products in W588 (3-2-4, 5-1-1).
 [[nodiscard]] SubjectNames nj501_subject();
 
-/// The names in a certificate for these hosts, the first of them the one that clients are given;
-/// the address is the first that other machines may use.
+/// The names in a certificate for these hosts. The first is the one that clients get; the address
+/// is the first that other machines can use.
 [[nodiscard]] crypto::CertificateSubject subject_of(const SubjectNames& names,
                                                     const std::string& server_name,
                                                     const std::vector<std::string>& hosts);

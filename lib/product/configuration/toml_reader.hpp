@@ -19,7 +19,7 @@
 
 namespace busbar::product {
 
-/// A Problem on its way to main(): "controller.toml:12: scan_ms: found \"x\", expected ...".
+/// A Problem for main(): "controller.toml:12: scan_ms: found \"x\", expected ...".
 class ConfigError : public std::runtime_error {
 public:
     explicit ConfigError(Problem problem)
@@ -36,7 +36,7 @@ private:
     Problem problem_;
 };
 
-/// The value, or a ConfigError with the problem.
+/// Returns the value, or throws a ConfigError with the problem.
 template <typename T>
 T expect(Configured<T> made)
 {
@@ -48,7 +48,7 @@ T expect(Configured<T> made)
     }
 }
 
-/// The value, or a ConfigError: "listening: failed" with the status.
+/// Returns the value, or throws the ConfigError "listening: failed" with the status.
 template <typename T>
 T expect(Result<T> result, const std::string& what)
 {
@@ -60,17 +60,17 @@ T expect(Result<T> result, const std::string& what)
     }
 }
 
-/// One table of a configuration file. Every function throws a ConfigError with the place if what is
-/// there is not what is expected.
+/// A table of a configuration file. Every function throws a ConfigError with the place if the
+/// content is not as expected.
 class TomlTable {
 public:
-    /// `sources` is where files are read from that the table names. Both must outlive it.
+    /// `sources` reads the files that the table names. Both must outlive this object.
     TomlTable(const toml::table& table, std::string file, SourceFiles& sources)
         : table_{&table}, file_{std::move(file)}, sources_{&sources}
     {
     }
 
-    /// Any key but these is a mistake.
+    /// Refuses any other key as a mistake.
     void allow(std::initializer_list<std::string_view> keys) const
     {
         allow(std::span{keys.begin(), keys.size()});
@@ -87,17 +87,17 @@ public:
     [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
     [[nodiscard]] std::vector<std::int64_t> integers(std::string_view key, std::int64_t least,
                                                      std::int64_t most) const;
-    /// An empty table if there is none.
+    /// An empty table if the key is missing.
     [[nodiscard]] TomlTable table(std::string_view key) const;
-    /// [[key]]
+    /// Returns the tables of [[key]].
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
     [[nodiscard]] const toml::node* node(std::string_view key) const { return table_->get(key); }
 
     [[nodiscard]] SourceFiles& sources() const { return *sources_; }
 
-    /// Fails at a key, or at the table itself if the key is not there.
+    /// Throws at a key, or at the table itself if the key is missing.
     [[noreturn]] void fail(std::string_view key, const std::string& expected) const;
-    /// The same in words of the caller's own, which say what was found and what was expected.
+    /// The same with a whole text that tells what was found and what was expected.
     [[noreturn]] void refuse(std::string_view key, const std::string& text) const;
 
 private:

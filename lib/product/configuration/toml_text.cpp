@@ -7,8 +7,8 @@ namespace busbar::product {
 
 namespace {
 
-/// How many bytes a comment or string takes that `text` begins with; 0 if it begins with neither.
-/// What does not end goes on to the end of its line, or of the text if it may have several lines.
+/// Returns the size of the comment or string at the front of `text`; 0 if there is neither. Without
+/// its end it extends to the end of its line, or of the text for a multi-line string.
 std::size_t length_of_free_text(std::string_view text)
 {
     const char first = text.front();
@@ -38,8 +38,8 @@ std::size_t line_at(std::string_view text, std::size_t at)
     return static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
 }
 
-/// The first byte that is not ASCII and stands neither in a string nor in a comment, as far as it
-/// is easily told. What toml++ says of such a text does not name the character.
+/// Finds the first byte that is not ASCII and is neither in a string nor in a comment, as far as
+/// that can be told simply; toml++'s own message does not name the character.
 std::optional<std::size_t> find_stray(std::string_view text)
 {
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
@@ -61,14 +61,14 @@ bool fails(std::string_view text)
     try {
         static_cast<void>(toml::parse(text));
     } catch (const toml::parse_error&) {
-        return false; // what is cut off is no failure
+        return false; // an incomplete text is not a failure
     } catch (const TomlFailure&) {
         return true;
     }
     return false;
 }
 
-/// The line of the failure: as it reads from the front, more text does not undo one.
+/// Finds the line of the failure. toml++ reads from the front, so more text cannot undo a failure.
 std::size_t line_of_failure(std::string_view text)
 {
     std::size_t least = 0;

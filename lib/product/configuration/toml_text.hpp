@@ -15,8 +15,8 @@ struct TomlProblem {
     std::string text;
 };
 
-/// A TOML text as a table. What is not ASCII may stand in strings and comments only, as TOML 1.0
-/// has it.
+/// Parses a TOML text. Characters beyond ASCII are allowed in strings and comments only, as in TOML
+/// 1.0.
 [[nodiscard]] Expected<toml::table, TomlProblem> parse_toml(std::string_view text);
 
 } // namespace busbar::product
