@@ -16,7 +16,8 @@ namespace busbar::product {
 
 namespace {
 
-/// Until the server's loop ends cleanly by these signals, nothing has to be finished first.
+/// Lets these signals end the process at once until the server's loop handles them: nothing needs
+/// cleaning up before that.
 void end_at_once_on_signals()
 {
     for (const int number : {SIGTERM, SIGINT}) {
@@ -24,8 +25,8 @@ void end_at_once_on_signals()
     }
 }
 
-/// A SIGHUP that comes before there is a controller, or between two, is for the next one. All
-/// threads that the calling one makes inherit it.
+/// Holds SIGHUP for the next controller while there is none. Threads of the calling thread inherit
+/// this.
 void hold_hangups()
 {
     ::sigset_t hangup;
@@ -55,7 +56,7 @@ struct Controller::Parts {
         }
     }
 
-    /// While there is none, signals end the process at once.
+    /// Until a controller exists, signals end the process at once.
     [[nodiscard]] Configured<std::unique_ptr<RunningController>> make()
     {
         if (options.takes_signals) {
@@ -72,7 +73,7 @@ struct Controller::Parts {
     Runtime& runtime;
     ControllerOptions options;
     net::StderrLog lines{LogLevel::Debug};
-    std::mutex mutex; // of the two below
+    std::mutex mutex; // guards the two below
     std::unique_ptr<RunningController> running;
     bool stops{false};
 };

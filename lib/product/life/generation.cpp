@@ -54,7 +54,8 @@ Configured<void> check_run(const Machine* machine)
                                        status::Bad_InvalidState);
 }
 
-/// What is done after each scan, by the thread that scans. All must outlive it.
+/// Returns the function to call after each scan, on the thread that scans. All arguments must
+/// outlive it.
 std::function<void(DateTime)> following_scans(const Plant& plant, Administered& administered,
                                               Machine* machine)
 {
@@ -168,13 +169,13 @@ void Generation::look()
     tell_found_certificates();
 }
 
-/// Another generation takes the folders as it finds them.
+/// Another generation accepts the folders as they are.
 void Generation::tell_found_certificates()
 {
     admission_.tell_found_certificates(around_.environment.wall_clock->now());
 }
 
-/// A problem names the file where the configuration is from.
+/// Creates the server; a problem names the configuration's file.
 server::Server Generation::make_server()
 {
     administered_.add_users(admission_, config_);
@@ -234,7 +235,7 @@ void Generation::attach(const Requests& requests)
          .security_changed = [this] { security_changed(); }});
 }
 
-/// Past the audit, which was told who did it.
+/// Bypasses the audit, which already has a record with the user.
 void Generation::security_changed()
 {
     const RecordField fields[] = {{"IsSecurity", Variant{true}}};
@@ -345,7 +346,7 @@ void Generation::apply(const ControllerConfig& next)
     }
 }
 
-/// What the file says already needs not be said over it.
+/// Changes the mode; a value that the file has already is not stored as an online change.
 Configured<void> Generation::set_mode(controller::MachineMode mode)
 {
     constexpr const char* name = "machine.mode";

@@ -31,24 +31,24 @@
 
 namespace busbar::product {
 
-/// What outlives a Generation.
+/// The objects that outlive a Generation.
 struct Surroundings {
-    /// Without log, validator, users and roles, which are the generation's own.
+    /// Without log, validator, users and roles, because the generation has its own.
     server::ServerEnvironment environment;
     LogSink& lines;
     Runtime& runtime;
-    /// Null if there is none.
+    /// Null for none.
     Machine* machine;
-    /// Of a project of model mode; null without one.
+    /// Labels of a project of model mode; null without one.
     std::shared_ptr<backend::LabelBackend> labels;
-    /// What the system granted to the task of the labels' PLC.
+    /// Priority that the system granted to the task of the labels' PLC.
     int label_priority;
-    /// Where it listens.
+    /// Port that the server listens on.
     std::uint16_t port;
     const PendingChanges& pending;
 };
 
-/// What administrators have the controller do. Called on the server's thread.
+/// Requests of administrators to the controller. Called on the server's thread.
 struct Requests {
     std::function<void()> stop;
     /// As stop, and starts again with what is there then.
@@ -56,17 +56,17 @@ struct Requests {
     /// A machine goes on without its server.
     std::function<void(const std::string& reason)> shut_down;
     std::function<void(const administration::RestartWish& wish)> restart;
-    /// The certificate is another one.
+    /// The certificate was replaced.
     std::function<void()> renewed;
-    /// Who may come in, or how, is another one (W588, 4-2-5).
+    /// Access of users or protection of messages was changed (W588, 4-2-5).
     std::function<void()> security_changed;
-    /// The machine has other addresses.
+    /// The machine's addresses have changed.
     std::function<void()> address_changed;
-    /// Its hardware is simulated. The client has no answer yet.
+    /// An event of the simulated hardware; the client has not been answered yet.
     std::function<void(HardwareEvent)> hardware;
-    /// The machine's memory was restored or cleared; the client has no answer yet.
+    /// The machine's memory was restored or cleared; the client has not been answered yet.
     std::function<void()> memory_replaced;
-    /// Whether what restart() would take up works, and if not, why not.
+    /// Tells whether restart() would work, or why not.
     std::function<Configured<void>()> may_restart;
     /// The same of a project whose labels have been compared with the PLC.
     std::function<Configured<void>()> may_update;
@@ -74,19 +74,19 @@ struct Requests {
     std::function<Configured<void>(const ControllerConfig& next)> check_listeners;
     /// Settings were changed online.
     std::function<void()> settings_changed;
-    /// Carries out what becomes of a machine's program; see ProgramService.
+    /// Changes a machine's program; see ProgramService.
     std::function<Configured<ProgramVerdict>(const ProgramChange&)> change_program;
 };
 
-/// Everything that is made of one reading of the configuration: a server with its users and
-/// certificates, and the PLC that it shows. Another one may take its place while clients find the
-/// same port open (net::ServerLoop::hand_over); for a while there are both then.
+/// Everything that is made from one reading of the configuration: a server with its users and
+/// certificates, and the PLC that it shows. Another generation can replace it while clients find
+/// the same port open (net::ServerLoop::hand_over); then both exist for a while.
 ///
-/// On the server's thread, but for prepare().
+/// Used on the server's thread, except prepare().
 class Generation {
 public:
-    /// To be prepared and finished before anything else. `configuration` is for messages. Throws
-    /// ConfigError.
+    /// Call prepare() and finish() before anything else. `configuration` is used in messages.
+    /// Throws ConfigError.
     Generation(const Configuration& configuration, Reading reading, const Surroundings& around,
                const Requests& requests);
     Generation(const Generation&) = delete;
@@ -96,9 +96,10 @@ public:
     /// that the runtime loads. On any thread, while another Generation may serve. Throws
     /// ConfigError.
     void prepare();
-    /// Ready to be served, with a PLC that does not scan yet. Throws ConfigError.
+    /// Completes the generation so that it can be served, with a PLC that does not scan yet. Throws
+    /// ConfigError.
     void finish();
-    /// After halt(): it may be destroyed on any thread from now on, which takes long.
+    /// Prepares for destruction, which takes long, on any thread; call it after halt().
     void unload() { plant_.unload(); }
 
     [[nodiscard]] server::Server& server() { return server_; }
@@ -106,77 +107,77 @@ public:
     [[nodiscard]] crypto::CertificateValidator& clients() { return administered_.clients(); }
     [[nodiscard]] Plant& plant() { return plant_; }
 
-    /// The PLC scans from now on, and labels are served.
+    /// Starts the PLC's scans and serves labels.
     void start();
-    /// The PLC stops, and another server may serve labels; start() has it go on.
+    /// Stops the PLC, so that another server may serve labels; start() continues.
     void halt();
     /// See Lookout; and looks into the folders of certificates.
     void look();
-    /// Versions of the files in which administrators' changes are kept: what is made of others than
-    /// these is not of what is in force.
+    /// Versions of the files with administrators' changes. A generation that was made from other
+    /// versions does not match what is in force.
     [[nodiscard]] std::vector<std::optional<StorageEntry::Version>> kept_versions() const;
-    /// What it was made of, and what administrators have changed that is in force; without where it
-    /// listens.
+    /// The state that this was made from, with administrators' changes that are in force, but
+    /// without the listeners.
     [[nodiscard]] TakenOver taken_over() const;
-    /// These files' texts are what it runs with from now on.
+    /// Replaces the texts of the files in use.
     void use(SourceFiles sources) { settings_->use(std::move(sources)); }
-    /// Has the PLC's program, which may run, become that of `next`. The problem is that this takes
-    /// another generation, with the file: nothing was changed.
+    /// Changes the PLC's program, which may run, to that of `next`. Fails, with the file's name and
+    /// nothing changed, if this requires another generation.
     [[nodiscard]] Configured<void> edit(const Reading& next,
                                         const std::optional<PreparedProgram>& prepared = {});
-    /// Whether edit() would; `prepared` may have it already.
+    /// Tells whether edit() would succeed; uses `prepared` if it has the result.
     [[nodiscard]] Configured<void> check_edit(const Reading& next,
                                               const std::optional<PreparedProgram>& prepared) const;
-    /// The file of the project of model mode that it serves; empty: none.
+    /// The file of the project of model mode that is served; empty for none.
     [[nodiscard]] std::string project_document() const
     {
         return project_ != nullptr ? project_->document() : std::string{};
     }
-    /// Of a machine: what its program is changed against.
+    /// The base for changes of a machine's program.
     [[nodiscard]] ProgramBase program_base() const;
-    /// Whether nobody has changed settings since `next` was read.
+    /// True if no settings were changed online since `next` was read.
     [[nodiscard]] bool has_settings_of(const Reading& next) const
     {
         return settings_->list().changes() == next.settings->list().changes();
     }
-    /// Of a machine.
+    /// The program of a machine.
     [[nodiscard]] ProgramInForce program() const;
-    /// Keeps the document of a ReceivedProgram, or none, for the next reading.
+    /// Stores the document of a ReceivedProgram, or removes it, for the next reading.
     [[nodiscard]] Configured<void> keep_program(const std::optional<std::string>& document)
     {
         return keep_received(settings_->files(), document);
     }
-    /// Null without one.
+    /// Null for none.
     [[nodiscard]] std::shared_ptr<const KeptProject> project() const { return project_; }
-    /// Those that it runs with.
+    /// The files that are in use.
     [[nodiscard]] const SourceFiles& sources() const { return settings_->sources(); }
-    /// As a setting that was changed online, of a machine. The problem is that it cannot be kept.
+    /// Sets a machine's mode as an online change. Fails if the change cannot be stored.
     [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
-    /// How to reach it and what is left to do, for people.
+    /// Prints, for people, how to reach the server and what is left to do.
     void print_welcome() const;
-    /// What the PLC did, for people.
+    /// Prints, for people, statistics of the PLC.
     void print_statistics() const;
-    /// Reads users, trust lists and settings again and puts in force what can be. What it found,
+    /// Reads users, trust lists and settings again and applies what can be applied. Returns a text
     /// for the log; a ConfigError changes nothing.
     [[nodiscard]] std::string reload();
 
 private:
     [[nodiscard]] server::Server make_server();
-    /// Settings or accounts of the security profile are others.
+    /// Reports that settings or accounts of the security profile have changed.
     void security_changed();
     void tell_found_certificates();
     void attach(const Requests& requests);
-    /// Whether other information models than those that are served could be.
+    /// Checks whether information models can change as `next` says.
     [[nodiscard]] Configured<void> check_models(const ControllerConfig& next) const;
-    /// A machine's backups (W588, 8-2 and 8-3).
+    /// The transfer of a machine's backups (W588, 8-2 and 8-3).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     backups(const Requests& requests);
-    /// Its program.
+    /// The transfer of its program.
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     programs(const Requests& requests);
-    /// Puts in force what can be of another configuration while it runs.
+    /// Applies another configuration, as far as possible while the generation runs.
     void apply(const ControllerConfig& next);
-    /// Those, and the project of model mode (SH-082679, 9.13).
+    /// The same transfers, and that of the project of model mode (SH-082679, 9.13).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     transfers(const Requests& requests);
 
@@ -187,7 +188,7 @@ private:
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;
-    /// What is done after each scan, by the thread that scans.
+    /// Called after each scan, on the thread that scans.
     std::function<void(DateTime time)> after_scan_;
     // Before the Administration, which they outlive.
     std::optional<MachineFiles> memory_files_;
@@ -198,14 +199,14 @@ private:
     Admission admission_;
     server::Server server_;
     net::WorkerThread worker_;
-    /// Its own, so that no channel waits for a password.
+    /// A worker of its own, so that channels do not wait for passwords.
     net::WorkerThread channel_worker_;
     LiveConfig live_;
     Lookout lookout_;
     std::optional<MappedModel> mapped_;
-    /// None if the PLC is that of the labels.
+    /// Empty if the PLC is that of the labels.
     std::optional<controller::PlcTask> task_;
-    /// The runtime's own task scans instead.
+    /// True if the runtime's own task scans instead.
     bool has_own_task_{false};
 };
 

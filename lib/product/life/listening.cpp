@@ -108,7 +108,7 @@ Configured<void> Listening::check(const Listeners& next) const
     return {};
 }
 
-/// A port is left at all its addresses.
+/// Tells whether these can be opened; closing a port closes it at all its addresses.
 bool Listening::can_go_to(const Listeners& next) const
 {
     return next.size() == 1 && told_.size() == 1 && next.front().port != now_.port;

@@ -12,73 +12,75 @@
 
 namespace busbar::product {
 
-/// Where a configuration has the server listen; the first is where its clients find it.
+/// The addresses and ports in a configuration; clients find the server at the first.
 [[nodiscard]] std::vector<FurtherListener> listeners_of(const ControllerConfig& config);
-/// Whether the address is this machine's and the port is free, or 0. Opens nothing and logs
-/// nothing.
+/// Tells whether the address belongs to this machine and the port is free, or 0. Opens nothing and
+/// logs nothing.
 [[nodiscard]] bool can_listen(const FurtherListener& listener);
 
-/// Where a controller listens: where it is told to, or somewhere else until it can. On the server's
-/// thread.
+/// The listeners of a controller: those of the configuration, or substitutes until these can be
+/// opened. Used on the server's thread.
 class Listening {
 public:
     using Listeners = std::vector<FurtherListener>;
 
-    /// Told to listen at these, which are not empty; opens nothing. `loop` must outlive it.
+    /// `told` are the listeners to open, at least one. Opens nothing yet. `loop` must outlive this
+    /// object.
     Listening(net::ServerLoop& loop, Listeners told)
         : loop_{&loop}, told_{std::move(told)}, now_{.port = told_.front().port}
     {
     }
 
-    /// Opens them, at all or at none.
+    /// Opens all of them, or none.
     [[nodiscard]] Configured<void> begin();
-    /// After begin() has failed: where it did `last`, which may be nowhere; if that cannot be
-    /// opened either, for administrators at this machine only, and the server is halted.
+    /// Opens substitutes after begin() has failed: those used `last`, if any. If these cannot be
+    /// opened either, listens for administrators at this machine only, and the server is halted.
     [[nodiscard]] Configured<void> begin_elsewhere(Listeners last);
 
-    /// By which its clients find it.
+    /// The port by which clients find the server.
     [[nodiscard]] std::uint16_t port() const { return now_.port; }
     [[nodiscard]] const Listeners& told() const { return told_; }
     [[nodiscard]] bool is_elsewhere() const { return !now_.elsewhere.empty(); }
-    /// For administrators at this machine only: nobody else is served.
+    /// True if only administrators at this machine are served.
     [[nodiscard]] bool is_halted() const { return now_.is_halted; }
-    /// Has a configuration say where it listens, if that is not where it is told to.
+    /// Puts the substitutes into a configuration, if there are any.
     void set_in(ControllerConfig& config) const;
 
-    /// Whether `next` can be opened, so that it is not left with nothing in the end. One at a port
-    /// that is open now cannot be tried there: its address can.
+    /// Checks that `next` can be opened, so that the controller does not end up without a listener.
+    /// A port that is open now cannot be tried, but its address can.
     [[nodiscard]] Configured<void> check(const Listeners& next) const;
-    /// Whether go_to() can open these while the others are open.
+    /// Tells whether go_to() can open these while the others are open.
     [[nodiscard]] bool can_go_to(const Listeners& next) const;
-    /// Opens these beside what is open, and is told them from now on. stay() or go_back() follows.
+    /// Opens these in addition to the open ones, and makes them the ones to open. stay() or
+    /// go_back() follows.
     [[nodiscard]] Configured<void> go_to(Listeners next);
-    /// Whether it listens elsewhere and can where it is told to by now.
+    /// Tells whether substitutes are in use and the proper listeners can be opened by now.
     [[nodiscard]] bool can_go_as_told() const;
-    /// Closes the others and opens these. stay() or go_back() follows; if it fails, it has gone
-    /// back.
+    /// Replaces the substitutes by the proper listeners. stay() or go_back() follows; after a
+    /// failure the substitutes are open again.
     [[nodiscard]] Configured<void> go_as_told();
-    /// Leaves what was open before, if it is still.
+    /// Closes the listeners that were open before, if they still are.
     void stay();
-    /// To what was open before.
+    /// Returns to the listeners that were open before.
     void go_back();
 
 private:
-    /// Where it is found.
+    /// The listeners in use.
     struct Place {
-        /// Empty: as told.
+        /// Empty if they are the proper ones.
         Listeners elsewhere{};
         std::uint16_t port{0};
         bool is_halted{false};
     };
 
-    /// The port of the first.
+    /// Opens them and returns the port of the first.
     [[nodiscard]] Configured<std::uint16_t> open(std::span<const FurtherListener> listeners);
     void close(std::span<const FurtherListener> listeners);
 
     net::ServerLoop* loop_;
     Listeners told_;
     Place now_;
-    /// What a go_to() or go_as_told() left, until stay() or go_back().
+    /// State before go_to() or go_as_told(), until stay() or go_back().
     struct Left {
         Listeners told;
         Place place;

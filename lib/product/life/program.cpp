@@ -112,7 +112,7 @@ int run(int argc, char** argv, Runtime& runtime)
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
-    // Who reads the log may go; the machine goes on.
+    // The reader of the log may exit; the machine continues.
     std::signal(SIGPIPE, SIG_IGN);
     if (forgets_changes) {
         const auto forgotten = forget_changes(configuration.file);

@@ -133,7 +133,7 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
     }
 }
 
-/// Not in a callback of the server that it takes the place of.
+/// Posts the download, because a callback of the server must not replace it.
 void RunningController::download_soon(ProgramChange change, Reading reading,
                                       std::optional<std::string> before)
 {
@@ -141,7 +141,7 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
     const auto read_then = std::make_shared<Reading>(std::move(reading));
     when_free([this, change = std::move(change), read_then, before = std::move(before)] {
         const std::string name = read_then->config.machine.program_name;
-        // Settings that were changed in between are in force, too.
+        // Use the settings that are in force by now, if they were changed in between.
         std::optional<Reading> unchanged;
         if (current_->has_settings_of(*read_then)) {
             unchanged = std::move(*read_then);

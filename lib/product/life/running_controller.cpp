@@ -20,9 +20,9 @@ namespace busbar::product {
 
 namespace {
 
-/// How often it tries to listen where it is told to.
+/// Interval between attempts to open the proper listeners.
 constexpr std::chrono::seconds listening_period{5};
-/// How often instructions of the program are looked at.
+/// Interval for polling instructions of the program.
 constexpr std::chrono::milliseconds instruction_period{20};
 
 bool has_terminal()
@@ -31,7 +31,8 @@ bool has_terminal()
     return terminal >= 0 && ::close(terminal) == 0;
 }
 
-/// Lets SIGHUP come to the calling thread while this lives, also one that was held before.
+/// Delivers SIGHUP to the calling thread while this object exists, including one that was held
+/// before.
 class TakenHangups {
 public:
     TakenHangups()
@@ -124,7 +125,7 @@ void RunningController::refuse_beginning(const Beginning& beginning)
     refused_ = refusal + more;
 }
 
-/// For clients that come, and those that wait to be connected to.
+/// Listens for clients, and connects to those that wait for a connection.
 void RunningController::listen(const ControllerConfig& config, Listening::Listeners last)
 {
     if (!config.machine.is_used) {
@@ -255,7 +256,7 @@ Requests RunningController::requests()
                         halt("the controller's memory was replaced, and it is to be restarted",
                              ServerState::Suspended);
                     }
-                    looks_until_restart_ = 2; // whoever replaced it is told before
+                    looks_until_restart_ = 2; // the client is answered first
                 });
             },
         .may_restart = [this] { return may_restart(false); },
@@ -298,7 +299,7 @@ std::optional<controller::PlcError> RunningController::plc_error() const
     return machine_ ? machine_->event_log().plc_error() : std::nullopt;
 }
 
-/// Not in a callback of the server's, and of the server that serves then.
+/// Posts the change: it must not happen in a callback, and applies to the server that serves then.
 void RunningController::changed(Machine::Change change)
 {
     if (machine_) {
@@ -309,7 +310,7 @@ void RunningController::changed(Machine::Change change)
     }
 }
 
-/// Clients may see why, and an administrator may have it start again.
+/// Lets clients see the reason, and an administrator start the server again.
 void RunningController::follow(HardwareEvent event)
 {
     if (!machine_) {
@@ -340,7 +341,7 @@ void RunningController::halt(const std::string& why, ServerState state)
     server::RunningServer{current_->server()}.change_state(state, why, {});
 }
 
-/// Not to a generation that is being left: nobody can ask it any more.
+/// Ignores a generation that is being left, because clients can no longer ask it.
 void RunningController::renewed()
 {
     const auto& identity = current_->config().server.identity;
@@ -457,7 +458,7 @@ void RunningController::serve_instructions()
     }
 }
 
-/// With other listeners, or another machine, which has to let go of its logs first.
+/// Starts with other listeners or another machine; the present machine must release its logs first.
 void RunningController::start_again(const net::Handover& handover)
 {
     const bool begins = server::RunningServer{current_->server()}.begin_shutdown(
@@ -468,8 +469,8 @@ void RunningController::start_again(const net::Handover& handover)
     }
 }
 
-/// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
-/// ends the controller, as it does other programs in a terminal.
+/// Handles SIGHUP. A failure changes nothing and is logged. If the signal came because the terminal
+/// was closed, the controller ends, as other programs do.
 void RunningController::hang_up()
 {
     if (has_terminal_ && !has_terminal()) {

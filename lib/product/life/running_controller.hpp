@@ -31,7 +31,7 @@
 
 namespace busbar::product {
 
-/// A runtime knows its host as long as this lives.
+/// Gives the runtime its host while this object exists.
 class RuntimeUse {
 public:
     RuntimeUse(Runtime& runtime, RuntimeHost& host) : runtime_{runtime} { runtime_.begin(host); }
@@ -43,13 +43,13 @@ private:
     Runtime& runtime_;
 };
 
-/// What of a configuration stays while servers come and go, beside the machine.
+/// Parts of a configuration that stay, besides the machine, when servers are replaced.
 struct Standing {
-    /// Whether clients are served at all.
+    /// True if clients are served at all.
     bool is_used;
     std::vector<std::string> reverse_urls;
     DiscoveryConfig discovery;
-    /// Under which it is registered with a discovery server; empty without one.
+    /// ApplicationUri at the discovery server; empty without one.
     std::string application_uri;
     std::string key_log;
 
@@ -58,38 +58,38 @@ struct Standing {
 
 [[nodiscard]] Standing standing_of(const ControllerConfig& config);
 
-/// What a controller begins with.
+/// The starting point of a controller.
 struct Beginning {
     Reading reading;
-    /// What it ran with last; nothing if it never ran.
+    /// The last good state; empty if the controller never ran.
     std::optional<TakenOver> last;
-    /// Why it begins with a part of `last` instead of what is there now; empty: it does not.
+    /// The reason why a part of `last` replaces the present files; empty if none does.
     std::string refusal;
-    /// What it begins without; empty: it has everything.
+    /// The parts that are missing at the start; empty if nothing is.
     std::string damage{};
 };
 
-/// A controller while it runs: its listeners, its machine with life and logs, and the Generation
-/// that serves, of which another one takes the place at a restart and a download.
+/// A running controller: its listeners, its machine with life cycle and logs, and the Generation
+/// that serves, which is replaced at a restart and a download.
 class RunningController final : private RuntimeHost {
 public:
-    /// Listens, and makes the first generation. Where it is told to listen it may not be able to:
-    /// then it listens where it did last, or for administrators at this machine, and goes where it
-    /// is told to once it can; but not one that never ran and has no machine's program. Throws
-    /// ConfigError. `runtime` and `log` must outlive it.
+    /// Listens and creates the first generation. If the proper listeners cannot be opened, it uses
+    /// the last ones, or listens for administrators at this machine, until they can; a controller
+    /// that never ran and has no machine's program fails instead. Throws ConfigError. `runtime` and
+    /// `log` must outlive this object.
     RunningController(Configuration configuration, Beginning beginning, Runtime& runtime,
                       LogSink& log, const ControllerOptions& options);
     RunningController(const RunningController&) = delete;
     RunningController& operator=(const RunningController&) = delete;
 
-    /// Serves until it is stopped. True if it is to start again, with everything anew.
+    /// Serves until it is stopped. True if the controller must start again from the beginning.
     [[nodiscard]] bool run();
-    /// Has run() end. Any thread.
+    /// Makes run() return. Thread-safe.
     void stop() { loop_.stop(); }
-    /// As SIGHUP. Any thread.
+    /// Does the same as SIGHUP. Thread-safe.
     void reload() override;
-    /// Calls `work` soon on the thread of run(), in nobody's callback; not if that returns before.
-    /// Any thread.
+    /// Calls `work` soon on the thread of run(), outside of callbacks, unless run() returns first.
+    /// Thread-safe.
     void post(std::function<void()> work) { loop_.post(std::move(work)); }
 
 private:
@@ -97,51 +97,54 @@ private:
     void power_going() override;
     void switch_mode(controller::MachineMode mode) override;
     [[nodiscard]] std::optional<controller::PlcError> plc_error() const override;
-    /// As `config` says, or elsewhere.
+    /// Opens the listeners of `config`, or substitutes.
     void listen(const ControllerConfig& config, Listening::Listeners last);
     void serve_instructions();
-    /// Clients see why it does not serve any more, and an administrator may have it start again.
-    /// Suspended still tells what was done.
+    /// Stops serving; clients see the reason, and an administrator may start the server again. In
+    /// the state Suspended the server still answers what was done.
     void halt(const std::string& why, ServerState state = ServerState::Failed);
-    /// A download brings back neither a server that is out until a restart nor a program that a
-    /// fault has stopped (W588, 4-1-2).
+    /// Keeps the state: a download brings back neither a server that is out until a restart nor a
+    /// program that a fault has stopped (W588, 4-1-2).
     void stay_out();
     void refuse_beginning(const Beginning& beginning);
-    /// If it listens elsewhere: goes where it is told to, if that can be opened by now.
+    /// Replaces substitutes by the proper listeners, if these can be opened by now.
     void listen_as_told();
-    /// Some seconds after the machine's memory was replaced: what runs is not of it (W588,
-    /// 8-3).
+    /// Restarts a few seconds after the machine's memory was replaced, because what runs does not
+    /// match it (W588, 8-3).
     void restart_replaced();
     void register_with_discovery_server(const ControllerConfig& config);
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
     void hang_up();
-    /// Users, trust lists, settings and programs, and puts in force what can be.
+    /// Reads users, trust lists, settings and programs again, and applies what can be applied.
     void read_again();
     void renewed();
     void follow(HardwareEvent event);
-    /// The machine's life learns of it.
+    /// Reports the change to the machine's life cycle.
     void changed(Machine::Change change);
-    /// Soon, and not at all if there is nothing to replace the server with: the log says why.
+    /// Restarts soon; only logs the reason if nothing can replace the server.
     void restart(const administration::RestartWish& wish);
-    /// How another generation takes the place of the current one.
+    /// Describes a replacement of the current generation.
     struct Replacement {
         Machine::Cause cause;
         net::Handover handover;
-        /// What is there to make it of, also if that was changed meanwhile. Throws ConfigError.
+        /// Reads the configuration for it, including changes made in the meantime. Throws
+        /// ConfigError.
         std::function<Reading()> read;
-        /// Called when it serves, or the controller ends to start again. May be null.
+        /// Called when the new generation serves, or the controller ends to start again. May be
+        /// null.
         std::function<void()> done{};
-        /// Called when all is as it was, which the log says. May be null.
+        /// Called when nothing has changed, for a reason that is logged. May be null.
         std::function<void(const ConfigError&)> refused{};
         int attempts{0};
     };
     struct Successor;
-    /// Calls `act` soon on the thread of run(), when no other generation is being made. Any thread.
+    /// Calls `act` soon on the thread of run(), when no generation is being created. Thread-safe.
     void when_free(std::function<void()> act);
-    /// Makes another generation of `reading`, or of what is there; while it is made, this one
-    /// serves. An old port is left once the new one listens. What stands may be other than it is:
-    /// then the controller ends, and starts again. Only when_free().
+    /// Replaces the current generation by one from `reading`, or from the present files. The
+    /// current one serves until then; an old port is closed once the new one is open. If more than
+    /// a generation has to change, the controller ends and starts again. Call it only from
+    /// when_free().
     void replace(Replacement wish, std::optional<Reading> reading = {});
     /// See replace(). Throws ConfigError.
     void begin(Replacement wish, Reading reading);
@@ -159,29 +162,28 @@ private:
     /// Throws ConfigError.
     void succeed(Successor& next);
     static void done(const Replacement& wish);
-    /// As try_to(); what is thrown is told to the one who wished for it, too.
+    /// Like try_to(), and reports an exception to the requester, too.
     void try_for(const Replacement& wish, FunctionRef<void()> act);
-    /// For a reading of all files anew, of which those that are as they were need not be taken
-    /// apart again.
+    /// Substitutes for reading all files again, so that unchanged ones need not be parsed again.
     [[nodiscard]] Substitutes as_known() const;
-    /// Takes over another program, if there is one: what is only added by an online edit, whatever
-    /// the mode, all else as a download. True for the latter, in which everything is read again.
+    /// Takes over another program, if there is one: by an online edit, in any mode, if that is
+    /// enough, and by a download otherwise. True for a download, which reads everything again.
     [[nodiscard]] bool download();
     void edited_online(const std::string& name);
-    /// Whoever changed the file learns that it does not count.
+    /// Tells a user who changed the file that it is not used.
     void tell_of_other_file();
-    /// A change of the program that is asked for over OPC UA: all else is as it runs. A download
-    /// takes place soon, and is kept before. The problem is why nothing was changed.
+    /// Changes the program by request over OPC UA; everything else stays. A download happens soon,
+    /// and is stored before. The problem is the reason why nothing was changed.
     [[nodiscard]] Configured<ProgramVerdict> change_program(const ProgramChange& change);
-    /// What is there now with another program, or with that of the file. Throws ConfigError.
+    /// Reads the configuration with another program, or with that of the file. Throws ConfigError.
     [[nodiscard]] Reading reading_with(const ProgramChange& change) const;
-    /// `before` is the document that was kept before, which counts again if it is refused: then the
-    /// status says why.
+    /// Downloads later. If that is refused, the document `before` is restored and the status tells
+    /// why.
     void download_soon(ProgramChange change, Reading reading, std::optional<std::string> before);
-    /// A download may bring other settings of the server, which change in PROGRAM only (W588,
-    /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
-    /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online
-    /// edit; empty: it could be. Throws ConfigError.
+    /// Checks a download, which may bring other settings of the server that change in PROGRAM only
+    /// (W588, 3-2-2), and takes the server out (4-1-4): the machine must be in PROGRAM, or `next`
+    /// puts it there. Turning the server on or off requires a restart (3-2-3). `edit` is the reason
+    /// against an online edit; empty if that would be possible. Throws ConfigError.
     void check_download(const ControllerConfig& next, const std::string& edit) const;
     /// Takes over another program of labels, if there is one.
     void download_labels();
@@ -200,11 +202,11 @@ private:
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();
     void start();
-    /// At what changes without anybody telling. From any thread.
+    /// Checks soon for changes that nothing reports. Thread-safe.
     void look_soon();
     void start_again(const net::Handover& handover);
     void release(const Generation& gone);
-    /// `change` may throw a ConfigError, which goes to the log.
+    /// Calls `change`, which may throw a ConfigError; that is logged.
     void try_to(FunctionRef<void()> change);
 
     Configuration configuration_;
@@ -219,34 +221,34 @@ private:
     std::unique_ptr<net::KeyLogFile> key_log_;
 #endif
     std::optional<Machine> machine_;
-    /// With a project of model mode, if the runtime has no labels of its own.
+    /// Set for a project of model mode, if the runtime has no labels of its own.
     std::optional<LabelPlant> labels_;
     Listening listening_;
-    /// How often it tries to listen until then; 0: no restart is due.
+    /// Number of checks until a pending restart; 0 if none is due.
     int looks_until_restart_{0};
     std::optional<storage::FolderStorage> kept_folder_;
     std::optional<TakenOverFiles> kept_;
     CurrentValidator clients_;
     PendingChanges pending_;
-    /// The current generation's, for the discovery server.
+    /// Identity of the current generation, for the discovery server.
     std::optional<channel::ApplicationIdentity> identity_;
     Standing standing_;
     std::optional<RuntimeUse> runtime_use_;
-    /// Those before the current one, which clients have not left yet.
+    /// Previous generations that clients have not left yet.
     std::vector<std::unique_ptr<Generation>> leaving_;
     std::unique_ptr<Generation> current_;
-    /// While the program has instructions.
+    /// Set while the program has instructions.
     std::optional<Ticker> instructions_;
-    /// What it did not begin with, and why.
+    /// The part that was refused at the start, with the reason.
     std::string refused_;
     bool has_terminal_;
     bool starts_again_{false};
-    /// How often it got another certificate.
+    /// Number of new certificates so far.
     int renewals_{0};
-    /// The generation that is being made, and what waits for that; null: there is none.
+    /// The generation that is being created, and the tasks that wait for it; null for none.
     std::shared_ptr<Successor> next_;
     std::vector<std::function<void()>> waiting_;
-    /// Makes generations, and destroys those that went. Null after run().
+    /// Creates generations and destroys old ones. Empty after run().
     std::optional<net::WorkerThread> maker_{std::in_place, 64, &log_};
 };
 

@@ -23,21 +23,21 @@ namespace busbar::product {
 
 namespace {
 
-/// What of a TakenOver is used.
+/// The parts of a TakenOver to use.
 struct Way {
-    /// All but the program that was received.
+    /// All files except the received program.
     bool takes_files;
     bool takes_received;
     bool takes_settings;
     bool takes_project;
 };
 
-/// A program that was received and can be read counts: the first way is for one that is damaged.
+/// A received program that can be read is used; the first way is for a damaged one.
 constexpr std::array ways{Way{false, true, false, false}, Way{true, false, false, false},
                           Way{true, true, false, false},  Way{false, false, true, false},
                           Way{false, false, false, true}, Way{true, true, true, true}};
 
-/// The first lines of a text, up to this one, counted from 1.
+/// Returns the first lines of a text, up to this one, counted from 1.
 std::string_view lines_before(std::string_view text, std::size_t line)
 {
     std::size_t end = 0;
@@ -47,8 +47,8 @@ std::string_view lines_before(std::string_view text, std::size_t line)
     return text.substr(0, end);
 }
 
-/// The folder of certificates, as far as the file can be read: in a text that is no TOML up to
-/// where it is none.
+/// Returns the folder of certificates as far as the file can be read: up to the first line that is
+/// not TOML.
 std::string kept_in(const Configuration& configuration)
 {
     try {
@@ -64,8 +64,8 @@ std::string kept_in(const Configuration& configuration)
     }
 }
 
-/// The files that it ran with last, but with the program that was received since, or none: whoever
-/// sent it or took it back has been told that this is done.
+/// Returns the files of the last run with the program that was received since, or without one: the
+/// user who sent it or took it back was told that this is done.
 SourceFiles::Texts with_received(SourceFiles::Texts files, Storage& folder)
 {
     const std::string place = folder.place(ReceivedProgram::file_name);
@@ -90,15 +90,15 @@ bool has_damaged_received(Storage& folder)
     return !read_received(document, {}).has_value();
 }
 
-/// The program that was received when the files were taken over, and nothing else of them.
+/// Returns only the program that was received when the files were taken over.
 SourceFiles::Texts received_alone(const SourceFiles::Texts& files, Storage& folder)
 {
     const auto received = files.find(folder.place(ReceivedProgram::file_name));
     return received != files.end() ? SourceFiles::Texts{*received} : SourceFiles::Texts{};
 }
 
-/// Puts other settings in the place of those that are there, which lie beside them then. Without
-/// use() the others are there again in the end.
+/// Replaces the present settings, which are kept beside the others. Without use() they are restored
+/// in the end.
 class OtherSettings {
 public:
     OtherSettings(Storage& folder, std::string_view document) : folder_{folder}
@@ -108,7 +108,7 @@ public:
         if (auto there = read_file(folder_, Settings::file_name, most)) {
             before_ = *std::move(there);
             if (!folder_.replace(refused, *before_, FileAccess::Owner)) {
-                return; // nothing is lost, and this way leads nowhere
+                return; // nothing is lost, but this way fails
             }
         }
         static_cast<void>(put(std::as_bytes(std::span{document})));
@@ -135,14 +135,14 @@ private:
     bool is_used_{false};
 };
 
-/// Lists of users and roles that are damaged: no machine has to stand still for one, and nobody may
-/// do more than before. It lies beside as .refused from then on, and its last good copy counts; if
-/// there is none, its users are not let in, or all roles but SecurityAdmin are closed.
+/// Handles damaged lists of users and roles, so that a machine can start without giving any user
+/// more rights. A damaged list is kept beside it as .refused, and its last good copy is used.
+/// Without a copy its users are not admitted, or all roles but SecurityAdmin are closed.
 class DamagedLists {
 public:
     explicit DamagedLists(Storage& folder) : folder_{folder} {}
 
-    /// Own roles that this configuration gives to tokens are closed with the well-known ones.
+    /// Roles that this configuration gives to tokens are closed with the well-known ones.
     void give(const UserConfig& users)
     {
         given_.clear();
@@ -152,8 +152,8 @@ public:
             }
         }
     }
-    /// Puts another list in the place of the one that the problem is of, and returns what was done,
-    /// in words; nothing if it is of none, or the Storage refuses it.
+    /// Replaces the list that the problem is about, and describes what was done; nothing if it is
+    /// about something else, or the Storage refuses.
     std::optional<std::string> replace(const Problem& problem)
     {
         for (const char* const name : {Administered::users_file, Administered::roles_file}) {
@@ -165,8 +165,7 @@ public:
     }
 
 private:
-    /// While there is no other one, it stays where it is, too: without a list of roles there are no
-    /// restrictions.
+    /// A list stays until it is replaced: without a list of roles there are no restrictions.
     bool set_aside(const std::string& name)
     {
         constexpr std::size_t most = 64U << 20U;
@@ -204,7 +203,8 @@ private:
     std::vector<std::string> replaced_;
 };
 
-/// Calls `make` until no such list is in its way, each time with what was done about them.
+/// Calls `make` until no damaged list is in its way, each time with a description of what was done
+/// about them.
 std::unique_ptr<RunningController>
 without_damaged(DamagedLists& lists,
                 FunctionRef<std::unique_ptr<RunningController>(const std::string& damage)> make)
@@ -224,7 +224,7 @@ without_damaged(DamagedLists& lists,
     }
 }
 
-/// Makes a controller of what it begins with.
+/// Creates a controller from its starting point.
 using Make = FunctionRef<std::unique_ptr<RunningController>(Beginning beginning)>;
 
 std::unique_ptr<RunningController> start_by(const Way& way, const Configuration& configuration,
@@ -264,7 +264,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
     };
     auto last = TakenOverFiles{folder}.read();
     if (last && !configuration.file.empty() && !last->files.contains(configuration.file)) {
-        last.reset(); // of another controller, which has the same folder
+        last.reset(); // it belongs to another controller with the same folder
     }
     try {
         return without_damaged(lists, [&](const std::string& damage) {
@@ -285,7 +285,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
                     return start_by(way, configuration, *last, folder, error.what(), damage, make);
                 });
             } catch (const ConfigError&) {
-                // The next way takes something else, and the first reason is what matters.
+                // Try the next way; the first reason is the one to report.
             }
         }
         throw;

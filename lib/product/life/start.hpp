@@ -7,13 +7,13 @@
 
 namespace busbar::product {
 
-/// A controller of what is there now. If that does not make one, then as much as is needed of what
-/// the controller ran with last is used instead: a file that became bad, settings that fit no more
-/// or a project that cannot be loaded keep nobody from starting. The log says what was used and
-/// why; nothing that is there is lost. Settings that are not used lie beside the others as
-/// "settings.json.refused".
+/// Starts a controller from the present files. If these are not valid, it replaces as much as
+/// necessary by what the controller last ran with: a damaged file, settings that are no longer
+/// valid or a project that cannot be loaded do not prevent the start. The log tells what was
+/// replaced and why; nothing present is lost. Settings that are not used are kept beside the others
+/// as "settings.json.refused".
 ///
-/// Throws ConfigError if that makes none either, or if it never ran.
+/// Throws ConfigError if that fails as well, or if the controller never ran.
 [[nodiscard]] std::unique_ptr<RunningController> start(const Configuration& configuration,
                                                        Runtime& runtime, LogSink& log,
                                                        const ControllerOptions& options);

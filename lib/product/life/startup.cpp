@@ -73,7 +73,7 @@ void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, Lo
     channel::EndpointUrl url;
     url.host = default_host(config, machine_name());
     constexpr std::uint16_t usual_port = 4840;
-    url.port = port != 0 ? port : usual_port; // of a server that is not used, and told any port
+    url.port = port != 0 ? port : usual_port; // the server is not used, and its port is any
     server.endpoint_url = url.text();
     if (needs_certificate(config)) {
         server.identity = load_identity(config.certificates, server.application_name,

@@ -11,17 +11,18 @@ namespace busbar::product {
 
 // What a configuration needs before it can be served. All throw ConfigError.
 
-/// Names that a file need not give.
+/// Fills in names that a file need not have.
 void set_names(ControllerConfig& config);
-/// Makes the key and the certificate if there are none, which takes seconds; `log` is told. To be
-/// called before clients can connect, as they are not answered meanwhile.
+/// Creates the key and the certificate if they are missing, which takes seconds; `log` is told.
+/// Call it before clients can connect, because they are not answered in the meantime.
 void make_missing_certificate(ControllerConfig config, DateTime now, LogSink& log);
-/// Certificate and URL of a controller that listens on `port`. `log` is told of a new certificate.
+/// Sets the certificate and the URL of a controller that listens on `port`. `log` is told of a new
+/// certificate.
 void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log);
-/// Without a file there is no account, and a password that everybody knows is none: the controller
-/// makes one of its own, for whoever has the terminal that it is first started from.
+/// Adds an account for a start without a file. Since a default password would be known to all, the
+/// controller makes one of its own and shows it on the terminal of the first start.
 void add_first_account(ControllerConfig& config);
-/// What read_sources() gives, for which somebody can log in: without a file it may make the first
+/// Calls read_sources() and ensures that a user can log in: without a file it may create the first
 /// account and print its password.
 [[nodiscard]] Reading read(const Configuration& configuration, Substitutes substitutes = {});
 

@@ -14,8 +14,8 @@ namespace busbar::product {
 
 namespace {
 
-/// Another one is made, as what it is made of was changed meanwhile; after so many it is made while
-/// nobody is served.
+/// Number of attempts to create a generation while its sources keep changing; the last is made
+/// while no client is served.
 constexpr int most_attempts = 3;
 
 } // namespace
@@ -24,7 +24,7 @@ struct RunningController::Successor {
     Replacement wish;
     Standing standing;
     bool moves;
-    /// What it is made of.
+    /// Versions of the files it is made from.
     std::vector<std::optional<StorageEntry::Version>> kept;
     int renewals;
     /// The file of the project that is served now.
@@ -73,7 +73,7 @@ void RunningController::begin(Replacement wish, Reading reading)
     Standing standing = standing_of(reading.config);
     auto listeners = listeners_of(reading.config);
     const bool moves = listeners != listening_.told();
-    // A registration has the old URL in it.
+    // A discovery server's registration has the old URL.
     const bool can_move = standing.is_used && standing.discovery.url.empty();
     if (!has_fitting_machine || !(standing == standing_) ||
         (moves && !(can_move && listening_.can_go_to(listeners)))) {
@@ -97,7 +97,7 @@ void RunningController::begin(Replacement wish, Reading reading)
                                                   .problem = nullptr});
         next->generation = std::make_unique<Generation>(configuration_, std::move(reading),
                                                         surroundings(), requests());
-        // Where it listens is neither here nor there meanwhile.
+        // Do not compare listeners, which may change in the meantime.
         if (moves || next->wish.attempts >= most_attempts || !make(next)) {
             prepare(*next);
             succeed(*next);
@@ -125,7 +125,7 @@ bool RunningController::make(const std::shared_ptr<Successor>& next)
         } catch (...) {
             next->problem = std::current_exception();
         }
-        // What is posted may outlive run(), and is not to be what keeps a generation then.
+        // A posted function may outlive run(), and must not keep a generation alive then.
         loop_.post([this, made_one = std::weak_ptr<Successor>{next}] {
             if (const auto known = made_one.lock()) {
                 made(known);
@@ -154,7 +154,7 @@ void RunningController::take(Successor& next)
 {
     Replacement& wish = next.wish;
     if (looks_until_restart_ > 0) {
-        return; // with the memory that was replaced meanwhile
+        return; // the memory was replaced in the meantime
     }
     if (next.kept != current_->kept_versions() || next.renewals != renewals_) {
         ++wish.attempts;
@@ -219,7 +219,7 @@ void RunningController::take_over(std::unique_ptr<Generation> next, net::Handove
 {
     Generation& before = *current_;
     before.halt();
-    // Whose last scan has the values that the next one begins with.
+    // The last scan has the values that the next program starts with.
     try {
         save_retained();
         handover.released = [this, &before] { release(before); };

@@ -45,7 +45,7 @@ std::string certificate_lines(const ControllerConfig& config, DateTime now)
                              folder + "/trusted/certs\n");
 }
 
-/// What lets the PLC's scans begin in time, or how to have it.
+/// Tells whether the task of the PLC starts in time, or how to achieve that.
 std::string task_text(const ControllerConfig& config, std::optional<int> granted)
 {
     if (!granted) {

@@ -10,13 +10,13 @@
 
 namespace busbar::product {
 
-/// What people read when the controller is ready: how to reach it, who may log in, what is left to
-/// do. `config` is complete, `task_priority` what the system granted to the PLC's task; nothing if
-/// that is a runtime's own.
+/// The text for people when the controller is ready: how to reach it, the users that may log in,
+/// what is left to do. `config` must be complete; `task_priority` is what the system granted to the
+/// PLC's task; empty for a runtime's own.
 [[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
                                        DateTime now, std::optional<int> task_priority);
 
-/// The steps from a controller that nobody can log in to yet to the first values.
+/// The steps from a controller without any user to the first values.
 [[nodiscard]] std::string setup_text(const std::string& url);
 
 } // namespace busbar::product
