@@ -29,7 +29,7 @@ constexpr std::array event_names{
     EventName{HardwareEvent::MediumWorn, "medium worn"},
 };
 
-/// What becomes of the medium, before the server is told of what happened, if it is.
+/// The medium's state for a name, set before the server is told of the event, if there is one.
 struct MediumName {
     StorageMedium::State state;
     std::string_view name;

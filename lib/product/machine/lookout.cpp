@@ -26,12 +26,12 @@ void Lookout::look()
     look_at_hosts();
     if (clients_ != nullptr) {
         const DateTime now = clock_.now();
-        // It tells each once, however often it is asked.
+        // Each is reported once, however often this runs.
         static_cast<void>(trusted_.check(clients_->trust_list(now).trusted, now));
     }
 }
 
-/// The server looks at its certificate when it gets other names.
+/// Sets the hosts; the server checks its certificate when they change.
 void Lookout::look_at_hosts()
 {
     std::vector<std::string> hosts = hosts_();

@@ -15,30 +15,30 @@
 
 namespace busbar::product {
 
-/// The hosts by which clients reach the machine as it is now, from its configuration and its
-/// network interfaces (see known_hosts).
+/// The present hosts by which clients reach the machine, from its configuration and its network
+/// interfaces (see known_hosts).
 [[nodiscard]] std::vector<std::string> present_hosts(const ControllerConfig& config);
 
-/// How often it looks.
+/// Interval between checks.
 inline constexpr std::chrono::seconds lookout_period{60};
 
-/// What nobody tells a controller that runs, and it has to look at: whether its own certificate
-/// still names the machine's addresses (W588, 3-2-2; event 15020000), and whether certificates
-/// of clients have expired (5-1-1).
+/// Watches facts that change without notice while a controller runs: whether its own certificate
+/// still names the machine's addresses (W588, 3-2-2; event 15020000), and whether clients'
+/// certificates have expired (5-1-1).
 ///
-/// On the server's thread.
+/// Used on the server's thread.
 class Lookout {
 public:
     using Hosts = std::function<std::vector<std::string>()>;
 
-    /// `hosts` gives what ServerConfig::host_names should have now. Clients' certificates are those
-    /// in `clients`; null: everybody is trusted. All must outlive it. `changed` is called when the
-    /// server has got other names, in look(); it may be null.
+    /// `hosts` returns what ServerConfig::host_names should be. `clients` has the clients'
+    /// certificates; null if all clients are trusted. All arguments must outlive this object.
+    /// look() calls `changed`, which may be null, when the server has new names.
     Lookout(server::Server& server, crypto::CertificateStore* clients, const WallClock& clock,
             LogSink& log, Hosts hosts, std::function<void()> changed = {});
 
-    /// At the start, after a change, and from then on at least once a day: what comes up is told
-    /// once, records go to the log. Not in a callback of the server's.
+    /// Call it at the start, after a change, and at least once a day, but not in a callback of the
+    /// server. Each finding is reported once; records go to the log.
     void look();
 
 private:

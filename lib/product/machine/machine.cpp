@@ -17,9 +17,10 @@ namespace busbar::product {
 
 namespace {
 
-/// Files of the execution log are at most 100 (W588, 7-1-5).
+/// The execution log has at most 100 files (W588, 7-1-5).
 constexpr std::size_t most_log_entries = 1'000;
-/// Programs whose Preparing the execution log has room for anyway (W588, 1-2-2).
+/// The execution log always has room for the Preparing of a program with so many variables (W588,
+/// 1-2-2).
 constexpr std::size_t usual_variables = 10'000;
 
 // Of the saver.
@@ -60,14 +61,14 @@ Machine::Machine(const ControllerConfig& config, const StorageMedium* card, cons
         make_root(medium_);
     }
     busbar::detail::remove_unfinished_below(state_, "");
-    // The event log comes behind the execution log, which tells it what cannot be saved.
+    // Create the event log after the execution log, which reports to it what cannot be saved.
     event_log_ = expect(controller::MachineEventLog::create(
         state_, clock, lines, &events_, {.levels = config.machine.event_levels}));
     if (config.machine.execution_log.is_recorded) {
         controller::ExecutionLogOptions options;
         options.max_files = config.machine.execution_log.files;
         options.max_records = config.machine.execution_log.records;
-        // One whole Preparing waits, as large as this one is.
+        // Let one whole Preparing of this program wait.
         options.max_waiting += max_variables_;
         execution_log_ =
             expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
@@ -111,7 +112,8 @@ void Machine::look_for_medium()
     }
 }
 
-/// What waits for a medium is no error; it is not tried before the life knows that it is there.
+/// Saves records. Waiting for a medium is not an error; the medium is not tried before the life
+/// cycle knows that it is present.
 bool Machine::save_records()
 {
     if (!was_medium_there_) { // since the start: that is an event (W588, 7-4-1)
@@ -133,14 +135,14 @@ void Machine::tell_log_of_medium(bool is_in)
     if (is_in || !is_medium_there_) {
         execution_log_->medium_changed(is_in ? controller::LogMedium::In
                                              : controller::LogMedium::Out);
-    } else { // who is going to take it out gets what waits (W588, 7-4-3)
+    } else { // before the medium is taken out it gets what waits (W588, 7-4-3)
         static_cast<void>(execution_log_->release_medium());
     }
 }
 
 void Machine::look_for_log_files()
 {
-    // A file that was removed and begun again since has the name that it had.
+    // A file that was removed and started again has the same name.
     if (log_folder_.take_removal()) {
         log_files_.clear();
     }
@@ -148,7 +150,7 @@ void Machine::look_for_log_files()
     for (Storage* const folder : std::initializer_list<Storage*>{&log_folder_, &event_files_}) {
         const auto listing = folder->list("", most_log_entries);
         if (!listing && listing.error() != StorageError::NotFound) {
-            return; // what cannot be read now is not gone
+            return; // files that cannot be listed now are not gone
         }
         if (listing) {
             for (const StorageEntry& entry : listing->entries) {
@@ -200,7 +202,7 @@ void Machine::keep(const MachineProgram& program)
 void Machine::hold_files(FunctionRef<void()> act)
 {
     const std::lock_guard lock{saving_};
-    // What cannot be saved now is not in the backup either, and all goes on.
+    // Records that cannot be saved now are missing in the backup; that does not stop it.
     static_cast<void>(event_log_->write_pending());
     static_cast<void>(retained_->save());
     act();
@@ -256,7 +258,7 @@ void Machine::run(MachineProgram& program, const std::string& endpoint_url,
         life_->initialized(settings_);
     }
     if (life_->operating_status() != controller::OperatingStatus::Preparing) {
-        return; // not used, or out until a restart
+        return; // the server is not used, or out until a restart
     }
     tell(log(), program.publication());
     life_->prepared(preparation_, endpoint_url);
@@ -272,7 +274,7 @@ void Machine::save_retained()
 
 bool Machine::fits(const ControllerConfig& config) const
 {
-    // The program's size counts for how many records wait while it is prepared.
+    // The number of records that may wait depends on the program's size.
     return config.machine.program && config.machine.state_folder == config_.state_folder &&
            config.machine.medium_folder == config_.medium_folder &&
            config.machine.execution_log == config_.execution_log &&
@@ -426,7 +428,7 @@ void Machine::stop(const controller::StopNotice&)
     save_now();
 }
 
-/// The saver tells the log: that waits while a medium is written to.
+/// Lets the saver tell the log, which blocks while a medium is written to.
 void Machine::medium_changed(bool is_in)
 {
     if (execution_log_ && is_medium_in_.exchange(is_in) != is_in) {
@@ -438,7 +440,7 @@ void Machine::medium_changed(bool is_in)
 
 void Machine::save_now()
 {
-    // What fails is told by whoever saves it.
+    // Failures are reported where they happen.
     static_cast<void>(retained_->save());
     if (execution_log_) {
         static_cast<void>(execution_log_->flush());

@@ -17,10 +17,10 @@ using administration::TransferRequest;
 
 namespace {
 
-/// The one that administration::finish_changes looks after.
+/// The name of the transaction that administration::finish_changes recovers.
 constexpr const char* transaction = "transaction";
 constexpr const char* source = "memory";
-/// Before the text of a RestoreCommand.ini.
+/// Precedes the text of a RestoreCommand.ini.
 constexpr std::string_view by_command = "restore by command\n";
 
 std::string restore_report(bool has_data, bool lacks_profile)
@@ -60,7 +60,7 @@ std::string report_of(const std::vector<controller::VerifiedItem>& items)
     return json.take();
 }
 
-/// What is another one now, for audit events: there is a record for each that the system knows.
+/// Records the replaced parts for audit events, one record for each kind that OPC UA knows.
 void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security, bool is_clear)
 {
     Record record{.source = source};
@@ -190,7 +190,7 @@ StatusCode MachineBackup::may_take(const TransferRequest& request)
 
 StatusCode MachineBackup::take(const TransferRequest& request, std::span<const std::byte> bytes)
 {
-    // Things may have changed since the client began.
+    // The state may have changed since the client began.
     if (const StatusCode may = may_take(request); may.is_bad()) {
         return may;
     }
@@ -231,7 +231,7 @@ Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std
             break;
         }
         if (done) {
-            needs_.gate.close(); // what the server has in memory counts no more
+            needs_.gate.close(); // the server's state in memory is no longer valid
         }
     });
     if (done && wish.task != Wish::Task::Verify) {

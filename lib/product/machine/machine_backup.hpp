@@ -21,7 +21,7 @@ namespace busbar::product {
 /// null for GenerateFileForRead of a backup file, and else one of these texts:
 ///
 ///     GenerateFileForRead   "backup without security profile": to be given away
-///                           "report": what the session's last CloseAndCommit came to
+///                           "report": the result of the session's last CloseAndCommit
 ///     GenerateFileForWrite  "restore"                          a backup file follows
 ///                           "restore without security profile"
 ///                           "restore by command\n" and what is in a RestoreCommand.ini, of which
@@ -36,44 +36,43 @@ namespace busbar::product {
 /// was to be restored and the file has none; {"cleared": true}; and
 /// {"items": [{"name": "Users", "differences": ["users.json"]}]} for a verification.
 ///
-/// After a restore and after a clearing a restart is due: until then nothing of the machine's
-/// memory changes, what would answers Bad_InvalidState, and so do another restore and another
-/// clearing. Clear All Memory wants PROGRAM mode, and answers Bad_InvalidState in RUN (W588,
-/// 8-3).
+/// After a restore or a clearing a restart is due. Until then the machine's memory does not change:
+/// requests that would change it, including another restore or clearing, answer Bad_InvalidState.
+/// Clear All Memory requires PROGRAM mode, and answers Bad_InvalidState in RUN (W588, 8-3).
 ///
-/// What a restore or a clearing has replaced is told as records of settings, users, roles, trust
-/// lists and certificates, of which audit events are made (Part 5, 6.4).
+/// Records of settings, users, roles, trust lists and certificates tell what a restore or a
+/// clearing has replaced; audit events are made from them (Part 5, 6.4).
 ///
-/// What a power cut left is finished by administration::finish_changes at the next start, whose
-/// transaction it is. On the server's thread.
+/// After a power cut administration::finish_changes, which owns the transaction, finishes it at the
+/// next start. Used on the server's thread.
 class MachineBackup final : public ReportingOwner {
 public:
-    /// All must outlive it.
+    /// All members must outlive this object.
     struct Needs {
-        /// What is behind the gate, and the event log: a MachineFiles.
+        /// The storage below the gate, and the event log: a MachineFiles.
         Storage& files;
-        /// By which everybody else changes those files.
+        /// The gate for all other changes of those files.
         StorageGate& gate;
         std::vector<controller::MemoryItem> items;
-        /// The name that backup files say.
+        /// The controller's name in backup files.
         std::string controller;
         const WallClock& clock;
         LogSink& log;
         std::function<controller::MachineMode()> mode;
-        /// Runs its argument while the files of the event log and of RETAIN values stay as they
-        /// are.
+        /// Runs its argument while the files of the event log and of RETAIN values do not change.
         std::function<void(FunctionRef<void()>)> hold_files;
-        /// Within that: the RETAIN values are others.
+        /// Called within that when the RETAIN values were replaced.
         std::function<void()> values_replaced;
-        /// The server is to stop, and a restart is due (W588, 4-1-3 and 4-1-4). The client has
-        /// no answer yet.
+        /// Called when the server must stop and a restart is due (W588, 4-1-3 and 4-1-4). The
+        /// client has not been answered yet.
         std::function<void()> replaced;
     };
 
     explicit MachineBackup(Needs needs);
 
-    /// For AdministrationParts::file_transfers: for SecurityAdmin, the administrator of W588,
-    /// 8-1, who alone may change certificates and security settings.
+    /// Returns the transfer for AdministrationParts::file_transfers. It belongs to SecurityAdmin,
+    /// the administrator of W588, 8-1, because only that role may change certificates and security
+    /// settings.
     [[nodiscard]] administration::TemporaryFileTransfer transfer();
 
     [[nodiscard]] Result<std::vector<std::byte>>

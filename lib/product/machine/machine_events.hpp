@@ -7,14 +7,14 @@
 
 namespace busbar::product {
 
-/// Passes a machine's events on to the server that serves, of which there may be another later, and
-/// writes each into the program's log, with what to do. Any thread.
+/// Passes a machine's events to the present server, which may be replaced, and writes each to the
+/// program's log, with what to do. Thread-safe.
 class MachineEvents final : public controller::MachineEventListener {
 public:
-    /// `lines`, which is not the event log, must outlive it.
+    /// `lines`, which must not be the event log, must outlive this object.
     explicit MachineEvents(LogSink& lines) : lines_{lines} {}
 
-    /// From now on to `listener`, and to nobody else any more; null: to nobody.
+    /// Passes events to `listener` only, from now on; null for no listener.
     void tell(controller::MachineEventListener* listener)
     {
         const std::lock_guard lock{mutex_};
@@ -53,7 +53,7 @@ private:
     }
 
     LogSink& lines_;
-    std::mutex mutex_; // of the listener, which stays while it is told
+    std::mutex mutex_; // guards the listener, which stays while it is told
     controller::MachineEventListener* listener_{nullptr};
 };
 

@@ -12,7 +12,7 @@ bool is_of_events(std::string_view name)
     return name == folder || (name.starts_with(folder) && name[folder.size()] == '/');
 }
 
-/// As the event log's own Storage has it.
+/// Returns the name in the event log's own Storage.
 std::string_view event_name(std::string_view name)
 {
     return name.substr(std::min(name.size(), MachineFiles::event_folder.size() + 1));

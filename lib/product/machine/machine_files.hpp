@@ -8,14 +8,15 @@
 
 namespace busbar::product {
 
-/// What a machine keeps, as one Storage for its backups: the folder of certificates, in which also
-/// users, roles and settings lie, and in the folder "event-log" the event log, which lies elsewhere
-/// and is read only (W588, 8-2-1: saved, not restored). Threads and errors are those of both.
+/// The files of a machine as one Storage for its backups: the folder of certificates, which also
+/// contains users, roles and settings, and the event log in the folder "event-log", which is stored
+/// elsewhere and read only (W588, 8-2-1: saved, not restored). Thread safety and errors are those
+/// of both.
 class MachineFiles final : public Storage {
 public:
     static constexpr std::string_view event_folder = "event-log";
 
-    /// Both must outlive it; `events` has the event log at its root.
+    /// Both must outlive this object; `events` has the event log at its root.
     MachineFiles(Storage& files, Storage& events) : files_{files}, events_{events} {}
 
     [[nodiscard]] Stored<StorageEntry> entry(std::string_view name) override;

@@ -29,7 +29,7 @@ namespace {
 using controller::MemoryGroup;
 using controller::MemoryItem;
 
-/// The file as the list that it is for reads it at a start.
+/// Checks that the list can load the file at a start.
 template <typename Load>
 Configured<void> check_file(std::string_view name, std::span<const std::byte> bytes, Load load)
 {
@@ -44,7 +44,7 @@ Configured<void> check_file(std::string_view name, std::span<const std::byte> by
 using administration::SettingValues;
 using Bytes = controller::FilePart::Bytes;
 
-/// What a file of settings says; nothing if it has no bytes.
+/// Parses a file of settings; nothing if it has no bytes.
 Configured<SettingValues> values_in(const Settings& settings, std::span<const std::byte> bytes)
 {
     if (bytes.empty()) {
@@ -72,7 +72,7 @@ Bytes settings_bytes(const SettingValues& values)
     return {bytes.begin(), bytes.end()};
 }
 
-/// What a file names of the machine that it lies on.
+/// True for settings in which a file refers to its machine.
 bool is_of_machine(std::string_view name)
 {
     constexpr std::array<std::string_view, 4> names{"server.address", "server.host_names",
@@ -80,7 +80,8 @@ bool is_of_machine(std::string_view name)
     return std::ranges::find(names, name) != names.end();
 }
 
-/// What the file says of all settings; nothing where that fits no program which was sent.
+/// The file's values of all settings; nothing if the file is not valid with any program that was
+/// sent.
 SettingValues file_values(const Settings& settings)
 {
     try {
@@ -90,8 +91,7 @@ SettingValues file_values(const Settings& settings)
     }
 }
 
-/// What the file says that lies there now, which may not have been read yet; nothing where it
-/// cannot be used.
+/// The values in the present file, which may not have been read yet; nothing if it is not valid.
 SettingValues unread_values(const Settings& settings)
 {
     try {
@@ -101,7 +101,7 @@ SettingValues unread_values(const Settings& settings)
     }
 }
 
-/// All settings with these changes, but what only the file says of the machine.
+/// All settings with these changes, without those of the file that refer to its machine.
 SettingValues all_values(const Settings& settings, SettingValues changes)
 {
     SettingValues all;
@@ -113,15 +113,15 @@ SettingValues all_values(const Settings& settings, SettingValues changes)
         all = file_values(settings);
     }
     std::erase_if(all, [&](const auto& each) { return is_of_machine(each.first); });
-    changes.merge(all); // as they were spelled
+    changes.merge(all); // keep the spelling of the changes
     return changes;
 }
 
-/// What a restore is going to put in the place of the program, for the settings that come with it.
-/// Nothing: the program stays. No document: the file's.
+/// The program that a restore is about to install, for checking the settings that come with it.
+/// Without a value the program stays; a missing document means the program of the file.
 using NextProgram = std::shared_ptr<std::optional<std::optional<std::string>>>;
 
-/// The settings that are of the security profile, or those that are not.
+/// The settings of the security profile, or all others.
 controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
                                    const NextProgram& program)
 {
@@ -131,7 +131,7 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
     controller::FilePart part{.file = Settings::file_name};
     part.take = [&settings, is_other,
                  program](std::span<const std::byte> whole) -> Configured<Bytes> {
-        program->reset(); // what is taken of a backup comes before anything is put
+        program->reset(); // items of a backup are read before any is installed
         auto values = values_in(settings, whole).transform([&](SettingValues changes) {
             return all_values(settings, std::move(changes));
         });
@@ -155,7 +155,7 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
             const auto said = file.find(each.first);
             return said != file.end() && said->second == each.second;
         };
-        // The restart reads the file again: a value that it would change has to be kept.
+        // The restart reads the file again, so a value that it would change must be kept.
         std::erase_if(*values, [&](const auto& each) {
             return is_other(each) || (is_said_by(of_file, each) && is_said_by(unread, each));
         });
@@ -182,7 +182,7 @@ MemoryItem settings_item(const Settings& settings, std::string name, std::string
     return item;
 }
 
-/// The same for the same program, whoever sent it and when.
+/// Makes a document that is equal for equal programs, regardless of sender and time.
 std::string plain_document(std::string name, std::string text)
 {
     return document_of({.name = std::move(name), .user = {}, .time = {}, .text = std::move(text)});
@@ -207,7 +207,7 @@ Configured<std::string> plain_document(std::span<const std::byte> received)
         });
 }
 
-/// Of the file that the configuration names, as `sources` have it; empty if there is none.
+/// The document of the configured file, as `sources` have it; empty if there is none.
 std::string file_document(const Settings& settings, SourceFiles sources)
 {
     const std::string& file = settings.config().machine.program_file;
@@ -216,7 +216,7 @@ std::string file_document(const Settings& settings, SourceFiles sources)
     return text && is_program_name(name) ? plain_document(name, **text) : std::string{};
 }
 
-/// A program of the configuration's file is in backups as if it was received.
+/// In a backup, the program of the configured file looks like a received one.
 MemoryItem program_item(const Settings& settings, const NextProgram& next)
 {
     const std::string name{ReceivedProgram::file_name};
@@ -273,7 +273,7 @@ MemoryItem roles_item()
     return item;
 }
 
-/// Whatever lies in these folders: the stores pass over what is no certificate.
+/// Takes any file of these folders: the stores ignore those that are not certificates.
 MemoryItem certificates_item(std::string name, std::vector<std::string> folders)
 {
     return {.name = std::move(name),

@@ -15,14 +15,14 @@ namespace busbar::product {
 
 class StorageMedium;
 
-/// The medium of a machine's execution log: the folder that the configuration names, or where the
-/// runtime has its own, which may be away, full or protected as that says. Any thread.
+/// The medium of a machine's execution log: the configured folder or the runtime's own, which may
+/// be away, full or protected as the runtime says. Thread-safe.
 class MachineMedium final : public Storage {
 public:
-    /// `card` is the runtime's, which must outlive it; null: it has none.
+    /// `card` is the runtime's medium, which must outlive this object; null for none.
     MachineMedium(std::string configured, const StorageMedium* card);
 
-    /// Whether it lies where the configuration says.
+    /// True if the configured folder is used.
     [[nodiscard]] bool is_configured() const;
 
     [[nodiscard]] Stored<StorageEntry> entry(std::string_view name) override;
@@ -47,18 +47,18 @@ public:
     [[nodiscard]] std::string place(std::string_view name) const override;
 
 private:
-    /// What is done with it: full media are read, and files on them may be removed.
+    /// The kind of access: full media can be read, and files on them removed.
     enum class Use : std::uint8_t { Read, Change, Add };
 
     [[nodiscard]] std::optional<StorageError> refusal(Use use) const;
-    /// Where it lies now.
+    /// The present folder.
     [[nodiscard]] std::shared_ptr<storage::FolderStorage> folder() const;
     template <typename T>
     [[nodiscard]] Stored<T> used(Use use, FunctionRef<Stored<T>(Storage&)> act) const;
 
     std::string configured_;
     const StorageMedium* card_;
-    mutable std::mutex mutex_; // of the two below
+    mutable std::mutex mutex_; // guards the two below
     mutable std::string lies_in_;
     mutable std::shared_ptr<storage::FolderStorage> folder_;
 };

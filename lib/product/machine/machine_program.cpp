@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* machine_uri = "urn:busbar:machine";
 
-/// The nodes that MachineTypes and MachineNodes look for: with them the DeviceSet has a
+/// Adds the nodes that MachineTypes and MachineNodes look for: with them the DeviceSet has a
 /// configuration of PLCopen.
 void add_plcopen([[maybe_unused]] model::AddressSpace& space)
 {

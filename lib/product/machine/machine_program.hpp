@@ -22,29 +22,29 @@ namespace busbar::product {
 /// The name of a machine's folder.
 [[nodiscard]] const std::string& controller_name(const ControllerConfig& config);
 
-/// A machine's program as one server publishes it (W588, 6-2). Outlives that server, on whose
-/// thread it is.
+/// The program of a machine as one server publishes it (W588, 6-2). Outlives that server and is
+/// used on its thread.
 class MachineProgram {
 public:
-    /// `config` has a program and must outlive it. Throws ConfigError.
+    /// `config` must have a program and outlive this object. Throws ConfigError.
     explicit MachineProgram(const ControllerConfig& config);
 
-    /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
-    /// program's variables, which lie where `memory_of` says, as Runtime::memory_of does, and is
-    /// asked again by edit(). Throws ConfigError.
+    /// Adds the nodes' namespace to a server that is not served yet, and creates the PLC with the
+    /// program's variables. `memory_of` provides their memory, like Runtime::memory_of, and is
+    /// called again by edit(). Throws ConfigError.
     using MemoryOf = std::function<std::span<std::byte>(const controller::GlobalVariable&)>;
     [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server,
                                                             MemoryOf memory_of);
-    /// The nodes of W588, 6-2-1, after make_plc(), and what stands in the machine's log, which
-    /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
-    /// Throws ConfigError.
+    /// Adds the nodes of W588, 6-2-1, after make_plc(), and shows the errors in the machine's log,
+    /// which must outlive this object; `source` is the index of the PLC's image. Returns the
+    /// controller's folder. Throws ConfigError.
     model::NodeIndex publish(server::Server& server, std::uint32_t source,
                              const controller::MachineEventLog& log);
 
-    /// Adds what `edited` has and the program has not, and takes out what it has not any more
-    /// (W588, 3-3-2 and 4-2-5), after publish(); the task may run, and waits for nothing. The
-    /// problem is that it takes a download: nothing was changed, or nodes are missing which a
-    /// download brings. check_edit() must have found nothing against it.
+    /// Adds what is new in `edited` and removes what it no longer has (W588, 3-3-2 and 4-2-5); call
+    /// it after publish(). The task may run and never waits. Fails if a download is required:
+    /// nothing was changed, or nodes are missing that a download adds. check_edit() must have
+    /// succeeded.
     [[nodiscard]] Configured<controller::ProgramAddition>
     edit(controller::PublishedProgram::Edition edited, server::Server& server);
 
@@ -53,7 +53,7 @@ public:
     {
         return program_->editions();
     }
-    /// After publish(): what clients see as the mode.
+    /// Shows the mode to clients; call it after publish().
     void show_mode(server::Server& server, controller::MachineMode mode) const;
 
     [[nodiscard]] const controller::Publication& publication() const
@@ -61,9 +61,9 @@ public:
         return program_->publication();
     }
     [[nodiscard]] const controller::ProgramTypes& types() const { return program_->types(); }
-    /// From make_plc() on.
+    /// Valid after make_plc().
     [[nodiscard]] const controller::ProgramImage& image() const { return *image_; }
-    /// What clients see of the machine's events, from publish() on.
+    /// Shows the machine's events to clients, after publish().
     [[nodiscard]] controller::MachineEventListener& events() { return view_; }
 
 private:

@@ -40,7 +40,7 @@ void MachineRetained::keep(const controller::ProgramAddition& added)
     for (const controller::ProgramImageAddition& each : added.retained) {
         values_->add(*added.types, each);
     }
-    // Or a variable that was deleted and comes back would have the value from before after a kill.
+    // Otherwise a variable that was deleted and returns would get its old value after a crash.
     static_cast<void>(told(values_->save()));
 }
 
@@ -65,7 +65,7 @@ bool MachineRetained::save_when_due(TimePoint now)
     return told(values_->handle_deadline(now)).has_value();
 }
 
-/// Of a program that was replaced: its last scan was saved then.
+/// False for a program that was replaced: its last scan was saved then.
 bool MachineRetained::keeps(const server::ProcessImage& image, std::uint32_t handle) const
 {
     return values_ && values_->is_of(image) && values_->keeps(handle);

@@ -14,34 +14,34 @@
 
 namespace busbar::product {
 
-/// The values of RETAIN variables, of whichever program a machine has: they come over restarts,
-/// downloads and power cuts as the last scan had them that was saved, and with each later Write
-/// that a client was told of.
+/// Keeps the values of RETAIN variables of the machine's present program. They survive restarts,
+/// downloads and power cuts as of the last saved scan, with every later Write that was confirmed to
+/// a client.
 ///
-/// Any thread, but all that saves waits for the storage; programs come on the server's thread.
+/// Thread-safe; functions that save wait for the storage. Programs are set on the server's thread.
 class MachineRetained final : public server::ImageWriteLog {
 public:
-    /// Both must outlive it. `interval` is how often it is looked whether a value has changed.
+    /// Both must outlive this object. `interval` is the time between checks for changed values.
     MachineRetained(Storage& storage, LogSink& log, Duration interval)
         : storage_{storage}, log_{log}, interval_{interval}
     {
     }
 
-    /// `program`, whose task does not run, gets what is kept and is the one whose values are kept
-    /// from now on. It is used until another one comes, but not itself.
+    /// Gives `program`, whose task must not run, the saved values, and saves its values from now
+    /// on. Its image is used until the next program comes, but not `program` itself.
     void keep(const MachineProgram& program);
-    /// The program was edited online: keeps also what was added, drops what was deleted, and saves.
+    /// Adapts to an online edit: keeps added variables, too, drops deleted ones, and saves.
     void keep(const controller::ProgramAddition& added);
-    /// Saves and keeps nothing until the next keep() of a program.
+    /// Saves once more and then nothing until the next keep() of a program.
     void stop();
-    /// Success if there is nothing to save. Failures are told once.
+    /// Saves; success if there is nothing to save. Failures are reported once.
     [[nodiscard]] Stored<void> save();
-    /// The same when it is time to; whether all is well.
+    /// Does the same when it is due; true if everything is in order.
     [[nodiscard]] bool save_when_due(TimePoint now);
 
     [[nodiscard]] bool keeps(const server::ProcessImage& image,
                              std::uint32_t handle) const override;
-    /// Bad_ResourceUnavailable if they cannot be kept.
+    /// Bad_ResourceUnavailable if the writes cannot be kept.
     [[nodiscard]] StatusCode keep(const server::ProcessImage& image,
                                   std::span<const server::ImageWrite> writes) override;
 
@@ -51,9 +51,9 @@ private:
     Storage& storage_;
     LogSink& log_;
     Duration interval_;
-    std::mutex mutex_; // of the two below, of which only the server's thread changes the first
+    std::mutex mutex_; // guards the two below; only the server's thread changes the first
     std::optional<controller::RetainedValues> values_;
-    bool is_told_{false}; // that they cannot be saved
+    bool is_told_{false}; // whether a failure to save was reported
 };
 
 } // namespace busbar::product

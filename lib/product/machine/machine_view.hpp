@@ -5,11 +5,11 @@
 
 namespace busbar::product {
 
-/// What clients of one server see of a machine's event log: events when they happen, and the errors
-/// that stand. Told on any thread.
+/// Shows a machine's event log to the clients of one server: events when they happen, and the
+/// present errors. Thread-safe.
 class MachineView final : public controller::MachineEventListener {
 public:
-    /// On the server's thread, once; see MachineEventRaiser and MachineErrorNodes.
+    /// Connects it, once, on the server's thread; see MachineEventRaiser and MachineErrorNodes.
     [[nodiscard]] Result<void> attach(server::Server& server, const controller::MachineNodes& nodes,
                                       const controller::MachineEventLog& log)
     {

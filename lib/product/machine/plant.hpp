@@ -24,7 +24,8 @@ namespace busbar::product {
 /// that it is published in. On the server's thread, but for publish(), load() and raise().
 class Plant {
 public:
-    /// Asks the runtime where its variables lie. Throws ConfigError. Both must outlive it.
+    /// Asks the runtime for the memory of its variables. Throws ConfigError. Both must outlive this
+    /// object.
     Plant(const ControllerConfig& config, Runtime& runtime);
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
@@ -36,19 +37,19 @@ public:
                  std::function<void(HardwareEvent)> hardware);
     /// Has the runtime load the program, after publish(), on the same thread. Throws ConfigError.
     void load();
-    /// What the runtime made of it goes, while nothing scans; for a Plant that is destroyed on
-    /// another thread.
+    /// Drops the runtime's program while nothing scans, so that a Plant can be destroyed on another
+    /// thread.
     void unload() { loaded_.reset(); }
-    /// After publish(), and before the server is served: what clients write is kept by `log`, which
-    /// must outlive this, before they are answered.
+    /// Keeps what clients write in `log`, which must outlive this object, before they are answered.
+    /// Call it after publish() and before the server is served.
     void keep_writes(server::ImageWriteLog& log) { source_->keep_writes(&log); }
-    /// From publish() on, but not with a program of labels.
+    /// Valid after publish(), but not with a program of labels.
     [[nodiscard]] controller::Plc& plc() { return *plc_; }
     [[nodiscard]] const controller::Plc& plc() const { return *plc_; }
-    /// Null if there is none.
+    /// Null for none.
     [[nodiscard]] MachineProgram* program() { return program_ ? &*program_ : nullptr; }
     [[nodiscard]] const MachineProgram* program() const { return program_ ? &*program_ : nullptr; }
-    /// How many variables clients see.
+    /// Number of variables that clients see.
     [[nodiscard]] std::size_t visible_variables() const
     {
         if (program_) {
@@ -56,22 +57,21 @@ public:
         }
         return plc_ != nullptr ? plc_->variables().size() : 0;
     }
-    /// Tells of the events of a scan, by the thread that scans.
+    /// Raises the events of a scan, on the thread that scans.
     void raise(DateTime time) const { events_->raise(time); }
-    /// What the runtime has made of the program; from load() on, but not with a program of
-    /// labels.
+    /// The runtime's program; valid after load(), but not with a program of labels.
     [[nodiscard]] LoadedProgram& loaded() { return *loaded_; }
 
 private:
-    /// As it was asked for before publish(), or from the runtime in an online edit.
+    /// Returns memory that was requested before publish(), or asks the runtime in an online edit.
     [[nodiscard]] std::span<std::byte> memory_of(const controller::GlobalVariable& variable);
 
     const ControllerConfig& config_;
     Runtime& runtime_;
     bool plays_hardware_;
-    /// Of the runtime; null if it has none.
+    /// The runtime's medium; null if it has none.
     StorageMedium* medium_;
-    /// Where the runtime has the variables of the program that it begins with, in their order.
+    /// The runtime's memory of the variables of its first program, in their order.
     std::vector<std::span<std::byte>> memory_;
     std::shared_ptr<const controller::CheckedProgram> asked_;
     std::optional<MachineProgram> program_;

@@ -97,7 +97,7 @@ std::string text_of(const Variant& value)
     return time != nullptr ? to_string(*time) : "";
 }
 
-/// In parentheses where there are parts.
+/// Puts values with parts in parentheses.
 std::string text_of(const InitialValue& initial)
 {
     std::string all = initial.member.empty() ? "" : initial.member + " := ";
@@ -201,7 +201,7 @@ std::vector<ProgramDifference> differences(const controller::Program& file,
 Configured<void> check_edit(std::span<const controller::PublishedProgram::Edition> editions,
                             const controller::CheckedProgram& edited)
 {
-    // Tasks and instances are nothing that an online edit changes.
+    // An online edit cannot change tasks and instances.
     const controller::Program& before = editions.back()->program();
     return check_same("tasks", before.tasks, edited.program().tasks)
         .and_then(

@@ -14,34 +14,35 @@
 
 namespace busbar::product {
 
-/// What a program is changed against: what runs, as nothing else may be looked at in another thread
-/// than the server's.
+/// The base of a program's change: a copy of what runs, since only the server's thread may look at
+/// anything else.
 struct ProgramBase {
     /// See PublishedProgram.
     std::vector<controller::PublishedProgram::Edition> editions;
-    /// Of the configuration in force.
+    /// Taken from the configuration in force.
     PlcTrial trial;
 };
 
-/// Whether an online edit makes the last edition to this program (W588, 3-3-2). Any thread.
+/// Tells whether an online edit can change the last edition into this program (W588, 3-3-2).
+/// Thread-safe.
 [[nodiscard]] Configured<void>
 check_edit(std::span<const controller::PublishedProgram::Edition> editions,
            const controller::CheckedProgram& edited);
 
-/// A program as it was prepared in another thread.
+/// A program that was prepared on another thread.
 struct PreparedProgram {
     SourceFiles::Prepared files;
-    /// Which check_edit() was asked about, and what it said.
+    /// The edition that check_edit() was called for, and its result.
     controller::PublishedProgram::Edition edition;
     Configured<void> may_edit;
 };
 
-/// Reads and checks the program, and tries its PLC. The problem is that of read_program(); a PLC
-/// that is not possible is left for who knows what to call it. Any thread.
+/// Reads and checks the program, and tries its PLC. Fails like read_program(); an impossible PLC is
+/// reported by a caller that knows its name. Thread-safe.
 [[nodiscard]] Configured<PreparedProgram>
 prepare_program(const ProgramBase& base, std::string_view text, const std::string& name);
 
-/// One declaration of two programs, as each has it; empty: it has none of the name.
+/// One declaration in two programs; empty where a program lacks it.
 struct ProgramDifference {
     /// "variable Speed", "type Point", "task Main", "instance Main".
     std::string what;
@@ -49,7 +50,7 @@ struct ProgramDifference {
     std::string controller;
 };
 
-/// What differs between the program of a file and a controller's, but for comments and places.
+/// The differences between a file's program and a controller's, ignoring comments and places.
 [[nodiscard]] std::vector<ProgramDifference> differences(const controller::Program& file,
                                                          const controller::Program& controller);
 

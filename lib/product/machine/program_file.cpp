@@ -16,7 +16,7 @@ constexpr std::string_view xml_ending = ".xml";
 
 using ReadProgram = std::shared_ptr<const controller::CheckedProgram>;
 
-/// The program that lies at this place: as it was read before, or else read now.
+/// Returns the program at this place: the remembered one, or a new reading.
 ReadProgram program_of(SourceFiles& sources, const std::string& place, std::string_view text,
                        const std::string& name)
 {

@@ -11,31 +11,30 @@
 
 namespace busbar::product {
 
-/// A file with types and global variables: PLCopen XML by its name, else declarations of IEC
+/// A file with types and global variables: PLCopen XML by its name, otherwise declarations of IEC
 /// 61131-3.
 template <typename Program>
 struct ProgramFile {
-    /// As the file has it, to tell whether it is another one.
+    /// The file's text, for comparing.
     std::shared_ptr<const std::string> text;
     std::shared_ptr<const Program> program;
-    /// How messages call it.
+    /// The file's name in messages.
     std::string name;
 };
 
-/// Reads and checks a program whose file has this name; problems name the file, and line and column
-/// where these are known. Any thread.
+/// Reads and checks a program from a file of this name; problems have the file, and line and column
+/// if known. Thread-safe.
 [[nodiscard]] Configured<std::shared_ptr<const controller::CheckedProgram>>
 read_program(std::string_view text, const std::string& name);
-/// Reads the file of labels that the key names, whose types SimulatedLabels checks: it has some of
-/// its own. Throws ConfigError, with the file's name, line and column if it is about what is in
-/// there.
+/// Reads the file of labels that the key names; SimulatedLabels checks its types, because it adds
+/// some of its own. Throws ConfigError, with name, line and column for a problem in the file.
 [[nodiscard]] ProgramFile<controller::Program> read_labels_program(const TomlTable& table,
                                                                    const std::string& key);
-/// The same of a machine, with its types checked; a ReceivedProgram counts instead of the file.
+/// The same for a machine, with its types checked; a ReceivedProgram replaces the file.
 [[nodiscard]] ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& table,
                                                                            const std::string& key);
 
-/// Names the file in a problem of the program as a whole.
+/// Adds the file's name to a problem of the whole program.
 [[nodiscard]] Problem in_file(Problem problem, const std::string& file);
 
 } // namespace busbar::product

@@ -85,12 +85,12 @@ std::string verdict_report(const ProgramVerdict& verdict)
 struct ProgramService::Wish {
     enum class Task : std::uint8_t { Check, Compare, Edit, Download, Restore, Mode };
 
-    /// Returns true if a program comes with it.
+    /// Returns true if a program follows.
     [[nodiscard]] bool has_file() const { return task != Task::Restore && task != Task::Mode; }
 
     Task task;
     std::string_view verb;
-    /// Of a program, or a mode.
+    /// Name of a program, or of a mode.
     std::string_view name;
 };
 
@@ -265,7 +265,7 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
     });
 }
 
-/// By an online edit if that does.
+/// Restores the program by an online edit if that is possible.
 Configured<std::string> ProgramService::restore()
 {
     using Step = ProgramChange::Step;

@@ -18,44 +18,45 @@
 
 namespace busbar::product {
 
-/// The program that a machine runs, for who asks.
+/// The program that a machine runs, for reports.
 struct ProgramInForce {
-    /// As messages call it.
+    /// The program's name in messages.
     std::string name;
     std::shared_ptr<const std::string> text;
     std::shared_ptr<const controller::CheckedProgram> program;
-    /// What the configuration names.
+    /// The configured file.
     std::string file;
-    /// It was received, and counts instead of that file.
+    /// True if the program was received and replaces that file.
     bool is_received{false};
-    /// By whom and when, of a received one.
+    /// Sender and time of a received program.
     std::string user{};
     DateTime time{};
-    /// What lies in the file is another program, or cannot be read.
+    /// True if the file contains another program, or cannot be read.
     bool is_file_other{false};
     std::size_t published{0};
-    /// Why the last download was refused after it was sent; empty: it was not.
+    /// The reason for refusing the last download after it was sent; empty if it was not.
     std::string refusal{};
 };
 
-/// What is to become of a program.
+/// A change of a machine's program.
 struct ProgramChange {
     enum class Step : std::uint8_t { Check, Edit, Download };
 
     Step step{Step::Check};
-    /// Of a ReceivedProgram. Nothing: what was received is forgotten, and the file counts.
+    /// Document of a ReceivedProgram. Without one, the received program is removed and the file is
+    /// used.
     std::optional<std::string> document{};
-    /// What was made of its text, or of the file; nothing: it has to be read.
+    /// Prepared from that text, or from the file; if empty, the text must be read.
     std::optional<PreparedProgram> prepared{};
 };
 
-/// What a change comes to.
+/// The result of a change.
 struct ProgramVerdict {
-    /// It is the text that runs.
+    /// True if the text is the one that runs.
     bool is_same{false};
-    /// Why an online edit does not do; empty: it does.
+    /// Reason against an online edit; empty if it is possible.
     std::string against_edit{};
-    /// Why a download does not do at the time; empty: it does.
+    /// Reason against a download at present; empty if it is possible.
     std::string against_download{};
 };
 
@@ -63,8 +64,8 @@ struct ProgramVerdict {
 /// a TemporaryFileTransferType. Its generateOptions are null for GenerateFileForRead of the
 /// program's text, and else one of these texts:
 ///
-///     GenerateFileForRead   "report": what the session's last CloseAndCommit came to
-///                           "status": what runs, and where it is from
+///     GenerateFileForRead   "report": the result of the session's last CloseAndCommit
+///                           "status": the running program and its origin
 ///     GenerateFileForWrite  "check NAME"      a program follows, whose file has this name
 ///                           "compare NAME"    the same
 ///                           "edit NAME"       the same: becomes the program by an online edit
@@ -78,18 +79,19 @@ struct ProgramVerdict {
 /// {"same", "edit", "download"} for a check, the latter two with the reason against, or empty;
 /// {"differences": [{"what", "file", "controller"}]}; {"edited": true}; {"downloaded": true}: the
 /// program is kept and the server takes it up at once, which ends its sessions; {"mode": "RUN"}.
-/// What is refused only then, as by the PLC's runtime, is the "refusal" of the status, and the
-/// program from before goes on.
+/// A program that is refused only then, for example by the PLC's runtime, leaves a "refusal" in the
+/// status, and the previous program continues.
 ///
-/// Of two who send at once the second is refused. Programs are read, checked and compared on the
-/// worker; all else is done on the server's thread.
+/// If two clients send at once, the second is refused. Programs are parsed, checked and compared on
+/// the worker; everything else runs on the server's thread.
 class ProgramService final : public ReportingOwner {
 public:
-    /// All must outlive it.
+    /// All members must outlive this object.
     struct Needs {
         std::function<ProgramInForce()> program;
         std::function<ProgramBase()> base;
-        /// Carries a change out, or only looks at it; the problem is why nothing has changed.
+        /// Carries a change out, or only checks it; the problem is the reason why nothing has
+        /// changed.
         std::function<Configured<ProgramVerdict>(const ProgramChange& change)> change;
         std::function<controller::MachineMode()> mode;
         std::function<Configured<void>(controller::MachineMode mode)> set_mode;
@@ -99,8 +101,8 @@ public:
 
     explicit ProgramService(Needs needs);
 
-    /// For AdministrationParts::file_transfers: for those who may transfer a project, which are
-    /// administrator and designer (W588, 8-1).
+    /// Returns the transfer for AdministrationParts::file_transfers. It belongs to the roles that
+    /// may transfer a project, administrator and designer (W588, 8-1).
     [[nodiscard]] administration::TemporaryFileTransfer transfer();
 
     [[nodiscard]] Result<std::vector<std::byte>>

@@ -15,7 +15,7 @@ namespace {
 using Bytes = controller::FilePart::Bytes;
 
 constexpr std::size_t max_size = 2 * server::ImageLayout::max_bytes;
-/// In the place of values: there are none, and those of the program are forgotten.
+/// Replaces the values if there are none, so that those of the program are dropped.
 constexpr std::string_view none = "none\n";
 
 std::span<const std::byte> view_of(std::string_view text)
@@ -47,7 +47,7 @@ Configured<Bytes> values_in(Storage& state)
     return bytes ? *std::move(bytes) : Bytes{};
 }
 
-/// What was written since the file was saved is of the values before.
+/// Removes the journal first, because its writes refer to the old values.
 Configured<void> remove_values(Storage& state, bool with_file)
 {
     for (const char* end : {".journal-1", ".journal-2", ""}) {
@@ -92,7 +92,7 @@ Configured<void> take_up_values(Storage& files, Storage& state)
 {
     const auto bytes = read_file(files, restored_values_name, max_size);
     if (!bytes) {
-        // At a first start not even the folder is there.
+        // At a first start even the folder is missing.
         const bool has_none =
             bytes.error() == StorageError::NotFound || bytes.error() == StorageError::Away;
         return has_none ? Configured<void>{}

@@ -8,15 +8,15 @@
 
 namespace busbar::product {
 
-/// Values of RETAIN variables in backups. They lie in `state`, and a restore, which changes other
-/// files too and all or none, leaves them beside those: take_up_values() brings them to their
-/// place before the next program begins.
+/// Values of RETAIN variables in backups. They are stored in `state`. A restore, which changes
+/// several files together or not at all, leaves them beside the other files, and take_up_values()
+/// moves them to their place before the next program starts.
 inline constexpr std::string_view restored_values_name = "retained.restored";
 
-/// The item of a MachineMemory of the other files; `state` must outlive it.
+/// Returns the item for a MachineMemory of the other files; `state` must outlive it.
 [[nodiscard]] controller::MemoryItem values_item(Storage& state);
-/// Puts what a restore or a clearing has left in `files` in the place of what `state` has. Nothing
-/// to do is success; after a problem it is done by the next call.
+/// Replaces the values in `state` by those that a restore or a clearing left in `files`. Succeeds
+/// if there are none; after a problem the next call continues.
 [[nodiscard]] Configured<void> take_up_values(Storage& files, Storage& state);
 
 } // namespace busbar::product

@@ -37,7 +37,7 @@ controller::OperatingStatus operating_status(const StatusSources& sources)
     }
 }
 
-/// Each once; it is theirs that counts, not how many sessions they have.
+/// Lists each user once, however many sessions the user has.
 std::vector<std::string> user_names(server::Server& server)
 {
     std::set<std::string> names;
