@@ -24,7 +24,7 @@ using controller::ProjectPermission;
 
 constexpr const char* kept_source = "project";
 constexpr const char* operation_mode = "model mode";
-/// Which project counts whatever its labels are: its print_of().
+/// File with the print_of() of the project that was accepted despite its labels.
 constexpr const char* accepted_file = "labels.accepted";
 
 std::string print_of(const std::string& document)
@@ -46,7 +46,7 @@ void apply_users(const Project& project, UserConfig& users, const SettingValues&
 {
     for (const controller::ProjectUser& user : project.users) {
         if (has_account(users, user.name)) {
-            continue; // the configuration's own counts
+            continue; // the configuration's own name is used
         }
         Account account{.name = user.name, .password_hash = user.password_hash};
         if (user.permission != ProjectPermission::Client) {
@@ -87,7 +87,8 @@ void apply_security(const Project& project, ControllerConfig& config, const Sett
     }
 }
 
-/// The first one for data is where clients find the server: its address is in the end points.
+/// Sets the listeners. Clients find the server at the first one for data: its address is in the end
+/// points.
 void apply_listeners(const std::vector<controller::ProjectListener>& listeners,
                      ControllerConfig& config, const SettingValues& changes)
 {
@@ -151,7 +152,8 @@ void add_property(model::AddressSpace& space, model::NodeIndex object, const std
     expect(space.add_property(node, std::move(variable)), "Module/" + name);
 }
 
-/// SH-082679, 9.14. The third item, the server's status, is ServerStatus.State of the Server.
+/// Adds the Object "Module" of SH-082679, 9.14. Its third item, the server's status, is
+/// ServerStatus.State of the Server.
 model::NodeIndex add_module(model::AddressSpace& space, const std::string& version)
 {
     model::NewNode node;
@@ -220,7 +222,7 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     if (!served_) {
         return published;
     }
-    static_cast<void>(document()); // which takes time, too
+    static_cast<void>(document()); // do it here, because it takes time, too
     const Project& project = *served_;
     controller::ModelReports reports;
     const controller::ModelSet models = expect(controller::load_models(project, &reports));

@@ -17,36 +17,36 @@
 
 namespace busbar::product {
 
-/// What a server has of a project.
+/// The published parts of a project.
 struct PublishedProject {
-    /// By the server's NodeIds.
+    /// Indexed by the server's NodeIds.
     controller::Mapping mapping;
     /// The Object "Module".
     model::NodeIndex module;
 };
 
-/// The project of a server in model mode, which lies in a folder of its own (SH-082679, 9.3), and
-/// what is made of it. On the server's thread.
+/// The project of a server in model mode, in a folder of its own (SH-082679, 9.3), and the objects
+/// made from it. Used on the server's thread.
 class KeptProject {
 public:
-    /// Reads the project; there may be none yet. One that cannot be read any more is told by
-    /// publish(), and another one can be written. `folder` is made when it is needed. `other` is
-    /// the file of a project that is served instead of one that cannot be read, or instead of any
-    /// if `takes_other`; empty: there is none. `running` is served from this folder, or null: what
-    /// it has is not read again.
+    /// Reads the project, which need not exist yet. If it cannot be read, publish() reports that,
+    /// and another one can be written. `folder` is created when it is needed. `other` is the file
+    /// of a project that replaces one that cannot be read, or any if `takes_other`; empty for none.
+    /// `running` is the project that is served from this folder, or null; its parts are not read
+    /// again.
     explicit KeptProject(const std::string& folder, const std::string& other = {},
                          bool takes_other = false, const KeptProject* running = nullptr);
 
-    /// Has the configuration say what the project says: its first listener for data, host name,
-    /// users, security, certificate subject and discovery server; but for what `changes`, made
-    /// online, have said.
+    /// Applies the project to the configuration: its first listener for data, host name, users,
+    /// security, certificate subject and discovery server, except for settings in `changes`, which
+    /// were made online.
     void apply(ControllerConfig& config, const administration::SettingValues& changes) const;
     /// Adds the models' nodes to the server, and the Object "Module" with OperationMode and Version
-    /// (SH-082679, 9.14); logs what there is to say. Throws ConfigError. Any thread.
+    /// (SH-082679, 9.14); logs notices. Throws ConfigError. Thread-safe.
     [[nodiscard]] PublishedProject publish(server::Server& server, const std::string& version,
                                            LogSink& log) const;
-    /// The one that is served; null if there is none yet. Another one that is written meanwhile
-    /// waits for the next KeptProject.
+    /// The project that is served; null if there is none yet. A project that is written in the
+    /// meantime waits for the next KeptProject.
     [[nodiscard]] const controller::Project* project() const { return served_.get(); }
     /// Its file; empty if there is none.
     [[nodiscard]] const std::string& document() const;
@@ -64,16 +64,16 @@ public:
         const server::Server& server;
         std::string version;
         LogSink& log;
-        /// Of the PLC.
+        /// Labels of the PLC.
         std::shared_ptr<const backend::LabelBackend> labels;
         bool isolates_failures;
         std::function<Configured<void>()> restart;
     };
-    /// For AdministrationParts::file_transfers; once.
+    /// Returns the transfer for AdministrationParts::file_transfers; call it once.
     [[nodiscard]] administration::TemporaryFileTransfer transfer(TransferNeeds needs);
 
 private:
-    /// Keeps that the project of the store counts whatever its labels are.
+    /// Stores that the project of the store is accepted despite its labels.
     [[nodiscard]] Configured<void> accept_labels();
 
     mutable storage::FolderStorage files_;

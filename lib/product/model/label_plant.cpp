@@ -28,7 +28,7 @@ LabelPlant::LabelPlant(const ControllerConfig& config, const WallClock& clock)
 std::unique_ptr<controller::Plc> LabelPlant::make_plc(const ControllerConfig& config) const
 {
     const auto program = labels_->program();
-    // What moves in the configuration without labels is another PLC.
+    // A program of [plc] without labels belongs to another PLC.
     return expect(controller::Plc::create(
         config.labels.program != nullptr ? config.plc : controller::PlcConfig{}, program->types(),
         program->image()));

@@ -19,7 +19,7 @@ using controller::MappedErrorCode;
 using controller::SamplingMode;
 
 constexpr const char* label_source = "labels";
-/// Lines about errors of one period.
+/// Maximum number of lines about errors in one period.
 constexpr std::size_t most_errors = 20;
 
 std::string four_digits(MappedErrorCode code)

@@ -15,12 +15,12 @@
 
 namespace busbar::product {
 
-/// Writes what happens to labels to the log: the events and error codes of SH-082679, 8.3. Of many
-/// errors the first ones of each minute, and how many more there were: an error that goes on is
-/// told again and again, and fills no log.
+/// Logs the events and error codes of labels (SH-082679, 8.3). Logs the first errors of each minute
+/// and the number of the others, because a lasting error is reported again and again and must not
+/// fill the log.
 class LabelLog final : public controller::MappedObserver {
 public:
-    /// Both must outlive it.
+    /// Both must outlive this object.
     LabelLog(LogSink& log, const WallClock& clock) : log_{log}, clock_{clock} {}
 
     void label_update(controller::LabelUpdate event) override;
@@ -31,21 +31,21 @@ private:
 
     LogSink& log_;
     const WallClock& clock_;
-    /// A period of a minute, or from an update of labels on.
+    /// Beginning of the current period, which is a minute, or starts with an update of labels.
     DateTime begin_{};
-    /// The lines of it, each once.
+    /// Lines of the period, each once.
     std::set<std::string> told_{};
-    /// Errors of it without a line of their own.
+    /// Number of errors in the period without a line of their own.
     std::size_t untold_{0};
 };
 
-/// What a project has mapped to labels, served by one server, which may end before it or after it.
-/// On the server's thread.
+/// The Variables and Methods that a project maps to labels, served by one server, which may end
+/// before or after this object. Used on the server's thread.
 class MappedModel {
 public:
     struct Needs {
         server::Server& server;
-        /// By the server's NodeIds.
+        /// Indexed by the server's NodeIds.
         const controller::Mapping& mapping;
         const controller::Project& project;
         std::shared_ptr<backend::LabelBackend> labels;
@@ -55,16 +55,16 @@ public:
         std::chrono::milliseconds call_limit;
         const WallClock& clock;
         LogSink& log;
-        /// Where the values of the module's buffer memory are shown.
+        /// Object that shows the module's buffer memory.
         model::NodeIndex module;
     };
     /// Binds the nodes; they answer Bad_NoCommunication until start(). Clock and log must outlive
     /// the server. Throws ConfigError.
     explicit MappedModel(const Needs& needs);
 
-    /// The labels have no other listener from here on.
+    /// Becomes the only listener of the labels.
     void start() { source_.start(); }
-    /// How many are mapped.
+    /// Number of mapped Variables.
     [[nodiscard]] std::size_t variables() const { return variables_; }
     void stop() { source_.stop(); }
 

@@ -10,9 +10,9 @@
 
 namespace busbar::product {
 
-/// Adds the nodes of NodeSet2 files, given in any order, and logs what is odd in them;
-/// Server.Namespaces has their versions. Throws a ConfigError that has a line for each mistake;
-/// nothing was added then.
+/// Adds the nodes of NodeSet2 files, given in any order, and logs oddities in them;
+/// Server.Namespaces has their versions. Throws a ConfigError with a line for each mistake; nothing
+/// was added then.
 void load_models(server::Server& server, const std::vector<std::string>& files,
                  SourceFiles& sources, LogSink& log);
 

@@ -10,20 +10,20 @@
 
 namespace busbar::product {
 
-/// The labels of a project that the PLC which runs has not, or has of another type than their nodes
-/// (SH-082679, 8.2 and 8.3). None where the PLC has to be asked for its labels: the server does
-/// that once the project counts. A problem is one of the project's models. Takes time in proportion
-/// to the project; any thread.
+/// Lists the labels of a project that the running PLC does not have, or has with another type than
+/// their nodes (SH-082679, 8.2 and 8.3). Empty if the PLC must be asked for its labels, which the
+/// server does later. Fails if the project's models are not valid. Takes time in proportion to the
+/// project; thread-safe.
 [[nodiscard]] Configured<std::vector<controller::LabelDifference>>
 label_differences(const controller::Project& project, const backend::LabelBackend& plc);
 
-/// The problem names the labels that cannot be used, up to a dozen, with node, expected and found
-/// type. Those whose values are converted where they are in range can.
+/// Fails with a list of the labels that cannot be used, up to a dozen, with node, expected and
+/// found type. Labels whose values are converted within their range can be used.
 [[nodiscard]] Configured<void>
 check_usable(const std::vector<controller::LabelDifference>& differences);
 
-/// {"labels": [{"node", "part", "label", "expected", "found", "use"}], "labelCount"}: the first 100
-/// of so many; "use" is "converted" or "refused".
+/// Writes {"labels": [{"node", "part", "label", "expected", "found", "use"}], "labelCount"} with
+/// the first 100 labels; "use" is "converted" or "refused".
 [[nodiscard]] std::string
 labels_report(const std::vector<controller::LabelDifference>& differences);
 

@@ -18,7 +18,7 @@ using administration::TransferRequest;
 namespace {
 
 constexpr const char* project_source = "project";
-/// The whole project is in memory until its transfer is over.
+/// The whole project stays in memory until its transfer ends.
 constexpr std::size_t max_project_size = 128U << 20U;
 
 constexpr const char* despite_labels = "update despite labels";
@@ -60,7 +60,7 @@ bool is_update(std::string_view wish)
     return wish == "update" || wish == despite_labels;
 }
 
-/// The report of a verification.
+/// Writes the report of a verification.
 Configured<std::string> compare(std::span<const std::byte> bytes, const controller::Project& server)
 {
     const auto file = controller::read_project(
@@ -89,8 +89,8 @@ ProjectService::ProjectService(Needs needs)
 
 administration::TemporaryFileTransfer ProjectService::transfer()
 {
-    // A project has users, their hashes and who may come without security: none but who may change
-    // these may read or write it.
+    // A project contains users, their hashes and rules for access without security, so only
+    // administrators who may change these may read or write it.
     const std::vector<NodeId> administrators{NodeId{0, id::WellKnownRole_SecurityAdmin}};
     return {.name = "Project",
             .owner = this,
@@ -126,7 +126,7 @@ std::string ProjectService::project_state() const
            needs_.damage;
 }
 
-/// The file of the project in the store, or of the one that is served instead of it.
+/// Returns the file of the project in the store, or of the one that replaces it.
 Configured<std::string> ProjectService::document() const
 {
     const bool is_damaged = needs_.store.current() == nullptr && needs_.served != nullptr;
@@ -174,7 +174,7 @@ std::function<void()> ProjectService::preparation(const TransferRequest& request
 
 StatusCode ProjectService::take(const TransferRequest& request, std::span<const std::byte> bytes)
 {
-    // Things may have changed since the client began.
+    // The state may have changed since the client began.
     if (const StatusCode may = may_take(request); may.is_bad()) {
         return may;
     }
@@ -201,7 +201,7 @@ Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
     return std::string{R"({"written":true})"};
 }
 
-/// For the worker.
+/// Runs on the worker.
 Configured<std::vector<controller::LabelDifference>> ProjectService::compare_labels() const
 {
     if (needs_.labels == nullptr) {
@@ -210,7 +210,7 @@ Configured<std::vector<controller::LabelDifference>> ProjectService::compare_lab
     return label_differences(*needs_.store.current(), *needs_.labels);
 }
 
-/// Whether the project may count with its labels as they are.
+/// Decides whether the project may be used with its labels as they are.
 Configured<void> ProjectService::take_labels(bool despite_labels)
 {
     const auto labels = std::exchange(labels_, {});

@@ -21,7 +21,7 @@ namespace busbar::product {
 /// Objects, a TemporaryFileTransferType. Its generateOptions are null for GenerateFileForRead of
 /// the project file, and else one of these texts:
 ///
-///     GenerateFileForRead   "report": what the session's last CloseAndCommit came to
+///     GenerateFileForRead   "report": the result of the session's last CloseAndCommit
 ///                           "status": operation mode, server status and version
 ///     GenerateFileForWrite  "write"    a project file follows
 ///                           "verify"   a project file follows
@@ -37,42 +37,44 @@ namespace busbar::product {
 /// verification; and see labels_report(). A status is JSON, too: {"operationMode", "serverStatus",
 /// "version", "project"}.
 ///
-/// Of two tools that write at once the second is refused. Stop and restart are
-/// RequestServerStateChange of the Server. On the server's thread, but for the check of a project
-/// and the comparison with another one, during which others are served.
+/// If two tools write at once, the second is refused. Stop and restart are RequestServerStateChange
+/// of the Server. Used on the server's thread; checking and comparing projects runs on the worker,
+/// so that other clients are served in the meantime.
 class ProjectService final : public ReportingOwner {
 public:
-    /// What of the status is the program's to know.
+    /// The parts of the status that only the program knows.
     struct ModuleStatus {
         std::string operation_mode; // "model mode"
         std::string server_status;  // "Running"
         std::string version;
     };
-    /// All must outlive it.
+    /// All members must outlive this object.
     struct Needs {
         controller::ProjectStore& store;
         LogSink& log;
         std::function<ModuleStatus()> status;
-        /// Has the server take up the project that is in the store, which another ProjectService
-        /// then serves. The client has no answer yet; a problem says why it would not work.
+        /// Makes the server use the project in the store, which another ProjectService then serves.
+        /// The client has not been answered yet; a problem tells why it would not work.
         std::function<Configured<void>()> update;
-        /// The project that the server runs is another one than is in the store.
+        /// True if the store has another project than the one that runs.
         bool is_update_due{false};
-        /// Why the project of the store cannot be read; empty: it can, or there is none.
+        /// The reason if the project of the store cannot be read; empty if it can, or there is
+        /// none.
         std::string damage{};
-        /// What the server runs then; null: none.
+        /// The project that runs instead; null for none.
         const controller::Project* served{nullptr};
-        /// Of the PLC; null: nothing is compared.
+        /// Labels of the PLC; if null, nothing is compared.
         std::shared_ptr<const backend::LabelBackend> labels{};
-        /// A label that cannot be used costs its nodes only.
+        /// True if a label that cannot be used affects only its nodes.
         bool isolates_failures{false};
-        /// The project of the store counts whatever its labels are.
+        /// Accepts the project of the store despite its labels.
         std::function<Configured<void>()> accept_labels{};
     };
 
     explicit ProjectService(Needs needs);
 
-    /// For AdministrationParts::file_transfers: for SecurityAdmin.
+    /// Returns the transfer for AdministrationParts::file_transfers, which belongs to
+    /// SecurityAdmin.
     [[nodiscard]] administration::TemporaryFileTransfer transfer();
 
     [[nodiscard]] Result<std::vector<std::byte>>
@@ -87,7 +89,7 @@ private:
     [[nodiscard]] Configured<std::string> document() const;
     [[nodiscard]] std::string status_text() const;
     [[nodiscard]] std::string project_state() const;
-    /// What was staged becomes the project of the store.
+    /// Moves the staged project into the store.
     [[nodiscard]] Configured<std::string> write(std::span<const std::byte> bytes);
     [[nodiscard]] Configured<std::string> update(std::span<const std::byte> bytes,
                                                  bool despite_labels);

@@ -43,8 +43,8 @@ std::string with_unit(const std::string& text, std::string_view unit)
     return unit.empty() ? text : text + " " + std::string{unit};
 }
 
-/// " by chief at 2026-11-21T06:00:00Z". Changes of which that was not kept are as old as the file,
-/// at least.
+/// Writes " by chief at 2026-11-21T06:00:00Z". Changes without an author are at least as old as the
+/// file.
 std::string author_text(const Provenance& provenance, const std::string& name)
 {
     const auto author = provenance.authors().find(name);
@@ -87,7 +87,7 @@ std::string origin_text(const Saying& saying, const Provenance& provenance, cons
     return "built-in";
 }
 
-/// A key that is no setting: the file says it, and nobody else.
+/// A key that is not a setting, so that only the file sets it.
 struct FileKey {
     std::string_view name;
     std::string (*value)(const ControllerConfig& config);
@@ -167,7 +167,7 @@ std::string rule_of(std::string_view key)
     return {};
 }
 
-/// "  from       file controller.toml:12".
+/// Writes a line such as "  from       file controller.toml:12".
 std::string line(std::string_view what, const std::string& text)
 {
     constexpr std::size_t width = 12;
@@ -210,7 +210,7 @@ std::string explain_setting(const Provenance& provenance, const Setting& setting
     return text + line("a change", when_text(setting.name)) + line("rule", rule_of(setting.name));
 }
 
-/// `range` is as range_lines() has it.
+/// `range` is the result of range_lines().
 std::string explain_file_key(const Provenance& provenance, std::string_view name,
                              const std::string& value, const std::string& range = {})
 {
@@ -221,7 +221,7 @@ std::string explain_file_key(const Provenance& provenance, std::string_view name
            line("rule", rule_of(name));
 }
 
-/// Name and text of every key, by name.
+/// Explains every key, sorted by name.
 std::vector<std::pair<std::string, std::string>> explanations(const Provenance& provenance)
 {
     std::vector<std::pair<std::string, std::string>> all;
@@ -246,7 +246,7 @@ std::vector<std::pair<std::string, std::string>> explanations(const Provenance& 
     return all;
 }
 
-/// "limits.sessions = 7  (file controller.toml:12)".
+/// Writes a summary such as "limits.sessions = 7  (file controller.toml:12)".
 std::string summary_of(const std::string& explanation)
 {
     const std::size_t end = explanation.find('\n');

@@ -7,14 +7,14 @@
 
 namespace busbar::product {
 
-/// What --explain prints of a key of the configuration: its value in force, what says so and what
-/// would count without that, the range, and when a change counts. Of "all" a line for each key.
-/// Empty for a key that there is not.
+/// The text of --explain for a key of the configuration: its value in force, where it comes from
+/// and what it would be otherwise, the range, and when a change takes effect. For "all" a line for
+/// each key. Empty for an unknown key.
 [[nodiscard]] std::string explain(const Provenance& provenance, const std::string& key);
-/// The keys that may have been meant: those that have the word in them, else the most alike.
+/// Suggests keys: those that contain the word, otherwise the most similar ones.
 [[nodiscard]] std::vector<std::string> keys_like(const Provenance& provenance,
                                                  const std::string& word);
-/// Prints that of what `configuration` says; 0, or 2 for a key that there is not.
+/// Prints the explanation for `configuration`; returns 0, or 2 for an unknown key.
 [[nodiscard]] int print_explanation(const Configuration& configuration, const std::string& key);
 
 } // namespace busbar::product

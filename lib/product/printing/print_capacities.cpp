@@ -13,7 +13,7 @@ namespace busbar::product {
 
 namespace {
 
-/// "65,535".
+/// Writes a number as "65,535".
 std::string with_commas(std::uint64_t number)
 {
     std::string text = std::to_string(number);

@@ -6,11 +6,11 @@
 
 namespace busbar::product {
 
-/// What --print-capacities prints: how much a controller of this configuration can do at most, as a
-/// table in Markdown. lib/CONFORMANCE.md has the one of the built-in configuration, which is what
-/// Part 7 calls the documentation of core capacities.
+/// The text of --print-capacities: the maximum capacities of a controller with this configuration,
+/// as a Markdown table. lib/CONFORMANCE.md has the table of the built-in configuration; Part 7
+/// calls it the documentation of core capacities.
 [[nodiscard]] std::string describe_capacities(const ControllerConfig& config);
-/// Prints that of a file, of the built-in configuration without one; 0, as a program's end.
+/// Prints it for a file, or for the built-in configuration; returns 0 as exit code.
 int print_capacities(const std::string& file);
 
 } // namespace busbar::product

@@ -28,7 +28,7 @@ struct FixedClock final : WallClock {
     DateTime time;
 };
 
-/// Of a server that nobody drives.
+/// A Waker for a server that is never run.
 struct SilentWaker final : Waker {
     void wake() override {}
 };
@@ -44,7 +44,7 @@ channel::ApplicationIdentity passing_identity(const ControllerConfig& config, Da
     return {{std::move(certificate)}, std::move(key)};
 }
 
-/// Nodes as `serve` has them, but for events and Methods.
+/// Adds the same nodes as `serve`, except events and Methods.
 void add_nodes(server::Server& server, const ControllerConfig& config, controller::Plc& plc,
                server::ImageSource& source, LogSink& log)
 {
@@ -109,8 +109,8 @@ server::ProgramConformance program_of(const ControllerConfig& config, bool has_t
     server::ProgramConformance program;
     program.has_registration = !config.discovery.url.empty();
     program.has_reverse_connect = !config.reverse_urls.empty();
-    // Its file has the port and the discovery server.
-    // --print-capacities is the document.
+    // The configuration file has the port and the discovery server; --print-capacities is the
+    // document.
     program.conformance_units = {"Discovery Configuration", "Protocol Configuration",
                                  "Documentation - Core Capacities"};
     if (has_time_sync) {
@@ -135,7 +135,7 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
     if (config.server.application_uri.empty()) {
         config.server.application_uri = "urn:busbar:controller";
     }
-    if (config.users.has_setup) { // the user of the setup, and whom that adds
+    if (config.users.has_setup) { // the user "setup", and users added by it
         for (server::EndpointConfig& endpoint : config.server.endpoints) {
             endpoint.allows_user_name = true;
         }
@@ -206,7 +206,7 @@ std::string conformance_json(const server::Conformance& conformance)
 int print_conformance(const std::string& file, bool as_json, DateTime now, bool has_time_sync)
 {
     ControllerConfig config = read_config_or_default(file);
-    if (file.empty()) { // its first start makes an account
+    if (file.empty()) { // the first start creates an account
         config.users.accounts.emplace_back();
         offer_users(config);
     }

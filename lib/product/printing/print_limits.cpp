@@ -57,7 +57,8 @@ std::vector<Line> lines_of(const server::WorstCaseMemory& all)
     return lines;
 }
 
-/// The image of the machine's program; without one an empty one, as the PLC's has no structures.
+/// The image of the machine's program; an empty one without a program, since the PLC's has no
+/// structures.
 std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& config)
 {
     if (!config.machine.program) {
@@ -70,7 +71,7 @@ std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& con
         .image();
 }
 
-/// Numbers to the right, texts to the left, nothing behind the last.
+/// Aligns numbers to the right and texts to the left, without trailing blanks.
 std::string in_columns(const std::vector<Line>& lines)
 {
     std::array<std::size_t, 5> widths{};
@@ -103,7 +104,7 @@ std::string describe_limits(const ControllerConfig& config)
 int print_limits(const std::string& file)
 {
     ControllerConfig config = read_config_or_default(file);
-    if (file.empty()) { // its first start makes an account
+    if (file.empty()) { // the first start creates an account
         config.users.accounts.emplace_back();
     }
     std::fputs(describe_limits(config).c_str(), stdout);

@@ -15,7 +15,7 @@
 
 namespace busbar::product {
 
-/// What prints something of a configuration and ends.
+/// The options that print a part of the configuration and end the program.
 struct Prints {
     void add_to(CLI::App& app)
     {
@@ -42,8 +42,8 @@ struct Prints {
                 ->type_name("[KEY]");
         app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     }
-    /// The program's end; nothing if none of them is wanted. `configuration` is what the rest of
-    /// the command line says.
+    /// Runs the chosen option and returns the exit code; nothing if none is chosen. `configuration`
+    /// comes from the rest of the command line.
     [[nodiscard]] std::optional<int> run(const Configuration& configuration) const
     {
         const std::string& file = configuration.file;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t max_name = 255;
 
-/// Takes a line out of `rest`, without its end; nothing if there is none.
+/// Takes a line, without its end, off the front of `rest`; nothing if there is none.
 std::optional<std::string_view> take_line(std::string_view& rest)
 {
     const std::size_t end = rest.find('\n');
@@ -27,7 +27,7 @@ std::optional<std::string_view> take_line(std::string_view& rest)
     return line;
 }
 
-/// A user's name is any text.
+/// Replaces line breaks: a user's name may be any text.
 std::string in_one_line(std::string text)
 {
     for (char& each : text) {

@@ -12,32 +12,33 @@
 
 namespace busbar::product {
 
-/// A program that was sent to the controller over OPC UA. It counts instead of the file that the
-/// configuration names, at each start too, until another one is sent or it is taken back.
+/// A program that was sent to the controller over OPC UA. It replaces the configured file, also at
+/// later starts, until another one is sent or it is removed.
 ///
-/// Its document is a checksum, the name, the user and the time, a line each, and the text.
+/// Its document consists of a checksum, the name, the user and the time, a line each, and the text.
 struct ReceivedProgram {
-    /// In the folder of certificates.
+    /// File in the folder of certificates.
     static constexpr std::string_view file_name = "program.received";
     static constexpr std::size_t max_text = controller::DeclarationLimits{}.max_text_size;
-    /// Of a document, with what stands before the text.
+    /// Maximum size of a document, including the lines before the text.
     static constexpr std::size_t max_size = max_text + 4'096;
 
-    /// That of the sender's file: a name without a folder, by whose end it is PLCopen XML or not.
+    /// Name of the sender's file without a folder; its ending tells whether it is PLCopen XML.
     std::string name;
     std::string user;
     DateTime time;
     std::string text;
 };
 
-/// Whether a program can be called this: at most 255 bytes, no path, no control characters.
+/// Tells whether a program can have this name: at most 255 bytes, not a path, no control
+/// characters.
 [[nodiscard]] bool is_program_name(std::string_view name);
 [[nodiscard]] std::string document_of(const ReceivedProgram& program);
-/// `place` is for the problem: where the document lies.
+/// Parses a document; `place` is its place for a problem.
 [[nodiscard]] Configured<ReceivedProgram> read_received(std::string_view document,
                                                         const std::string& place);
-/// Puts this document, or none, where the one before is: whole or not at all, also in a power cut.
-/// The problem is one of the Storage.
+/// Replaces the stored document, or removes it, as a whole even in a power cut. Fails with a
+/// problem of the Storage.
 [[nodiscard]] Configured<void> keep_received(Storage& storage,
                                              const std::optional<std::string>& document);
 

@@ -15,65 +15,66 @@ namespace busbar::product {
 
 struct PlcTrial;
 
-/// The text files that a configuration is made of: its own file, and the programs and information
-/// models that it names. Each is read once and remembered, so that all that is made of them later
-/// is made of the same texts, whatever lies on the disk by then. A copy remembers the same.
+/// The text files of a configuration: its own file, and the programs and information models that it
+/// names. Reads each once and remembers it, so that everything is made from the same texts, even if
+/// the files change. A copy remembers the same.
 class SourceFiles {
 public:
     using Text = std::shared_ptr<const std::string>;
     using Program = std::shared_ptr<const controller::CheckedProgram>;
     using Labels = std::shared_ptr<const controller::Program>;
-    /// By their paths, as the configuration has them.
+    /// Texts by path as in the configuration.
     using Texts = std::map<std::string, Text, std::less<>>;
 
     /// Remembers nothing yet.
     SourceFiles() = default;
-    /// Remembers these, as if it had read them.
+    /// Remembers these texts as if they had been read.
     explicit SourceFiles(Texts texts) : texts_{std::move(texts)}, has_all_{!texts_.empty()} {}
 
-    /// What the file has. Bad_NotFound if it cannot be read, Bad_ConfigurationError for a
+    /// Returns a file's text. Bad_NotFound if it cannot be read, Bad_ConfigurationError for a
     /// directory, Bad_EncodingLimitsExceeded if it has more than `most` bytes.
     [[nodiscard]] Configured<Text> text(const std::string& path, std::size_t most);
-    /// A ReceivedProgram lies there, or none.
+    /// Sets the place of the ReceivedProgram, if there is one.
     void receive_at(std::string place) { received_place_ = std::move(place); }
     [[nodiscard]] const std::string& received_place() const { return received_place_; }
-    /// The document of the ReceivedProgram; nothing if there is none, or none among texts that it
-    /// was made with. Problems as of text().
+    /// Returns the document of the ReceivedProgram; nothing if there is none, or the initial texts
+    /// had none. Fails like text().
     [[nodiscard]] Configured<std::optional<Text>> received();
-    /// What was made of a program's file elsewhere. All may be null.
+    /// Results from preparing a program's file elsewhere. All may be null.
     struct Prepared {
         Text text{};
         Program program{};
         std::shared_ptr<const PlcTrial> tried{};
     };
-    /// These, but with this document of a ReceivedProgram, for which `prepared` needs no text; or
-    /// with none, and with what was prepared of `file`, or whatever lies there by then.
+    /// Returns these files with this document of a ReceivedProgram, for which `prepared` needs no
+    /// text; or without one and with what was prepared from `file`, or with the file's present
+    /// text.
     [[nodiscard]] SourceFiles with_program(const std::optional<std::string>& document,
                                            const std::string& file, Prepared prepared) const;
-    /// Remembers no texts, so that all are read again, but what was made of those that turn out to
-    /// be the same.
+    /// Returns a copy without texts, so that all are read again; results are reused for texts that
+    /// are still the same.
     [[nodiscard]] SourceFiles again() const;
-    /// What was read so far.
+    /// The texts read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }
 
-    /// The program that a file's text was read as, so that it need not be read again; null if it
-    /// was not yet. For read_program_file.
+    /// The program parsed from a file's text, so that it need not be parsed again; null if it was
+    /// not parsed yet. For read_program_file.
     [[nodiscard]] Program& program(const std::string& path) { return programs_[path]; }
-    /// The same of a file of labels, whose types are not only those that a program declares.
+    /// The same for a file of labels, which has additional types.
     [[nodiscard]] Labels& labels(const std::string& path) { return labels_[path]; }
-    /// The PLC that was found possible last; null if there was none.
+    /// The last PLC that was found possible; null for none.
     [[nodiscard]] std::shared_ptr<const PlcTrial>& tried() { return tried_; }
 
 private:
     using Programs = std::map<std::string, Program, std::less<>>;
 
     Texts texts_;
-    /// See again().
+    /// Texts of the object that again() was called for.
     Texts texts_before_;
-    /// It was made with all there is to a configuration.
+    /// True if the initial texts are complete.
     bool has_all_{false};
     std::string received_place_;
-    /// Of texts, and of those before.
+    /// Results for the texts, and for those of texts_before_.
     Programs programs_;
     std::map<std::string, Labels, std::less<>> labels_;
     std::shared_ptr<const PlcTrial> tried_;

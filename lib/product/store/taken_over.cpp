@@ -24,7 +24,7 @@ std::span<const std::byte> bytes_of(std::string_view text)
     return std::as_bytes(std::span{text});
 }
 
-/// Takes up to the next `end`, which goes, too; nothing if there is none.
+/// Takes the text up to the next `end`, and that too; nothing if there is none.
 std::optional<std::string_view> take_until(std::string_view& rest, char end)
 {
     const std::size_t at = rest.find(end);
@@ -48,7 +48,7 @@ std::optional<T> number_in(std::optional<std::string_view> text)
     return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
 }
 
-/// "SIZE-OF-PATH SIZE-OF-TEXT PATH" and the text, one file after the other.
+/// Writes each file as "SIZE-OF-PATH SIZE-OF-TEXT PATH" followed by its text.
 std::string text_of(const SourceFiles::Texts& files)
 {
     std::string all;
@@ -75,7 +75,7 @@ std::optional<SourceFiles::Texts> files_in(std::string_view all)
     return files;
 }
 
-/// "USE PORT ADDRESS", a line each.
+/// Writes "USE PORT ADDRESS", a line each.
 std::string text_of(const std::vector<FurtherListener>& listeners)
 {
     std::string all;

@@ -15,42 +15,42 @@
 
 namespace busbar::product {
 
-/// What a controller ran with when all of it worked last. It keeps a copy of its own, so that it
-/// starts whatever has become of the files since: half copied, damaged or gone.
+/// The last state with which a controller worked completely. The controller keeps a copy, so that
+/// it can start even if files are half copied, damaged or gone.
 struct TakenOver {
-    /// The configuration's file, and those that it names.
+    /// The configuration's file, and the files that it names.
     SourceFiles::Texts files;
-    /// What administrators had changed, as Settings keeps it. Nothing: what was kept before.
+    /// Online changes as stored by Settings. If empty, keep the stored ones.
     std::optional<std::string> settings;
-    /// The project of model mode, as its file has it; empty: none.
+    /// The file of the project of model mode; empty for none.
     std::string project;
-    /// Where it listened; empty: what was kept before.
+    /// The listeners; if empty, keep the stored ones.
     std::vector<FurtherListener> listeners;
 };
 
-/// The copy, in the folder "taken-over" of a Storage. Each part is replaced as a whole, and only if
-/// it is another one than before. Not thread-safe.
+/// Stores the copy in the folder "taken-over" of a Storage. Replaces each part as a whole, and only
+/// if it changed. Not thread-safe.
 class TakenOverFiles {
 public:
     static constexpr std::string_view folder = "taken-over";
 
-    /// `storage` must outlive it.
+    /// `storage` must outlive this object.
     explicit TakenOverFiles(Storage& storage) : storage_{&storage} {}
 
-    /// The problem is one of the Storage; what was kept before stays then.
+    /// Stores the state. Fails with a problem of the Storage; then the previous copy stays.
     [[nodiscard]] Configured<void> keep(const TakenOver& all);
-    /// Settings that were dropped on purpose do not come back.
+    /// Removes the settings, because they were dropped on purpose and must not return.
     void forget_settings();
-    /// As forget_settings(), of one of the files. The problem is one of the Storage.
+    /// Does the same for one of the files. Fails with a problem of the Storage.
     [[nodiscard]] Configured<void> forget_file(const std::string& path);
-    /// Nothing if the controller never ran. A part that is damaged counts as one that is not there.
+    /// Reads the copy; nothing if the controller never ran. A damaged part counts as missing.
     [[nodiscard]] std::optional<TakenOver> read();
 
-    /// Keeps a copy of a file at the root of the Storage, which could be read, as it is now; of
-    /// none, there is no copy from now on. The problem is one of the Storage; then there is no copy
-    /// either, where that can be had: an old one may have what was taken back since.
+    /// Copies a valid file at the root of the Storage; if the file does not exist, removes its
+    /// copy. Fails with a problem of the Storage; then it tries to remove the copy as well, because
+    /// an old one may contain what was revoked since.
     [[nodiscard]] Configured<void> keep_copy(std::string_view file);
-    /// Nothing if there is none, or it is damaged.
+    /// Returns the copy of a file; nothing if it is missing or damaged.
     [[nodiscard]] std::optional<std::string> copy(std::string_view file);
 
 private:
@@ -58,7 +58,7 @@ private:
     [[nodiscard]] std::string part(std::string_view name);
 
     Storage* storage_;
-    /// What each part has now, as far as that is known.
+    /// Checksum of each part, as far as known.
     std::map<std::string, std::uint32_t, std::less<>> known_;
 };
 
