@@ -15,8 +15,8 @@ namespace {
 
 const NodeId event_type{0, id::AuditEventType};
 
-/// False if the server says that this user gets none; one that says nothing is taken at its word
-/// later (Part 3, 4.9).
+/// False if the server says that this user gets no events; if it does not say, later answers decide
+/// (Part 3, 4.9).
 bool may_receive(Connection& connection)
 {
     const auto permissions =
@@ -36,8 +36,8 @@ bool may_receive(Connection& connection)
     return false;
 }
 
-/// Else somebody would wait for what never comes: a server says no word of events that a user may
-/// not have.
+/// Fails if no events can come: a server does not report events that a user may not see, so the
+/// command would wait for ever.
 void require_events(Connection& connection)
 {
     const Variant auditing = read(connection, standard(id::Server_Auditing));
@@ -57,7 +57,7 @@ void require_events(Connection& connection)
     }
 }
 
-/// Names of event types, each asked for once.
+/// Names of event types, each read once.
 class TypeNames {
 public:
     explicit TypeNames(Connection& connection) : connection_{&connection} {}
@@ -68,7 +68,7 @@ public:
         if (id == nullptr) {
             return plain_text(type);
         }
-        // A server that makes up types has them asked for again, and holds no memory of ours.
+        // Forget the names of a server that invents types, to limit the memory.
         constexpr std::size_t most = 1'000;
         if (names_.size() >= most) {
             names_.clear();

@@ -10,7 +10,7 @@ namespace busbar::tool::admin {
 
 namespace {
 
-/// Behind the standard ones; in the order of OwnField.
+/// The fields after the standard ones, in the order of OwnField.
 constexpr std::array own_fields{"ClientUserId", "SessionId", "Status", "StatusCodeId",
                                 "SecureChannelId"};
 enum class OwnField : std::uint8_t { User, Session, Status, StatusCode, Channel };
@@ -20,7 +20,7 @@ const Variant& own(const EventFields& fields, OwnField which)
     return fields[standard_event_fields.size() + static_cast<std::size_t>(which)];
 }
 
-/// What there is room for behind the message: why it failed, where, and who did it.
+/// The text after the message if there is room: why it failed, where, and which user did it.
 std::string details(const EventFields& fields, bool is_done)
 {
     std::string text;

@@ -8,17 +8,17 @@
 
 namespace busbar::tool::admin {
 
-/// What audit events are asked for behind the standard fields (Part 5, 6.4.3 and 6.4.7).
+/// The fields of audit events to request after the standard ones (Part 5, 6.4.3 and 6.4.7).
 [[nodiscard]] std::vector<std::string> audit_fields();
 
-/// The name of an event type without what all of them say: "OpenSecureChannel" for
+/// Shortens the name of an event type to the part that differs: "OpenSecureChannel" for
 /// AuditOpenSecureChannelEventType.
 [[nodiscard]] std::string_view short_name(std::string_view event_type);
 
 inline constexpr const char* audit_title =
     "TIME          EVENT               USER          DONE  MESSAGE";
-/// An event with these fields on a line of at most so many columns. `event` is its short name.
-/// `fields` are as many as were asked for.
+/// Writes an event on a line of at most so many columns. `event` is its short name. `fields` must
+/// be as many as requested.
 [[nodiscard]] std::string audit_line(const Output& out, std::string_view event,
                                      const EventFields& fields, std::size_t columns);
 

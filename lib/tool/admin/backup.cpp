@@ -23,7 +23,7 @@ namespace {
 
 using busbar::detail::Json;
 
-/// What no backup has.
+/// Greater than any backup.
 constexpr std::size_t max_backup = 256U << 20U;
 constexpr std::size_t max_command = 65'536;
 constexpr const char* restart_is_due =
@@ -36,15 +36,15 @@ RemoteTransfer transfer_of(Connection& connection)
             "log in as one with the role SecurityAdmin"};
 }
 
-/// How the last one that was sent went; null if the server does not say.
+/// Returns the report about the last file sent; null if the server has none.
 Json report_of(RemoteTransfer& transfer)
 {
     auto json = busbar::detail::parse_json(transfer.fetch(Variant{"report"}));
     return json ? *std::move(json) : Json{};
 }
 
-/// What a restore came to. The server stops after it (W588, 4-1-3), so that there may be nobody
-/// who says so.
+/// Describes the result of a restore. The server stops after it (W588, 4-1-3), so the report may be
+/// missing.
 std::string restored_text(RemoteTransfer& transfer)
 {
     const auto is_no = [](const Json& report, std::string_view name) {
@@ -65,7 +65,7 @@ std::string restored_text(RemoteTransfer& transfer)
     return "restored; ";
 }
 
-/// A refusal with the reason, which the status alone does not say.
+/// Fails with the reason, which the status alone does not tell.
 [[noreturn]] void fail_with_report(RemoteTransfer& transfer, const Failure& failure,
                                    const std::string& what)
 {
@@ -81,7 +81,7 @@ std::string restored_text(RemoteTransfer& transfer)
         const Json* const problem = report.find("problem");
         reason = problem != nullptr ? ": " + safe(problem->text) : "";
     } catch (const Failure&) {
-        // The server refused it before it looked at the file: the status says why.
+        // Refused before the file was looked at: explain the status.
     }
     if (failure.status == status::Bad_InvalidState) {
         throw Failure{failure.status, what + ": nothing was changed" + reason,
@@ -114,7 +114,8 @@ std::string options_of(const AdminArguments& arguments, const std::string& verb)
     return verb + (arguments.backup.without_security ? " without security profile" : "");
 }
 
-/// As a whole or not at all, and for nobody else to read: there are hashes of passwords in it.
+/// Writes the file as a whole or not at all, and readable for its owner only: it contains hashes of
+/// passwords.
 void keep(const std::string& path, const std::string& file)
 {
     const auto place = std::filesystem::path{path};
@@ -160,7 +161,7 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
     return report(context, restored_text(transfer) + restart_is_due);
 }
 
-/// True if nothing differs.
+/// Prints the differences; true if there are none.
 bool print_verification(Context& context, const Json& report)
 {
     bool is_same = true;

@@ -14,7 +14,7 @@
 /// The subcommands of `busbar admin`, one file for each subject.
 namespace busbar::tool::admin {
 
-/// What `busbar admin log` shows, or does instead.
+/// The filter of `busbar admin log`, and what it does instead of showing entries.
 struct LogChoice {
     std::string category;
     std::string code;
@@ -25,33 +25,33 @@ struct LogChoice {
     std::string folder;
 };
 
-/// What `busbar admin events` shows; empty: all.
+/// The filter of `busbar admin events`; empty members select everything.
 struct PastEventChoice {
     std::string level;
     std::string code;
     std::size_t count{20};
 };
 
-/// What of a controller's memory is meant.
+/// The parts of a controller's memory to save, restore or clear.
 struct BackupOptions {
     bool without_security{false};
-    /// A RestoreCommand.ini, by which it is decided instead.
+    /// A RestoreCommand.ini that decides instead.
     std::string command_file;
     bool clears_security{false};
 };
 
-/// What they take.
+/// The arguments of the subcommands.
 struct AdminArguments {
-    /// [URL] and whatever the subcommand names.
+    /// [URL] and the words of the subcommand.
     std::vector<std::string> words;
     bool is_of_users{false};
-    /// Instead of one user.
+    /// Applies to all users instead of one.
     bool is_everyone{false};
     bool is_issuer{false};
     TrustOrder order;
-    /// Asks nothing.
+    /// Does not ask.
     bool is_sure{false};
-    /// A project counts although labels of it cannot be used.
+    /// Uses a project although some of its labels cannot be used.
     bool despite_labels{false};
     std::string new_password_file;
     std::string description;
@@ -67,22 +67,23 @@ struct AdminArguments {
     LogChoice log;
     PastEventChoice events;
     BackupOptions backup;
-    /// Where the program goes that a controller runs.
+    /// File for the program of a controller.
     std::string save_to;
 };
 
 /// Carries a subcommand out; throws Failure.
 using Action = Exit (*)(Context&, Connection&, const AdminArguments&);
 
-/// Adds subcommands to the group and has the program run the one that is given.
+/// Adds subcommands to the group and makes the program run the chosen one.
 class Group {
 public:
     Group(CLI::App& parent, Run& run, const char* name, const char* text);
 
-    /// `words`: how many it needs besides the URL, and what they are called: "NAME ROLE".
+    /// `words` is the number of words needed besides the URL, `word_names` their names: "NAME
+    /// ROLE".
     CLI::App* add(const char* name, const char* text, std::size_t words, const char* word_names,
                   Action action, Connection::Endurance endurance = Connection::Endurance::Short);
-    /// The same for one that takes any number of words and sees for itself whether they are enough.
+    /// The same for a subcommand that takes any number of words and checks them itself.
     CLI::App* add_any(const char* name, const char* text, const char* word_names, Action action);
     [[nodiscard]] AdminArguments& arguments() { return *arguments_; }
 
@@ -111,11 +112,11 @@ void add_mode(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 
-/// Throws Failure unless the user says yes, or has said so with --yes.
+/// Asks the user, unless --yes is given; throws Failure without a yes.
 void make_sure(Context& context, const AdminArguments& arguments, const std::string& question);
-/// Stops the server, or restarts it if the arguments say so.
+/// Stops the server, or restarts it, as the arguments say.
 Exit shut_down(Context& context, Connection& connection, const AdminArguments& arguments);
-/// "done", or {"done": what}.
+/// Prints what was done, as a line or as {"done": what}.
 Exit report(Context& context, const std::string& what);
 
 } // namespace busbar::tool::admin

@@ -22,26 +22,26 @@ namespace {
 using controller::MachineEvent;
 
 constexpr std::size_t most_events = 100'000;
-/// Of one file: see MachineEventLogOptions.
+/// Maximum size of one file: see MachineEventLogOptions.
 constexpr std::size_t max_size = 64U << 20U;
 constexpr std::int32_t piece_size = 32'768;
-/// Times that a file may change while it is read.
+/// Number of times that a file may change while it is read.
 constexpr unsigned most_changes = 100;
 
-/// Of the server's own namespace. Known, not looked for: a server that has failed answers Read and
-/// Call only (see RunningServer::change_state).
+/// Returns a NodeId in the server's own namespace. It is known rather than looked up, because a
+/// server that has failed answers Read and Call only (see RunningServer::change_state).
 NodeId node_of(const std::string& name)
 {
     return NodeId{1, String{"Files/EventLog/" + name}};
 }
 
-/// All files of a folder have the same ones.
+/// Returns a Method, which all files of a folder share.
 NodeId method_of(const char* name)
 {
     return NodeId{1, String{"FileTypes/EventLog//" + std::string{name}}};
 }
 
-/// What comes from there on; false at the end.
+/// Appends the next piece of the file; false at the end.
 bool read_piece(Connection& connection, const std::string& name, const Variant& handle,
                 std::string& text)
 {
@@ -58,7 +58,7 @@ bool read_piece(Connection& connection, const std::string& name, const Variant& 
     return true;
 }
 
-/// What the file has now, as far as it does not change meanwhile.
+/// Reads the file once, provided that it does not change in the meantime.
 std::string fetch_once(Connection& connection, const std::string& name)
 {
     constexpr std::uint8_t for_reading = 1;
@@ -72,7 +72,7 @@ std::string fetch_once(Connection& connection, const std::string& name)
     return text;
 }
 
-/// Nothing if there is no such file.
+/// Reads the file; empty if it does not exist.
 std::string fetch(Connection& connection, const std::string& name)
 {
     if (read(connection, node_of(name + "//Size")).is_null()) {
@@ -89,7 +89,7 @@ std::string fetch(Connection& connection, const std::string& name)
     }
 }
 
-/// The oldest first.
+/// Reads all events, oldest first.
 std::vector<MachineEvent> fetch_all(Connection& connection)
 {
     const std::string now = fetch(connection, "events.log");
@@ -101,7 +101,7 @@ std::vector<MachineEvent> fetch_all(Connection& connection)
                       "SecurityAdmin"};
     }
     std::vector<MachineEvent> events = controller::read_machine_events(all + now);
-    // What became the file before meanwhile is in both.
+    // A file that was replaced in the meantime is read twice.
     std::stable_sort(events.begin(), events.end(),
                      [](const auto& a, const auto& b) { return a.number < b.number; });
     const auto end = std::unique(events.begin(), events.end(),

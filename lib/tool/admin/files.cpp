@@ -21,12 +21,12 @@ namespace busbar::tool::admin {
 namespace files {
 namespace {
 
-/// Bytes of a file on its way.
+/// Maximum size of a file to transfer.
 constexpr std::size_t max_transfer = 256U << 20U;
 
 constexpr std::uint8_t open_to_replace = 6;
 
-/// A file or folder as people call it: "recipes/press/4.csv".
+/// A file or folder by its path for people: "recipes/press/4.csv".
 struct Place {
     std::string path;
     NodeId node;
@@ -54,7 +54,7 @@ std::vector<Variant> on(Connection& connection, const Place& place, const char* 
     return call_on_file(connection, place.node, place.path, method, inputs);
 }
 
-/// The folder that a new one is made in.
+/// The folder in which a new file or folder is created.
 Place folder_of(Connection& connection, const std::string& path)
 {
     const Place place{path, {}};
@@ -118,7 +118,7 @@ Exit get(Context& context, Connection& connection, const AdminArguments& argumen
                   "got " + safe(place.path) + ": " + std::to_string(text.size()) + " bytes");
 }
 
-/// The file that is written, which is made if it is not there.
+/// The file to write to, which is created if it does not exist.
 Place place_to_write(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const std::string& path = arguments.words[1];

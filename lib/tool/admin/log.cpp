@@ -30,7 +30,8 @@ controller::ExecutionLogFilter filter_of(const LogChoice& choice)
     if (!choice.code.empty()) {
         const char* const end = choice.code.data() + choice.code.size();
         std::uint16_t code = 0;
-        const auto read = std::from_chars(choice.code.data(), end, code); // "0100" is no octal
+        const auto read = std::from_chars(choice.code.data(), end, code); // decimal: "0100" must
+                                                                          // not be octal
         if (read.ec != std::errc{} || read.ptr != end) {
             throw Failure{Exit::Usage, safe(choice.code) + ": is not a log code",
                           "expected digits such as 0005"};
@@ -127,13 +128,13 @@ Exit follow(Context& context, Connection& connection, RemoteLog& log,
         } catch (const Failure& failure) {
             if (failure.exit != Exit::NotConnected) {
                 throw;
-            } // else the connection is made again, and the Stream says so
+            } // otherwise the connection is restored, which the Stream reports
         }
     });
     return Exit::Good;
 }
 
-/// The question is asked once, before anything is fetched.
+/// Saves the log; asks its question once, before fetching anything.
 Exit save(Context& context, RemoteLog& log, const AdminArguments& arguments)
 {
     const std::filesystem::path folder{arguments.log.folder};
@@ -160,7 +161,8 @@ Exit save(Context& context, RemoteLog& log, const AdminArguments& arguments)
                                " files of the execution log: " + std::to_string(size) + " bytes");
 }
 
-/// A file cannot be removed while a client reads it, which takes those who follow the log a moment.
+/// Removes a file; tries again, because files cannot be removed while a client that follows the log
+/// reads them.
 void remove_unless_read(RemoteLog& log, const NamedChild& file)
 {
     constexpr int most_attempts = 50;

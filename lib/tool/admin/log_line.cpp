@@ -23,9 +23,9 @@ constexpr std::size_t code_width = 8;
 constexpr std::size_t most_name_width = 17;
 constexpr std::size_t least_name_width = 10;
 constexpr std::size_t gaps = 5 * column_gap;
-/// Of all columns but the log's name and the details.
+/// Width of all columns except the log's name and the details.
 constexpr std::size_t fixed_width = entry_width + time_width + category_width + code_width + gaps;
-/// The longest details that are told often, "ERROR BadCertificateUntrusted", are not much longer.
+/// The longest common details, "ERROR BadCertificateUntrusted", are not much longer.
 constexpr std::size_t wanted_details = 24;
 
 std::size_t name_width(std::size_t columns)
@@ -34,7 +34,7 @@ std::size_t name_width(std::size_t columns)
                                                                      : least_name_width;
 }
 
-/// All columns but the last one.
+/// Writes all columns except the last.
 std::string front_columns(const std::array<std::string, 6>& texts, std::size_t columns)
 {
     const std::string number = cut(texts[0], entry_width);
@@ -49,7 +49,7 @@ std::string without_end_blanks(std::string line)
     return line;
 }
 
-/// "SUCCESS", "Basic256Sha256": parted by tabs.
+/// Splits details such as "SUCCESS", "Basic256Sha256" at tabs.
 void append_details(JsonLine& json, std::string_view details)
 {
     json.open_array();

@@ -28,8 +28,8 @@ std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
     return call(connection, configuration, standard(method), inputs, what);
 }
 
-/// The one that the server uses for this connection, for those who may see it but not export it
-/// (W588, 8-1); nothing if this user may not.
+/// Returns the certificate of this connection, for users who may see it but not export it (W588,
+/// 8-1); nothing if this user may not see it.
 std::optional<crypto::Certificate> displayed(Connection& connection)
 {
     const Variant shown =
@@ -45,7 +45,7 @@ std::optional<crypto::Certificate> displayed(Connection& connection)
     return std::move(chain->front());
 }
 
-/// The server's certificate, as it is used.
+/// Returns the server's certificate that is in use.
 crypto::Certificate present(Connection& connection)
 {
     const auto outputs =
@@ -130,7 +130,8 @@ Exit install(Context& context, Connection& connection, const AdminArguments& arg
     return report(context, "installed " + certificates->front().thumbprint_text());
 }
 
-/// "CN=Name/O=Works" of a certificate, with all that CreateSelfSignedCertificate takes.
+/// Writes a certificate's subject as "CN=Name/O=Works", with all fields that
+/// CreateSelfSignedCertificate takes.
 std::string subject_name(const crypto::CertificateSubject& subject)
 {
     using crypto::CertificateSubject;
@@ -164,8 +165,8 @@ void add(std::vector<std::string>& hosts, const std::string& host)
     }
 }
 
-/// The names and addresses by which clients reach the server now: the one by which we are
-/// connected, which it may not know, and those that it tells.
+/// Lists the names and addresses by which clients reach the server now: the one of this connection,
+/// which the server may not know, and those that it tells.
 std::vector<std::string> hosts_of_now(const std::string& connected, const Variant& told)
 {
     std::vector<std::string> hosts;
@@ -180,7 +181,7 @@ std::vector<std::string> hosts_of_now(const std::string& connected, const Varian
     return hosts;
 }
 
-/// "NxOpcUaServer@192.0.2.50" has the address of now after the @ (W588, 3-2-5).
+/// Updates the address after the @ in a name such as "NxOpcUaServer@192.0.2.50" (W588, 3-2-5).
 void renew_address(std::string& common_name, const std::vector<std::string>& hosts)
 {
     const auto addresses_of = [](const std::vector<std::string>& names) {
@@ -202,8 +203,7 @@ void renew_address(std::string& common_name, const std::vector<std::string>& hos
     }
 }
 
-/// What somebody has configured there that its certificate says; null from a server that does not
-/// tell.
+/// Returns the configured names for the certificate; null if the server does not tell.
 Variant configured(Connection& connection, const std::string& what)
 {
     return read(connection, NodeId{1, "ServerConfiguration/OwnCertificate/Configured" + what});

@@ -58,7 +58,8 @@ bool is_true(const Json& json, std::string_view name)
     return found != nullptr && found->kind == Json::Kind::True;
 }
 
-/// Has the controller take the file. A refusal has its reason, which the status does not say.
+/// Sends the file to the controller. Reports the reason of a refusal, which the status does not
+/// tell.
 void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
           const std::string& file)
 {
@@ -71,7 +72,7 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
             try {
                 reason = text_in(answer_of(transfer, "report"), "problem");
             } catch (const Failure&) {
-                // It was refused before it was looked at: the status says why.
+                // Refused before the file was looked at: explain the status.
             }
         }
         if (reason.empty()) {
@@ -81,7 +82,7 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
     }
 }
 
-/// The program in the file, sent with this verb and the file's name.
+/// Sends the program in the file with this verb and the file's name.
 void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
                const std::string& path, const std::string& file)
 {
@@ -94,7 +95,7 @@ void send_file(Context& context, RemoteTransfer& transfer, const std::string& ve
     send_file(context, transfer, verb, path, read_file(path, max_program));
 }
 
-/// The controller's status, over a connection of its own; nothing if there is none at the time.
+/// Reads the controller's status over a new connection; nothing if that fails.
 std::optional<Json> status_now(Context& context)
 {
     try {
@@ -106,8 +107,8 @@ std::optional<Json> status_now(Context& context)
     }
 }
 
-/// After a download: waits a while until the controller, which ends all sessions for it, has the
-/// status that is wanted. False if it does not come; a refusal is a Failure.
+/// Waits after a download until the controller, which ends all sessions, has the wanted status.
+/// False after a timeout; throws Failure for a refusal.
 bool wait_for(Context& context, Connection& connection, FunctionRef<bool(const Json&)> is_wanted)
 {
     using Clock = std::chrono::steady_clock;

@@ -18,10 +18,10 @@ namespace busbar::tool::admin {
 namespace {
 
 constexpr std::int32_t piece_size = 32'768;
-/// What no trust list has: a server that sends more is not believed.
+/// Greater than any trust list: protects against a server that sends without end.
 constexpr std::size_t max_list_size = 64U << 20U;
 
-/// What cannot be had because there is no server any more is not what the server has not.
+/// Throws if the connection is gone, which is not the same as a missing node.
 void throw_if_gone(StatusCode status, const char* what)
 {
     if (status.is_bad() && exit_of(status) == Exit::NotConnected) {
@@ -40,7 +40,7 @@ std::vector<ReferenceDescription> children(Connection& connection, const NodeId&
     return {references.begin(), references.end()};
 }
 
-/// What helps where it is the server that lacks something; else empty.
+/// Returns advice if the server itself lacks something; empty otherwise.
 std::string_view hint_at_server(StatusCode status)
 {
     if (status == status::Bad_CertificateChainIncomplete) {
@@ -202,11 +202,11 @@ TrustListDataType read_trust_list(Connection& connection, const TrustListNodes& 
     return data;
 }
 
-/// Part 12, 7.8.2.5: the list is written into a transaction, which ApplyChanges puts in force.
+/// Writes the list into a transaction, which ApplyChanges applies (Part 12, 7.8.2.5).
 void write_trust_list(Connection& connection, const TrustListNodes& nodes,
                       const TrustListDataType& data, const std::string& what)
 {
-    constexpr std::uint8_t for_writing = 6; // and erased
+    constexpr std::uint8_t for_writing = 6; // and erases it
     binary::VectorSink sink;
     binary::Writer writer{sink};
     encode(writer, data);
@@ -227,7 +227,7 @@ void write_trust_list(Connection& connection, const TrustListNodes& nodes,
         try {
             call(connection, configuration, standard(id::ServerConfiguration_CancelChanges), {},
                  what);
-        } catch (const Failure&) { // the transaction is over already
+        } catch (const Failure&) { // the transaction has already ended
         }
         throw;
     }

@@ -18,7 +18,8 @@
 
 #include "tool/connection/connection.hpp"
 
-/// What `busbar admin` asks a server for: the nodes of the standard, by their well-known NodeIds.
+/// The requests of `busbar admin` to a server, for nodes of the standard by their well-known
+/// NodeIds.
 namespace busbar::tool::admin {
 
 [[nodiscard]] inline NodeId standard(std::uint32_t id)
@@ -26,10 +27,11 @@ namespace busbar::tool::admin {
     return NodeId{0, id};
 }
 
-/// The outputs of a Method; throws Failure, which says that `what` failed.
+/// Calls a Method and returns its outputs; throws a Failure that says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
                           const std::vector<Variant>& inputs, const std::string& what);
-/// What `function` returns. A Failure of it by `status` gets another hint, beside a reason too.
+/// Calls `function`. If it throws a Failure with this status, replaces the hint, even if there is a
+/// reason.
 template <typename Function>
 auto with_hint(Function&& function, StatusCode status, const std::string& hint)
 {
@@ -40,26 +42,29 @@ auto with_hint(Function&& function, StatusCode status, const std::string& hint)
         throw;
     }
 }
-/// The value of a Variable; null if the server refuses it.
+/// Reads a Variable; null if the server refuses it.
 [[nodiscard]] Variant read(Connection& connection, const NodeId& variable);
-/// The child with this name; null if there is none, or if this user may not see it.
+/// Finds the child with this name; null if there is none, or if this user may not see it.
 [[nodiscard]] NodeId find_child(Connection& connection, const NodeId& parent,
                                 std::string_view name);
 /// The same; throws Failure.
 [[nodiscard]] NodeId child_of(Connection& connection, const NodeId& parent, std::string_view name);
-/// The Method with this name; null if there is none. A child of another kind may have it, too.
+/// Finds the Method with this name, which a child of another kind may have, too; null if there is
+/// none.
 [[nodiscard]] NodeId find_method(Connection& connection, const NodeId& parent,
                                  std::string_view name);
-/// All children that are Objects, and their names.
+/// A child that is an Object, with its name.
 struct NamedChild {
     std::string name;
     NodeId id;
 };
 [[nodiscard]] std::vector<NamedChild> objects_below(Connection& connection, const NodeId& parent);
 
-/// The server's users with passwords; nothing if it has no such list, or this user may not see it.
+/// Lists the server's users with passwords; nothing if it has no such list, or this user may not
+/// see it.
 [[nodiscard]] std::optional<std::vector<UserManagementDataType>> find_users(Connection& connection);
-/// Whether the configuration file of busbar-controller brings the user, who cannot be changed here.
+/// True if the configuration file of busbar-controller defines the user, which only that file can
+/// change.
 [[nodiscard]] bool is_of_file(const UserManagementDataType& user);
 
 /// The trust list of one CertificateGroup.
@@ -73,25 +78,25 @@ struct TrustListNodes {
     NodeId add;
     NodeId remove;
 };
-/// Of applications, or of users; throws Failure if the server has none.
+/// Finds the trust list of applications or of users; throws Failure if the server has none.
 [[nodiscard]] TrustListNodes trust_list(Connection& connection, bool of_users);
-/// What the list holds.
+/// Reads the contents of the list.
 [[nodiscard]] TrustListDataType read_trust_list(Connection& connection,
                                                 const TrustListNodes& nodes);
-/// Has the server take the lists of `data` that its specifiedLists names, at once; throws Failure,
-/// and nothing has changed.
+/// Replaces the lists in the specifiedLists of `data`, together; throws Failure with nothing
+/// changed.
 void write_trust_list(Connection& connection, const TrustListNodes& nodes,
                       const TrustListDataType& data, const std::string& what);
-/// AddUser. A name or password that is refused is told with the server's rules.
+/// Calls AddUser. If name or password are refused, the Failure has the server's rules.
 void add_user(Connection& connection, const std::string& name, const crypto::Secret& password,
               std::uint32_t bits, const std::string& description);
-/// ModifyUser with what is to change; `password` may be null.
+/// Calls ModifyUser with the changes; `password` may be null.
 void change_user(Connection& connection, const std::string& name, const crypto::Secret* password,
                  std::optional<std::uint32_t> bits);
 
-/// The certificates that the server refused.
+/// The certificates that the server rejected.
 [[nodiscard]] std::vector<crypto::Certificate> rejected(Connection& connection);
-/// Those that can be read.
+/// Decodes certificates; leaves out those that are damaged.
 [[nodiscard]] std::vector<crypto::Certificate> certificates_of(const Array<ByteString>& ders);
 
 } // namespace busbar::tool::admin

@@ -11,7 +11,7 @@ namespace busbar::tool::admin {
 namespace {
 
 constexpr std::uint8_t open_to_read = 1;
-/// Times that a file may change while it is read.
+/// Number of times that a file may change while it is read.
 constexpr unsigned max_changes = 100;
 
 /// A file that is open for reading.
@@ -30,11 +30,12 @@ public:
             on("SetPosition", {handle_, Variant{offset}});
         }
     }
-    /// Appends what comes next; false at the end.
+    /// Appends the next bytes; false at the end.
     bool read(std::string& text)
     {
         if (read_.is_null()) {
-            read_ = find_method(connection_, node_, "Read"); // or it would be looked for each time
+            read_ = find_method(connection_, node_, "Read"); // otherwise it would be looked up each
+                                                             // time
         }
         const auto piece = call(connection_, node_, read_,
                                 {handle_, Variant{static_cast<std::int32_t>(transfer_piece)}},
@@ -125,7 +126,7 @@ std::string download(Connection& connection, const NodeId& node, const std::stri
                 break;
             }
         } catch (const Failure& failure) {
-            // What was opened is not there any more: what it became is.
+            // The file was replaced: read the new one.
             if (failure.status != status::Bad_InvalidState || !what.is_growing ||
                 ++changes > max_changes) {
                 throw;

@@ -23,7 +23,7 @@ std::string path_of(const NamedChild& file)
     return std::string{log_folder} + "/" + file.name;
 }
 
-/// The last full file's name; empty if there is none.
+/// Name of the last full file; empty if there is none.
 std::string newest_full(const std::vector<NamedChild>& files)
 {
     const auto found = std::find_if(files.rbegin(), files.rend(), [](const NamedChild& file) {
@@ -32,7 +32,7 @@ std::string newest_full(const std::vector<NamedChild>& files)
     return found == files.rend() ? std::string{} : found->name;
 }
 
-/// A last line without its end is one that is being written.
+/// Removes a last line without its end, which is still being written.
 std::string whole_lines(std::string text)
 {
     text.resize(text.rfind('\n') + 1); // npos + 1: none
@@ -105,10 +105,10 @@ controller::ExecutionLogContents RemoteLog::last_of(const std::vector<NamedChild
     controller::ExecutionLogContents all;
     newest_full_ = newest_full(files);
     offset_ = 0;
-    // From the end, since the last ones count.
+    // Start at the end, because the last entries are wanted.
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
         if (all.entries.size() >= count) {
-            all.is_cut = true; // there may be none that match, but nobody looked
+            all.is_cut = true; // there may be no older matches, but they were not searched for
             break;
         }
         const std::string text = whole_lines(fetch_if_there(*file));
@@ -128,7 +128,7 @@ controller::ExecutionLogContents RemoteLog::last(const controller::ExecutionLogF
     constexpr unsigned most_attempts = 3;
     for (unsigned attempt = 1;; ++attempt) {
         auto contents = last_of(files(), filter, count);
-        // What became full meanwhile was not in the list.
+        // Repeat if a file became full in the meantime, because it was not in the list.
         if (attempt == most_attempts || newest_full(files()) == newest_full_) {
             return contents;
         }
@@ -153,7 +153,7 @@ void RemoteLog::fetch_new_of_current(const NamedChild& file,
                                      const std::function<void(const std::string&)>& show)
 {
     const auto size = file_property(connection_, file.id, "Size").value_or<std::uint64_t>(offset_);
-    // It was cleared and begun again, or became full, which shows in the next list.
+    // The file was cleared and started again, or became full, which the next list shows.
     if (size < offset_ && !std::exchange(is_shorter_, true)) {
         return;
     }

@@ -12,27 +12,26 @@
 
 namespace busbar::tool::admin {
 
-/// The execution log of a server, which shares its files as the folder "ExecutionLog" (W588,
-/// 7-2). All of it throws Failure.
+/// The execution log of a server, which shares its files in the folder "ExecutionLog" (W588, 7-2).
+/// All functions throw Failure.
 class RemoteLog {
 public:
-    /// Where it is; the failure says what to do if it is not there.
+    /// Finds the log; if it is missing the Failure says what to do.
     explicit RemoteLog(Connection& connection);
 
-    /// Its files, the oldest first; other ones in the folder are left out, and those before the
-    /// last hundred.
+    /// Lists its files, oldest first, at most the last hundred; ignores other files in the folder.
     [[nodiscard]] std::vector<NamedChild> files();
     [[nodiscard]] std::string fetch(const NamedChild& file, std::uint64_t offset = 0);
     void remove(const NamedChild& file);
 
-    /// The last entries that match, at most `count`.
+    /// Returns the last matching entries, at most `count`.
     [[nodiscard]] controller::ExecutionLogContents
     last(const controller::ExecutionLogFilter& filter, std::size_t count);
-    /// Whole lines that came since last(), or since the call before, file by file.
+    /// Fetches whole lines that were added since last(), or since the previous call, file by file.
     void fetch_new(const std::function<void(const std::string&)>& show);
 
 private:
-    /// The same; nothing if it is gone since it was listed.
+    /// The same; nothing if the file was removed after it was listed.
     [[nodiscard]] std::string fetch_if_there(const NamedChild& file, std::uint64_t offset = 0);
     [[nodiscard]] controller::ExecutionLogContents
     last_of(const std::vector<NamedChild>& files, const controller::ExecutionLogFilter& filter,
@@ -42,10 +41,10 @@ private:
 
     Connection& connection_;
     NodeId folder_;
-    /// How far it was read: all files up to this one, and so much of the one behind it.
+    /// The position reached: all files up to this one, and so much of the next one.
     std::string newest_full_;
     std::uint64_t offset_{0};
-    /// That one has become shorter.
+    /// True if that file has become shorter.
     bool is_shorter_{false};
 };
 

@@ -14,7 +14,7 @@ namespace busbar::tool::admin {
 
 namespace {
 
-/// A server that sends more is not believed.
+/// Protects against a server that sends without end.
 constexpr std::size_t most_fetched = 256U << 20U;
 
 } // namespace
@@ -108,12 +108,12 @@ void RemoteTransfer::send(const Variant& options, std::string_view file, const P
     }
 }
 
-/// A file that was refused is the client's until it says that it is done with it (Part 20, 4.4.2).
+/// Closes a refused file, which belongs to the client until then (Part 20, 4.4.2).
 void RemoteTransfer::abandon(const NodeId& file, const Variant& handle)
 {
     try {
         on(file, "Close", {handle}, 0);
-    } catch (const Failure&) { // it is gone already
+    } catch (const Failure&) { // it is already gone
     }
 }
 

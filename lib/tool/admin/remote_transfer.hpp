@@ -9,31 +9,32 @@
 
 namespace busbar::tool::admin {
 
-/// Files that a server makes for clients and takes from them, by an Object of
-/// TemporaryFileTransferType (Part 20, 4.4) below Objects. All of it throws Failure.
+/// Exchanges temporary files with a server, by an Object of TemporaryFileTransferType (Part 20,
+/// 4.4) below Objects. All functions throw Failure.
 class RemoteTransfer {
 public:
     using Progress = std::function<void(std::size_t done)>;
 
-    /// The failure has `advice` if the server has no such Object, or hides it from this user.
+    /// If the server has no such Object, or hides it from this user, the Failure has `advice`.
     RemoteTransfer(Connection& connection, std::string name, const std::string& advice);
 
-    /// The file that the server makes for these options.
+    /// Fetches the file that the server generates for these options.
     [[nodiscard]] std::string fetch(const Variant& options, const Progress& progress = {});
-    /// Has the server take a file as a whole, or not at all; the failure is the server's answer.
+    /// Sends a file, which the server accepts as a whole or not at all; a Failure has the server's
+    /// answer.
     void send(const Variant& options, std::string_view file, const Progress& progress = {});
-    /// Whether the server may have taken the file although send() failed: it had all of it, and
-    /// there was no answer.
+    /// True if the server may have accepted the file although send() failed: it had all of it, and
+    /// did not answer.
     [[nodiscard]] bool may_be_taken(const Failure& failure) const
     {
         return has_sent_all_ && failure.exit == Exit::NotConnected;
     }
 
 private:
-    /// The outputs, of which there are at least `wanted`.
+    /// Calls a Method and returns the outputs, at least `wanted` of them.
     std::vector<Variant> on(const NodeId& object, const char* method,
                             const std::vector<Variant>& inputs, std::size_t wanted);
-    /// The same for a Method that is known.
+    /// The same for a Method with a known NodeId.
     std::vector<Variant> on(const NodeId& object, const NodeId& method, const char* method_name,
                             const std::vector<Variant>& inputs, std::size_t wanted);
     void abandon(const NodeId& file, const Variant& handle);

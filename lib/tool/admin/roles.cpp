@@ -53,7 +53,7 @@ const char* name_of(IdentityCriteriaType criteria)
     return "trusted application";
 }
 
-/// The users whom the configuration file brings, and with them roles of theirs.
+/// The users that the configuration file defines, which gives them roles, too.
 std::set<std::string> users_of_file(Connection& connection)
 {
     std::set<std::string> names;
@@ -66,7 +66,7 @@ std::set<std::string> users_of_file(Connection& connection)
     return names;
 }
 
-/// "user pat", or "user chief (of the file)".
+/// Describes a rule: "user pat", or "user chief (of the file)".
 std::string text_of(const IdentityMappingRuleType& rule, bool is_user_of_file)
 {
     return name_of(rule.criteria_type) +
@@ -83,7 +83,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
     for (const NamedChild& role : objects_below(connection, role_set)) {
         const NodeId identities = find_child(connection, role.id, "Identities");
         if (identities.is_null()) {
-            continue; // no rules, none that this user may see
+            continue; // there are no rules, or this user may not see them
         }
         const Variant value = read(connection, identities);
         std::string whom;
@@ -112,7 +112,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
     return Exit::Good;
 }
 
-/// Returns whose role it was or is, and which: "pat has the role Operator".
+/// Changes the role and describes the user and the role: "pat has the role Operator".
 std::string change(Connection& connection, const AdminArguments& arguments, const char* method,
                    const std::string& what)
 {

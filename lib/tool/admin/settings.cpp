@@ -28,7 +28,7 @@ NodeId root_of(Connection& connection)
     return child_of(connection, standard(id::ObjectsFolder), "Settings");
 }
 
-/// A setting, or a property of one: the NodeId has the path.
+/// Returns a setting or one of its properties: the NodeId contains the path.
 NodeId node_of(const NodeId& root, std::string_view path)
 {
     return NodeId{root.namespace_index(), String{std::string{root_name} + std::string{path}}};
@@ -71,7 +71,7 @@ std::vector<Row> rows_of(Connection& connection, const NodeId& root,
     return rows;
 }
 
-/// All whose names begin with one of `parts`; all if there are no parts.
+/// Lists all names that begin with one of `parts`; all names if there are no parts.
 std::vector<std::string> names_of(Connection& connection, const NodeId& root,
                                   const std::vector<std::string>& parts)
 {
@@ -149,7 +149,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments& argume
     return Exit::Good;
 }
 
-/// Makes one set of changes; a null value takes the change back.
+/// Applies one set of changes; a null value takes a change back.
 Exit change(Context& context, Connection& connection, const std::vector<std::string>& names,
             const std::vector<Variant>& values)
 {

@@ -16,7 +16,7 @@ namespace busbar::tool::admin {
 
 namespace {
 
-/// False if the server has it already.
+/// False if the server already has it.
 template <typename Function>
 bool unless_there(Function&& function)
 {
@@ -32,7 +32,8 @@ bool unless_there(Function&& function)
     }
 }
 
-/// We are trusted for good before the setup is over: then strangers are strangers again.
+/// Trusts our certificate permanently, before the setup ends and untrusted clients are refused
+/// again.
 void trust_us(Context& context, Connection& connection)
 {
     VerboseLog log{context.options.is_verbose};
@@ -49,7 +50,8 @@ void trust_us(Context& context, Connection& connection)
     });
 }
 
-/// A setup that was cut short has left the user, who is no administrator: he gets this password.
+/// Adds the user. An interrupted setup has left the user without the role of an administrator; then
+/// only the password changes.
 void add_or_change(Connection& connection, const std::string& name, const crypto::Secret& password,
                    const std::string& description)
 {
@@ -66,8 +68,8 @@ Exit set_up(Context& context, Connection& connection, const AdminArguments& argu
     const crypto::Secret password = new_password(context, name, arguments.new_password_file);
     trust_us(context, connection);
     add_or_change(connection, name, password, arguments.description);
-    // The first one lets write variables; the last one makes an administrator, which ends the
-    // setup.
+    // The first role lets the user write variables; the last one makes an administrator, which ends
+    // the setup.
     for (const std::uint32_t role : {id::WellKnownRole_Operator, id::WellKnownRole_ConfigureAdmin,
                                      id::WellKnownRole_SecurityAdmin}) {
         const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, String{name}};

@@ -44,7 +44,7 @@ std::string number(const Variant& value)
     return "not told";
 }
 
-/// What a busbar-controller says of itself (W588, 4-2-1), in its own namespace.
+/// Reads a fact about a busbar-controller (W588, 4-2-1) in its own namespace.
 Variant fact(Connection& connection, const char* name)
 {
     return read(connection, NodeId{1, String{"Status/" + std::string{name}}});
@@ -93,7 +93,7 @@ public:
         json_.member(name, text);
         line(name, text);
     }
-    /// A line for each; `none` if there is none.
+    /// Adds a line for each text; `none` if there are none.
     void add(std::string_view name, const std::vector<std::string>& texts, const char* none)
     {
         json_.key(name).texts(texts);

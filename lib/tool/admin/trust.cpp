@@ -86,13 +86,13 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
     return Exit::Good;
 }
 
-/// What is to be added, and the file it is from.
+/// Certificates and revocation lists to add, each with its file.
 struct Additions {
     std::vector<std::pair<std::string, crypto::Certificate>> certificates;
     std::vector<std::pair<std::string, crypto::RevocationList>> revocations;
 };
 
-/// All of them before anything is changed.
+/// Reads all files before anything is changed.
 Additions read_additions(const std::vector<std::string>& files)
 {
     Additions additions;
@@ -114,8 +114,8 @@ Additions read_additions(const std::vector<std::string>& files)
     return additions;
 }
 
-/// What the server has is not added, and what it has rejected is moved from there (W588,
-/// 3-2-5).
+/// Refuses certificates that the server already has, and those that it rejected, which must be
+/// moved (W588, 3-2-5).
 void check_certificates(const Additions& additions, const TrustRows& rows, const char* to)
 {
     for (const auto& [file, certificate] : additions.certificates) {
@@ -139,7 +139,7 @@ void check_certificates(const Additions& additions, const TrustRows& rows, const
     }
 }
 
-/// It lies where its issuer does, in the place of an older one of that issuer.
+/// Adds a revocation list beside its issuer, replacing an older one of that issuer.
 void add_revocations(const std::string& file, const crypto::RevocationList& added,
                      TrustListDataType& lists)
 {
@@ -169,8 +169,8 @@ void add_revocations(const std::string& file, const crypto::RevocationList& adde
     lists.specified_lists |= is_trusted ? trusted_crls : issuer_crls;
 }
 
-/// A server takes no list that has a revoked certificate among the trusted ones. They could not
-/// connect any more anyway.
+/// Removes revoked certificates from the trusted ones, because a server refuses a list with both.
+/// Their owners could no longer connect anyway.
 std::vector<crypto::Certificate> take_out_revoked(const crypto::RevocationList& added,
                                                   TrustListDataType& lists)
 {
@@ -192,8 +192,8 @@ std::vector<crypto::Certificate> take_out_revoked(const crypto::RevocationList& 
     return revoked;
 }
 
-/// An issuer is no client by itself: those whose certificates it issued are, if they are trusted or
-/// if it is trusted, too.
+/// Adds certificates. An issuer is not a client by itself: clients with its certificates are
+/// trusted if they, or the issuer, are in the trusted list.
 void add_certificates(const Additions& additions, bool are_issuers, TrustListDataType& lists)
 {
     for (const auto& each : additions.certificates) {
@@ -210,7 +210,8 @@ void trust(Connection& connection, const TrustListNodes& nodes,
          {Variant{ByteString{certificate.der()}}, Variant{true}}, "trusting the certificate");
 }
 
-/// All of it or nothing. Returns those that are trusted no more because they are revoked.
+/// Adds everything or nothing. Returns the certificates that are no longer trusted because they are
+/// revoked.
 std::vector<crypto::Certificate> add_together(Connection& connection, const TrustListNodes& nodes,
                                               const Additions& additions, bool are_issuers,
                                               TrustListDataType lists)
@@ -252,7 +253,7 @@ Exit add(Context& context, Connection& connection, const AdminArguments& argumen
     return Exit::Good;
 }
 
-/// By a Method of busbar-controller: the standard has none.
+/// Calls a Method of busbar-controller, because the standard has none for this.
 void remove_rejected(Connection& connection, const crypto::Certificate& certificate)
 {
     const NodeId configuration = standard(id::ServerConfiguration);
@@ -329,7 +330,7 @@ Exit remove(Context& context, Connection& connection, const AdminArguments& argu
     return report(context, "removed " + what);
 }
 
-/// Whether it begins the thumbprint of something in the lists.
+/// True if the word is the beginning of a thumbprint in the lists.
 bool names_one(const TrustRows& rows, const std::string& word)
 {
     const std::string wanted = crypto::spelled_thumbprint(word);
@@ -346,7 +347,7 @@ bool names_one(const TrustRows& rows, const std::string& word)
 Exit export_one(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     const TrustRows rows = rows_of(connection, arguments);
-    // As `busbar cert export` has it, or the other way round.
+    // Accept both orders, because `busbar cert export` has the other one.
     const bool is_file_first = names_one(rows, arguments.words[1]);
     const std::string& file = arguments.words[is_file_first ? 0 : 1];
     const std::string& thumbprint = arguments.words[is_file_first ? 1 : 0];

@@ -28,7 +28,7 @@ std::string joined(const std::vector<std::string>& texts)
     return all;
 }
 
-/// The place of a list among the others.
+/// Position of a list among the others.
 std::ptrdiff_t place_of(const std::string& list)
 {
     constexpr std::array lists{"own", "trusted", "issuers", "rejected"};
@@ -44,7 +44,7 @@ std::string key_of(const CertificateRow& row, const std::string& column)
                                     : subject.common_name;
 }
 
-/// One has no organization and no domain.
+/// Revocation lists have no organization and no domain.
 std::string key_of(const RevocationRow& row, const std::string& column)
 {
     return column == "validity" ? to_string(row.revocations.next_update())
@@ -64,7 +64,7 @@ void sort(std::vector<Row>& rows, const TrustOrder& order)
     });
 }
 
-/// Leaves the object open.
+/// Appends the members; leaves the object open.
 void append_json(JsonLine& json, const CertificateRow& row)
 {
     const crypto::CertificateSubject subject = crypto::subject_of(row.certificate);
@@ -77,7 +77,7 @@ void append_json(JsonLine& json, const CertificateRow& row)
     json.member("thumbprint", row.certificate.thumbprint_text());
 }
 
-/// The same.
+/// The same for a revocation list.
 void append_json(JsonLine& json, const RevocationRow& row)
 {
     const crypto::RevocationList& list = row.revocations;

@@ -15,7 +15,7 @@ struct CertificateRow {
     std::string list; // "own", "trusted", "issuers" or "rejected"
     crypto::Certificate certificate;
 };
-/// A revocation list; `list` is "trusted" or "issuers", by whose issuer it lies with.
+/// A revocation list; `list` is "trusted" or "issuers", depending on its issuer.
 struct RevocationRow {
     std::string list;
     crypto::RevocationList revocations;
@@ -25,7 +25,7 @@ struct TrustRows {
     std::vector<RevocationRow> revocations;
 };
 
-/// The columns that rows of a list can be sorted by; the first is the default.
+/// The columns for sorting the rows of a list; the first is the default.
 inline constexpr const char* trust_columns[] = {"name", "organization", "domain", "validity"};
 struct TrustOrder {
     std::string column{trust_columns[0]};
@@ -33,19 +33,19 @@ struct TrustOrder {
 };
 
 /// Prints common name, organization, domain, end of validity and thumbprint of each certificate,
-/// and a table of revocation lists below; of each list in this order.
+/// and a table of revocation lists below; each list in this order.
 void print_trust(Context& context, TrustRows rows, const TrustOrder& order = {});
-/// Prints all that it says.
+/// Prints all details.
 void print_details(Context& context, const CertificateRow& row);
-/// The same below a table of its own, or as a list of one.
+/// Prints the same below a table with one row, or as a list with one element.
 void print_own(Context& context, const CertificateRow& row);
 void print_details(Context& context, const RevocationRow& row);
 
-/// The one of `rows` whose thumbprint begins like this, of several lists the first; throws Failure
-/// if that is none or several.
+/// Finds the row whose thumbprint begins like this, in the first list that has one; throws Failure
+/// if there is none or several.
 [[nodiscard]] const CertificateRow& find(const std::vector<CertificateRow>& rows,
                                          const std::string& thumbprint);
-/// The same of a revocation list; null if there is none.
+/// The same for a revocation list; null if there is none.
 [[nodiscard]] const RevocationRow* find(const std::vector<RevocationRow>& rows,
                                         const std::string& thumbprint);
 

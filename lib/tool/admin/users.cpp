@@ -18,7 +18,7 @@ namespace busbar::tool::admin {
 
 namespace {
 
-/// What the server wants of names and passwords, as far as it tells (Part 18, 5.2.2).
+/// The server's rules for names and passwords, as far as it tells them (Part 18, 5.2.2).
 std::string rules_of(Connection& connection)
 {
     const Variant length = read(connection, standard(id::UserManagement_PasswordLength));
@@ -34,7 +34,7 @@ std::string rules_of(Connection& connection)
     return rules + (told != nullptr ? "; " + safe(told->text.view()) : std::string{});
 }
 
-/// Carries out what may break the server's rules, which its status does not tell.
+/// Calls a function that may break the server's rules, and adds the rules to the Failure.
 template <typename Function>
 void by_rules(Connection& connection, Function&& function)
 {
@@ -159,7 +159,7 @@ Exit add(Context& context, Connection& connection, const AdminArguments& argumen
                   "added " + safe(name) + "; roles are given by `busbar admin role grant`");
 }
 
-/// The user's configuration with a bit set or taken.
+/// Sets or clears a bit of the user's configuration.
 void set_bit(Connection& connection, const std::string& name, std::uint32_t bit, bool is_set)
 {
     for (const UserManagementDataType& user : users_of(connection)) {
