@@ -20,11 +20,11 @@ struct BenchArguments {
     std::size_t in_flight{32};
 };
 
-/// What one load gave.
+/// The results of one load.
 struct Measured {
     std::string load;
     double per_second{0}; // requests
-    /// Of each request, sorted.
+    /// Duration of each request, sorted.
     std::vector<double> milliseconds;
 
     [[nodiscard]] double at(double share) const
@@ -44,7 +44,7 @@ ReadRequest request_for(const std::vector<NodeId>& nodes)
     return request;
 }
 
-/// Keeps so many Read requests under way for so long.
+/// Keeps so many Read requests in progress for so long.
 class ReadLoad {
 public:
     ReadLoad(Connection& connection, const std::vector<NodeId>& nodes)
@@ -101,7 +101,7 @@ private:
     std::vector<double> times_;
 };
 
-/// How many values a subscription to the nodes delivers, and how regularly.
+/// The number of values that a subscription delivers, and their regularity.
 struct Delivered {
     double per_second{0};
     double interval{0}; // milliseconds between two deliveries, on average

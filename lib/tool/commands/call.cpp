@@ -21,7 +21,7 @@ struct CallArguments {
     ValueLimits limits;
 };
 
-/// By node id or path; else by its name among the methods of the object.
+/// Finds a method by node id or path, or by its name among the methods of the object.
 NodeId find_method(Connection& connection, const NodeId& object, const std::string& text)
 {
     if (client::NodeAddress::parse(text)) {
@@ -41,7 +41,7 @@ NodeId find_method(Connection& connection, const NodeId& object, const std::stri
     throw Failure{status::Bad_MethodInvalid, text};
 }
 
-/// What the property InputArguments or OutputArguments says; nothing if there is none.
+/// Reads the property InputArguments or OutputArguments; empty without it.
 std::vector<Argument> arguments_of(Connection& connection, const NodeId& method,
                                    const std::string& property)
 {

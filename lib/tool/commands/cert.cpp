@@ -26,7 +26,7 @@ using crypto::StoreList;
 constexpr std::array lists{StoreList::Own, StoreList::Trusted, StoreList::Issuers,
                            StoreList::Rejected};
 
-/// What the subcommands take.
+/// The arguments of the subcommands.
 struct CertArguments {
     std::string certificate; // thumbprint, the beginning of one, or a file
     std::string file;
@@ -40,7 +40,7 @@ struct Found {
     StoreEntry entry;
 };
 
-/// What the thumbprint, or its first digits if they are enough, names.
+/// Finds a certificate by its thumbprint or enough of its first digits.
 Found find(Pki& pki, const std::string& thumbprint)
 {
     const std::string wanted = crypto::spelled_thumbprint(thumbprint);
@@ -71,7 +71,7 @@ std::vector<std::byte> read(const std::string& path)
     return {bytes.begin(), bytes.end()};
 }
 
-/// What has a folder or an ending in it is meant to be a file, even if none is there.
+/// True for a name with a folder or an ending, even if the file does not exist.
 bool is_file(const std::string& text)
 {
     return text.find_first_of("/.") != std::string::npos || ::access(text.c_str(), F_OK) == 0;
@@ -202,7 +202,7 @@ void print_lines(Context& context, const std::string& text)
     }
 }
 
-/// Of a file, which need not be in any list.
+/// Shows a certificate file, which need not be in any list.
 Exit show_file(Context& context, const std::string& path)
 {
     const std::vector<std::byte> contents = read(path);

@@ -4,8 +4,8 @@
 
 namespace busbar::tool {
 
-/// What a server says of itself (Part 5, 6.3.2): the profiles that it claims and, of those that it
-/// does not, the conformance units that it does not name. Throws Failure.
+/// Shows a server's claims (Part 5, 6.3.2): the profiles that it claims and, for the others, the
+/// conformance units that it does not name. Throws Failure.
 [[nodiscard]] Exit show_claims(Context& context);
 
 } // namespace busbar::tool

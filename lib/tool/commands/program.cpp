@@ -48,7 +48,7 @@ int run_command(Context& context, int argc, char** argv)
     try {
         app.parse(protected_arguments(argc, argv));
     } catch (const CLI::ParseError& error) {
-        // It may stand behind what is wrong.
+        // It may follow the mistake.
         context.options.is_json =
             std::find(argv, argv + argc, std::string_view{"--json"}) != argv + argc;
         return end_early(context, app, error);

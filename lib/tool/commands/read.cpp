@@ -22,7 +22,7 @@ struct ReadArguments {
     ValueLimits limits;
 };
 
-/// What the statuses of several nodes make of the command.
+/// The exit code for the statuses of several nodes.
 Exit exit_of_all(const std::vector<DataValue>& values)
 {
     const auto bad = std::count_if(values.begin(), values.end(),

@@ -31,7 +31,7 @@ struct WatchArguments {
 
 struct Selection {
     std::vector<watch::Watched> nodes;
-    /// What is not among them; may be empty.
+    /// A note about what is missing; may be empty.
     std::string note;
 };
 

@@ -90,7 +90,7 @@ write(Connection& connection, const std::vector<NamedNode>& nodes, std::vector<W
     return results;
 }
 
-/// What the server calls a value in its additionalInfo.
+/// The server's name for a value in its additionalInfo.
 std::string operand_of(const NodeId& node)
 {
     return to_string(node) + ", attribute 13";

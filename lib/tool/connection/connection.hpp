@@ -19,7 +19,7 @@ namespace busbar::tool {
 /// A session with the server of the options. Ctrl+C ends whatever waits. Only one at a time.
 class Connection {
 public:
-    /// Whether a session that is lost is made again.
+    /// Determines whether a lost session is created again.
     enum class Endurance : std::uint8_t { Short, Lasting };
 
     /// Connects; throws Failure.
@@ -32,7 +32,7 @@ public:
     void close();
     [[nodiscard]] net::BlockingClient& blocking() { return *client_; }
     [[nodiscard]] bool is_interrupted() const;
-    /// From now on SIGHUP ends what waits as Ctrl+C does, unless whoever started us has it ignored.
+    /// Makes SIGHUP end waiting like Ctrl+C, unless the parent process ignores it.
     void end_at_hangup();
     [[nodiscard]] bool is_hung_up() const;
     [[nodiscard]] client::Client& client() { return client_->client(); }
@@ -56,7 +56,7 @@ public:
     /// describes them.
     [[nodiscard]] Types types_of(const std::vector<DataValue>& values);
     [[nodiscard]] Types types_of(const std::vector<NodeId>& data_types);
-    /// What the server said of types so far, and what asks it for more without waiting.
+    /// The types learned from the server so far, with a source for more that does not wait.
     [[nodiscard]] client::TypeCache& types() { return *types_; }
     template <typename T>
     [[nodiscard]] T value(Result<T> result, const std::string& what) const

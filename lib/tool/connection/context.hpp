@@ -27,7 +27,7 @@ struct Options {
     /// "Sign" or "SignAndEncrypt".
     std::string mode{"SignAndEncrypt"};
     bool is_insecure{false};
-    /// Empty: below the user's data folder.
+    /// If empty, the folder below the user's data folder.
     std::string pki;
     bool trusts{false};
     /// Steps of the check of the server's certificate, see ignored_steps.hpp.
@@ -37,7 +37,7 @@ struct Options {
     bool is_json{false};
 };
 
-/// What a command works with.
+/// The objects that a command works with.
 struct Context {
     Options options;
     Output out{stdout};

@@ -24,9 +24,9 @@ public:
         return identity_ ? &*identity_ : nullptr;
     }
     [[nodiscard]] std::string application_uri() const;
-    /// Where our certificate lies; empty if there is none.
+    /// File of our certificate; empty if there is none.
     [[nodiscard]] std::string own_file() const { return pki_ ? pki_->own_file() : ""; }
-    /// Whether the last attempt to connect failed here.
+    /// True if the last attempt to connect failed because of the certificate.
     [[nodiscard]] bool has_refused() const;
     /// True if it is worth another attempt; see ServerTrust.
     [[nodiscard]] bool reconsider();
@@ -39,7 +39,7 @@ private:
     std::optional<Pki> pki_;
     std::optional<channel::ApplicationIdentity> identity_;
     std::optional<ServerTrust> trust_;
-    /// Why there is no place for certificates.
+    /// The reason why there is no folder for certificates.
     std::optional<Failure> missing_;
     bool was_asked_{false};
 };

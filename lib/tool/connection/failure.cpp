@@ -53,7 +53,7 @@ bool is_about_certificate(StatusCode code)
 
 constexpr std::size_t max_shown_candidates = 10;
 
-/// As a POSIX shell takes it for one word, whatever the server has in it.
+/// Quotes a text so that a POSIX shell takes it as one word, whatever the server put in it.
 std::string shell_word(const std::string& text)
 {
     static constexpr std::string_view plain = "/:._=-";

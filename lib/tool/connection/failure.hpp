@@ -11,7 +11,7 @@
 
 namespace busbar::tool {
 
-/// What the program ends with. Part of its interface: scripts go by it.
+/// The exit codes of the program. They are part of its interface, because scripts use them.
 enum class Exit : int {
     Good = 0,
     Failed = 1,       // the server, or the disk, said no
@@ -39,17 +39,16 @@ public:
     Exit exit;
     /// Good if no service or connection is to blame.
     StatusCode status;
-    /// Why, as the server says it; empty if it does not. Shown instead of the status's meaning.
+    /// The server's reason, shown instead of the status's meaning; empty if it gave none.
     std::string reason{};
-    /// What the user can do; may be empty.
+    /// Advice for the user; may be empty.
     std::string hint;
-    /// What a text that fits several things may have meant, each to be given instead of it; mostly
-    /// there are none.
+    /// Texts that the user may have meant by an ambiguous one; usually empty.
     std::vector<std::string> candidates;
 };
 
-/// What the server refused, with the additionalInfo that it gave of it, of an operation that it
-/// calls `operand` there. A known reason takes the place of the status's meaning and hint.
+/// Makes a failure from a server's refusal and its additionalInfo about an operation that the
+/// server calls `operand`. A known reason replaces the status's meaning and hint.
 [[nodiscard]] Failure refused_by_server(StatusCode status, const std::string& what,
                                         std::string_view additional_info, std::string_view operand);
 /// The reason in it; empty if there is none.

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As the XDG Base Directory Specification has it.
+/// Returns the folder of the XDG Base Directory Specification.
 fs::path data_folder()
 {
     if (const char* folder = std::getenv("XDG_DATA_HOME"); folder != nullptr && *folder == '/') {

@@ -25,15 +25,15 @@ public:
 
     [[nodiscard]] const std::string& folder() const { return folder_; }
     [[nodiscard]] crypto::CertificateStore& store() { return store_; }
-    /// Our certificate and key, made at the first use, which takes a second; throws Failure.
+    /// Our certificate and key, created at the first use, which takes a second; throws Failure.
     [[nodiscard]] channel::ApplicationIdentity identity();
-    /// None if there is none yet.
+    /// Nothing if there is none yet.
     [[nodiscard]] std::optional<crypto::OwnCertificate> own();
     /// A new certificate and key instead of what is there.
     crypto::OwnCertificate replace_own(std::uint32_t valid_days);
-    /// Of our certificate.
+    /// The ApplicationUri of our certificate.
     [[nodiscard]] static std::string application_uri();
-    /// Where our certificate lies.
+    /// File of our certificate.
     [[nodiscard]] std::string own_file() const { return folder_ + "/own/certs/own.der"; }
 
 private:

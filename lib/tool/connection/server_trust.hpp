@@ -26,12 +26,12 @@ public:
     [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
                                          const crypto::ValidationContext& context) override;
 
-    /// Whether the last attempt to connect failed here.
+    /// True if the last attempt to connect failed because of the certificate.
     [[nodiscard]] bool has_refused() const { return refused_.has_value(); }
-    /// Trusts what was refused, if the options say so or the user does, who is asked on a terminal.
-    /// True if it is worth another attempt.
+    /// Trusts the refused certificate if the options, or the user after a question on a terminal,
+    /// say so. True if another attempt makes sense.
     [[nodiscard]] bool reconsider(Context& context);
-    /// What was refused, why, and how to trust it.
+    /// Explains the refusal and how to trust the certificate.
     [[nodiscard]] Failure failure() const;
 
 private:
@@ -46,11 +46,11 @@ private:
     Context* context_;
     crypto::StoreValidator validator_;
     std::optional<Refused> refused_;
-    /// Whose certificate is asked for twice on the way to a session; told is it once.
+    /// Certificates that were already reported: each is checked twice on the way to a session.
     std::set<std::string> warned_;
 };
 
-/// Asks on standard error and reads from standard input; false if either is no terminal.
+/// Asks on standard error and reads from standard input; false if one of them is not a terminal.
 [[nodiscard]] bool confirm(Context& context, const std::string& question);
 
 } // namespace busbar::tool

@@ -9,7 +9,7 @@ namespace busbar::tool {
 /// A StatusCode in plain words; both are empty for one that has none here.
 struct StatusHelp {
     std::string_view meaning;
-    /// What the user can do; may be empty.
+    /// Advice for the user; may be empty.
     std::string_view hint;
 };
 

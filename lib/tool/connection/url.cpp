@@ -43,7 +43,7 @@ bool is_host_with_port(std::string_view text)
     return !port.empty() && is_digit(port.front()) && (is_address || is_host(host));
 }
 
-/// What stands between scheme and path.
+/// Returns the part between scheme and path.
 std::string_view authority_of(std::string_view url)
 {
     url.remove_prefix(std::min(scheme.size(), url.size()));
@@ -69,7 +69,7 @@ std::string found_in(std::string_view url)
 
 bool is_url(std::string_view text)
 {
-    // A NodeId may have the URI of a namespace in it: what stands before is no scheme then.
+    // A NodeId may contain the URI of a namespace; then the part before :// is not a scheme.
     const std::size_t end = text.find("://");
     const bool has_scheme = end != std::string_view::npos &&
                             text.substr(0, end).find_first_of("=;/") == std::string_view::npos;

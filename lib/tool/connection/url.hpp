@@ -5,7 +5,7 @@
 
 namespace busbar::tool {
 
-/// Whether somebody who wrote this means a server and no node: opc.tcp://host:4840/path, another
+/// True if the text probably means a server rather than a node: opc.tcp://host:4840/path, another
 /// scheme, or host:4840.
 [[nodiscard]] bool is_url(std::string_view text);
 

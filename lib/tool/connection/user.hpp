@@ -9,7 +9,7 @@
 
 namespace busbar::tool {
 
-/// Who the options log in. Asks for a password on a terminal if there is none; throws Failure.
+/// The user to log in, from the options. Asks for a missing password on a terminal; throws Failure.
 [[nodiscard]] client::UserIdentity user_of(Context& context);
 
 /// A password that `user` gets: the first line of `file`, or what is typed twice on a terminal.

@@ -7,8 +7,8 @@
 
 namespace busbar::tool {
 
-/// What the library reports, on standard error, if it is wanted; a Failure says what the user must
-/// know. Why there is no connection, of which a StatusCode says little, is kept for that.
+/// Prints the library's log on standard error if requested. Keeps the reason why there is no
+/// connection for a Failure, since a StatusCode says little about it.
 class VerboseLog final : public LogSink {
 public:
     explicit VerboseLog(bool is_verbose) : is_verbose_{is_verbose} {}

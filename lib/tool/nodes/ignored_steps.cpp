@@ -15,7 +15,7 @@ struct Step {
     bool crypto::ValidationSettings::*setting;
 };
 
-/// Those of Part 4, 6.1.3, Table 100 that may be suppressed, by its names.
+/// The steps of Part 4, 6.1.3, Table 100 that may be suppressed, with their names there.
 constexpr std::array steps{
     Step{"host-name", status::Bad_CertificateHostNameInvalid,
          &crypto::ValidationSettings::suppress_host_name},

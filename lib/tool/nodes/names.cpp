@@ -9,7 +9,7 @@ namespace busbar::tool {
 
 namespace {
 
-/// By AttributeId, from 1 on.
+/// Indexed by AttributeId, beginning with 1.
 constexpr std::string_view attributes[] = {
 #include <busbar/core/attribute_names.inc>
 };

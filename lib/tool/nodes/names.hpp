@@ -10,9 +10,9 @@
 
 namespace busbar::tool {
 
-/// "Variable"; "?" for what is no NodeClass.
+/// Returns a name such as "Variable"; "?" if it is not a NodeClass.
 [[nodiscard]] std::string_view name(NodeClass node_class);
-/// "DisplayName"; "?" for what is no AttributeId.
+/// Returns a name such as "DisplayName"; "?" if it is not an AttributeId.
 [[nodiscard]] std::string_view name(AttributeId attribute);
 [[nodiscard]] std::vector<std::string> attribute_names();
 [[nodiscard]] std::optional<AttributeId> find_attribute(std::string_view name);

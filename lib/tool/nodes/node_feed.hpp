@@ -12,7 +12,7 @@
 
 namespace busbar::tool {
 
-/// How values are subscribed to.
+/// The settings of subscriptions for values.
 struct FeedSettings {
     double interval{500}; // milliseconds
     double sampling{-1};
@@ -33,7 +33,7 @@ struct FeedNode {
 /// Called in run() of the Stream, with the index of the node.
 struct FeedHandlers {
     std::function<void(std::size_t, const DataValue&)> on_value;
-    /// What became of the monitored item.
+    /// Called with the status of a monitored item.
     std::function<void(std::size_t, StatusCode)> on_status;
 };
 
@@ -49,7 +49,7 @@ public:
     ~NodeFeed() { connection_->close(); }
 
     [[nodiscard]] const std::vector<FeedNode>& nodes() const { return nodes_; }
-    /// Has one more item in the Subscription, whose events and status are delivered in run() too.
+    /// Adds an item to the Subscription, whose events and status are delivered in run(), too.
     void add_events(client::ItemSettings item, std::function<void(const Array<Variant>&)> on_event,
                     std::function<void(StatusCode)> on_status);
 

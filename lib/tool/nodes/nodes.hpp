@@ -16,7 +16,7 @@ namespace busbar::tool {
 struct NamedNode {
     std::string text;
     Result<NodeId> id;
-    /// Where the name fits several nodes: texts that each name one of them. See Failure.
+    /// If the name fits several nodes, texts that each name one of them. See Failure.
     std::vector<std::string> candidates{};
 };
 
@@ -24,7 +24,7 @@ struct NamedNode {
 [[nodiscard]] client::NodeAddress parse_address(const std::string& text);
 /// Throws Failure for the first text that is neither, before a server is asked for anything.
 void check_addresses(const std::vector<std::string>& texts);
-/// Asks the server for what are paths; throws Failure for a text that is no address.
+/// Resolves paths at the server; throws Failure for a text that is not an address.
 [[nodiscard]] std::vector<NamedNode> find_nodes(Connection& connection,
                                                 const std::vector<std::string>& texts);
 /// The same for one; throws Failure if it is not there.
@@ -38,10 +38,10 @@ void refuse_ambiguous(Connection& connection, const std::vector<std::string>& te
 /// Calls one Method; throws Failure without an answer.
 [[nodiscard]] client::ExplainedCall call_explained(Connection& connection,
                                                    CallMethodRequest request);
-/// What the server calls it in its additionalInfo, see refused_by_server.
+/// The server's name for the node in its additionalInfo, see refused_by_server.
 [[nodiscard]] std::string operand_of(const NodeId& object, const NodeId& method);
 
-/// What the status of something that was done to the node is to the user.
+/// Makes a Failure from the status of an operation on the node.
 [[nodiscard]] Failure failure_of(const NamedNode& node, StatusCode status);
 /// Lists the candidates of those that have any, below the results of the others.
 void print_candidates(Output& err, const std::vector<NamedNode>& nodes);

@@ -100,7 +100,7 @@ std::vector<RemoteNode> follow_references(Connection& connection, std::vector<No
 constexpr AttributeId common[] = {AttributeId::NodeClass, AttributeId::BrowseName,
                                   AttributeId::DisplayName, AttributeId::Description};
 
-/// What the AddressSpace keeps of each class (Part 3, 5).
+/// The attributes that the AddressSpace stores for each class (Part 3, 5).
 std::vector<AttributeId> attributes_of(NodeClass node_class, bool with_value)
 {
     std::vector<AttributeId> ids;
@@ -142,7 +142,7 @@ std::vector<AttributeId> attributes_of(NodeClass node_class, bool with_value)
     return ids;
 }
 
-/// What is read, and which node it belongs to.
+/// The attributes to read, with the nodes that they belong to.
 struct Reading {
     std::vector<ReadValueId> items;
     std::vector<std::size_t> owners;

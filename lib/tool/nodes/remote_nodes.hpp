@@ -15,7 +15,7 @@ namespace busbar::tool {
 struct RemoteNode {
     NodeId id;
     NodeClass node_class{NodeClass::Unspecified};
-    /// Those that it has, as far as they could be read.
+    /// The node's attributes that could be read.
     std::unordered_map<AttributeId, Variant> attributes;
     /// In both directions.
     Array<ReferenceDescription> references;

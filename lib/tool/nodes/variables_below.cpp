@@ -15,7 +15,7 @@ using client::TreeNode;
 
 constexpr std::string_view objects = "/Objects";
 
-/// Where it is browsed from.
+/// A node to start browsing from.
 struct Root {
     NodeId id;
     client::NodeAddress address;
@@ -76,7 +76,7 @@ bool is_wanted(const TreeNode& node, bool with_namespace_0)
            (with_namespace_0 || reference.node_id.node_id.namespace_index() != 0);
 }
 
-/// What Objects has of its own: namespace 0 has thousands of nodes below it.
+/// Lists the server's own nodes below Objects, because namespace 0 has thousands of nodes there.
 std::vector<Root> own_objects(Connection& connection)
 {
     std::vector<Root> roots;

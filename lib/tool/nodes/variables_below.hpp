@@ -18,7 +18,7 @@ struct VariableBelow {
 
 struct VariablesBelow {
     std::vector<VariableBelow> variables;
-    /// How many more there are than were wanted.
+    /// Number of Variables beyond the wanted ones.
     std::size_t left_out{0};
     /// False if a failure, or a limit, kept something out.
     bool is_complete{true};

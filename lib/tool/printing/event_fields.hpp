@@ -12,13 +12,13 @@
 
 namespace busbar::tool {
 
-/// What is asked for always (Part 5, 6.4.2); the user's own fields come behind.
+/// The fields that are always requested (Part 5, 6.4.2); the user's own fields follow.
 inline constexpr std::array<std::string_view, 6> standard_event_fields{
     "Time", "Severity", "SourceName", "Message", "EventType", "EventId"};
 
-/// Which events, and what of them.
+/// The events to show, and their fields.
 struct EventChoice {
-    /// The user's own, behind the standard ones: "2:Press/Force".
+    /// The user's own fields, after the standard ones: "2:Press/Force".
     std::vector<std::string> fields{};
     /// Only from this one on.
     std::uint16_t severity{0};

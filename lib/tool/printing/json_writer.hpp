@@ -22,7 +22,7 @@ public:
     JsonLine& close_array();
     JsonLine& key(std::string_view name);
 
-    /// Bytes that are no UTF-8 become U+FFFD.
+    /// Bytes that are not UTF-8 become U+FFFD.
     JsonLine& text(std::string_view value);
     /// An array of them.
     JsonLine& texts(std::span<const std::string> values);
@@ -30,7 +30,7 @@ public:
     JsonLine& number(double value);
     JsonLine& boolean(bool value) { return raw(value ? "true" : "false"); }
     JsonLine& null() { return raw("null"); }
-    /// JSON that somebody else wrote.
+    /// Appends JSON from another source.
     JsonLine& raw(std::string_view json);
 
     JsonLine& member(std::string_view name, std::string_view value)

@@ -68,7 +68,7 @@ int write_all(int file, std::string_view text)
         const ::ssize_t size = ::write(file, text.data(), text.size());
         if (size >= 0) {
             text.remove_prefix(static_cast<std::size_t>(size));
-        } else if (errno == EAGAIN) { // somebody else made the terminal or pipe so
+        } else if (errno == EAGAIN) { // another process made the terminal or pipe non-blocking
             ::pollfd waiting{file, POLLOUT, 0};
             ::poll(&waiting, 1, -1);
         } else if (errno != EINTR) {

@@ -11,7 +11,7 @@ namespace busbar::tool {
 /// Blanks between two columns of any table.
 inline constexpr std::size_t column_gap = 2;
 
-/// Whoever read our output has gone: an end, not an error.
+/// Thrown when the reader of our output has exited, which is an end but not an error.
 struct OutputClosed {};
 
 enum class Style : std::uint8_t { Plain, Bold, Dim, Good, Uncertain, Bad };
@@ -23,17 +23,16 @@ public:
     explicit Output(std::FILE* file);
 
     [[nodiscard]] bool is_terminal() const { return is_terminal_; }
-    /// Of the terminal at this moment; else what COLUMNS says; else SIZE_MAX, for no limit.
+    /// Present width of the terminal; otherwise COLUMNS; otherwise SIZE_MAX, for no limit.
     [[nodiscard]] std::size_t columns() const;
-    /// Of the terminal; SIZE_MAX if it is none.
+    /// Height of the terminal; SIZE_MAX if it is not one.
     [[nodiscard]] std::size_t rows() const;
     [[nodiscard]] bool has_colour() const { return has_colour_; }
     /// True if lines of a tree may be drawn with characters beyond ASCII.
     [[nodiscard]] bool has_unicode() const { return has_unicode_; }
 
-    /// Throws OutputClosed if nobody reads any more, and Failure if it cannot be written for
-    /// another reason. What cannot be written to standard error is lost: there is no place to say
-    /// so.
+    /// Throws OutputClosed if the reader has exited, and Failure for other errors. Text that cannot
+    /// be written to standard error is lost, because there is no other place for it.
     void write(std::string_view text);
     void line(std::string_view text) { write(std::string{text} + "\n"); }
     /// `text` with the style around it.

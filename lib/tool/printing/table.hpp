@@ -29,7 +29,7 @@ class Table {
 public:
     explicit Table(std::vector<Column> columns) : columns_{std::move(columns)} {}
 
-    /// As many cells as there are columns.
+    /// Adds a row with as many cells as there are columns.
     void add(std::vector<Cell> row) { rows_.push_back({std::move(row), {}}); }
     /// The same with lines below it, as they are.
     void add(std::vector<Cell> row, std::vector<std::string> below)

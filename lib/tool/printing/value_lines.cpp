@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t indent_width = 2;
 /// Names that are longer do not push the values of all others aside.
 constexpr std::size_t max_name_columns = 32;
-/// Of arrays where no width is given.
+/// Width for arrays if none is given.
 constexpr std::size_t usual_columns = 80;
 
 std::string left(const std::string& text, std::size_t width)
@@ -117,7 +117,7 @@ private:
         line.erase(line.find_last_not_of(' ') + 1);
         return line;
     }
-    /// As many in a line as fit, with the index of the first in front.
+    /// Writes as many cells in a line as fit, with the index of the first in front.
     void write_cells(const ValuePart& part, std::size_t indent, std::size_t width)
     {
         if (part.cells.empty()) {

@@ -11,7 +11,7 @@ class App;
 
 namespace busbar::tool {
 
-/// How much of a value is printed, and how wide.
+/// Limits of the printed part of a value, and its width.
 struct ValueLimits {
     /// Elements of each array, and lines of a value; 0: all. What is left out is said.
     std::size_t count{100};

@@ -14,11 +14,11 @@ struct ValuePart {
     std::string text;
     /// Fields, rows, or elements that are structures.
     std::vector<ValuePart> parts;
-    /// Elements that are no structures.
+    /// Elements that are not structures.
     std::vector<std::string> cells;
     /// Numbers, which stand below each other by their last digits.
     bool has_numbers{false};
-    /// Of an array, how many elements were left out.
+    /// Number of elements of an array that were left out.
     std::size_t left_out{0};
 
     [[nodiscard]] bool is_simple() const { return parts.empty() && cells.empty(); }

@@ -16,8 +16,8 @@ struct TypeOfValue {
     Types types;
 };
 
-/// How a text is to be read as a value of this DataType and ValueRank; asks the server for types
-/// that are not built in.
+/// Determines how to parse a text as a value of this DataType and ValueRank; asks the server for
+/// types that are not built in.
 [[nodiscard]] TypeOfValue value_type(Connection& connection, const NodeId& data_type,
                                      std::int32_t value_rank);
 /// The same with the types that are known; Variant for what is not among them.

@@ -86,7 +86,7 @@ void print_text(Context& context, const controller::ModelReports& reports,
                      std::to_string(reports.warning_count()) + " warnings");
 }
 
-/// What of the mapping a PLC with the program in this file does not have.
+/// Reports the mapped labels that a PLC with the program in this file does not have.
 controller::ModelReports check_program(const controller::Project& project, const std::string& file)
 {
     const std::string text = read_file(file, controller::DeclarationLimits{}.max_text_size);
@@ -104,7 +104,7 @@ controller::ModelReports check_program(const controller::Project& project, const
     return *std::move(reports);
 }
 
-/// What the button of the output window does (SH-082679, 4.2), for settings too.
+/// Does the same as the button of the output window (SH-082679, 4.2), and checks settings, too.
 Exit check_project(Context& context, const ProjectArguments& arguments)
 {
     const controller::Project project = open_project(arguments.words[0]);

@@ -15,7 +15,7 @@
 /// The subcommands of `busbar project`, one file for each subject.
 namespace busbar::tool::project {
 
-/// What the offline ones take.
+/// The arguments of the offline subcommands.
 struct ProjectArguments {
     /// The project file, and whatever the subcommand names.
     std::vector<std::string> words;
@@ -26,7 +26,7 @@ struct ProjectArguments {
     std::string new_password_file;
     /// 0: the hash is scrypt's.
     std::uint32_t pbkdf2_iterations{0};
-    /// Of a table that is read.
+    /// A table to read.
     std::string table;
     bool replaces{false};
     /// Also what is not mapped.
@@ -36,7 +36,7 @@ struct ProjectArguments {
     std::string label;
     /// A PLC's program, whose labels are looked up.
     std::string program;
-    /// Of an instance.
+    /// Options for an instance.
     std::vector<std::string> optional;
     bool has_all_optional{false};
     /// PATH=TYPE of members.
@@ -54,7 +54,7 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
                       const std::shared_ptr<ProjectArguments>& arguments);
 
 Exit show_tree(Context& context, const ProjectArguments& arguments);
-/// What labels are declared as, and the DataTypes of nodes that can be mapped to them.
+/// Lists the declarations of labels, and the DataTypes of nodes that can be mapped to them.
 Exit list_label_types(Context& context, const ProjectArguments& arguments);
 /// All that a model says of one node, and what of it can be mapped to what (SH-082679, 9.4). `text`
 /// is a NodeId or a path from the Root.
@@ -70,8 +70,8 @@ void add_online(CLI::App& project, Run& run);
 
 /// The project in the file; throws Failure.
 [[nodiscard]] controller::Project open_project(const std::string& path);
-/// Writes it as a whole or not at all, for nobody else to read: there are hashes of passwords in
-/// it. Throws Failure.
+/// Writes the project as a whole or not at all, readable for its owner only: it contains hashes of
+/// passwords. Throws Failure.
 void save_project(const std::string& path, const controller::Project& project);
 /// The same for any file.
 void save_file(const std::string& path, const std::string& text);

@@ -31,7 +31,7 @@ std::string quoted(const std::string& text)
     return field + "\"";
 }
 
-/// What a line of the table with these columns maps; a node is a NodeId or a path from the Root.
+/// Parses a line of the table with these columns; a node is a NodeId or a path from the Root.
 Mapping mapping_of(Context& context, const ModelSet& models, const std::string& node,
                    const std::string& columns, const std::string& fields)
 {
@@ -54,7 +54,7 @@ bool is_same_part(const MappedPart& a, const MappedPart& b)
     return a.kind == b.kind && a.number == b.number && a.name == b.name;
 }
 
-/// What `from` has comes to what there is.
+/// Adds the labels of `from`.
 void merge(MappedPart& into, const MappedPart& from)
 {
     into.label = from.label.empty() ? into.label : from.label;
@@ -182,7 +182,7 @@ Exit specify_array(Context& context, const ProjectArguments& arguments)
     return admin::report(context, safe(words[1]) + " has its array specification");
 }
 
-/// Whether a part, or one within it, has a label and `other`, which may be null, has not.
+/// Counts the labels of a part, and of parts within it, that `other`, which may be null, lacks.
 std::size_t count_lost(const MappedPart& part, const MappedPart* other)
 {
     std::size_t lost = !part.label.empty() && (other == nullptr || other->label.empty()) ? 1 : 0;
@@ -218,7 +218,7 @@ MappedPart part_of(const controller::DataMapping& variable)
                       field_of("Value", {}, {variable.value})}};
 }
 
-/// How many labels of nodes `kept` has none for.
+/// Counts the labels of nodes that `kept` lacks.
 template <typename Map>
 std::size_t count_lost(const Map& mapping, const Map& kept)
 {

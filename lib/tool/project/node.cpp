@@ -33,7 +33,7 @@ constexpr std::array base_attributes{AttributeId::NodeId,        AttributeId::No
                                      AttributeId::BrowseName,    AttributeId::DisplayName,
                                      AttributeId::Description,   AttributeId::WriteMask,
                                      AttributeId::UserWriteMask, AttributeId::RolePermissions};
-/// Those of some NodeClasses; a node has only those of its own.
+/// Attributes of some NodeClasses only.
 constexpr std::array class_attributes{AttributeId::EventNotifier,
                                       AttributeId::DataType,
                                       AttributeId::ValueRank,
@@ -195,7 +195,7 @@ bool NodePage::has_value() const
     return model::SpaceReader::has_attribute(space_.node_class(node_), AttributeId::Value);
 }
 
-/// Of a DataType itself, else of the values.
+/// Returns the DataType itself, or that of the values.
 NodeIndex NodePage::data_type() const
 {
     return space_.node_class(node_) == NodeClass::DataType ? node_

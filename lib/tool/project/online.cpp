@@ -39,7 +39,8 @@ std::string text_in(const Json& json, std::string_view name)
     return found != nullptr ? found->text : std::string{};
 }
 
-/// Has the server take the file; a refusal has the server's reason, which the status does not say.
+/// Sends the file to the server; reports the server's reason for a refusal, which the status does
+/// not tell.
 void send(Context& context, RemoteTransfer& transfer, const char* what, const std::string& file)
 {
     try {
@@ -127,7 +128,7 @@ Exit verify(Context& context, Connection& connection, const RemoteArguments& arg
     return print_differences(context, differences, "FILE", "SERVER");
 }
 
-/// Has the server compare the labels of the project that was written with its PLC.
+/// Lets the server compare the labels of the written project with its PLC.
 Json label_report(Context& context, RemoteTransfer& transfer)
 {
     send(context, transfer, "labels", {});
@@ -169,7 +170,7 @@ Exit list_labels(Context& context, Connection& connection, const RemoteArguments
     return is_refused ? Exit::Failed : Exit::Good;
 }
 
-/// Has the server that runs take up what was written, as a restart does.
+/// Makes the running server use the written project, as a restart does.
 Exit update(Context& context, Connection& connection, const RemoteArguments& arguments)
 {
     RemoteTransfer transfer = transfer_of(connection);

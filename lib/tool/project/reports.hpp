@@ -14,10 +14,11 @@ namespace busbar::tool::project {
 [[nodiscard]] controller::ModelSet open_models(const controller::Project& project);
 /// All that is wrong with the project's models and mapping, and how full it is.
 [[nodiscard]] controller::MappingCheck check_project_models(const controller::Project& project);
-/// What differs between two projects, their models included.
+/// Lists the differences between two projects, including their models.
 [[nodiscard]] std::vector<controller::ProjectDifference>
 differences_of(const controller::Project& first, const controller::Project& second);
-/// As a table, or as JSON with members of the titles in lower case. Failed if there is any.
+/// Prints differences as a table, or as JSON with members named like the titles in lower case.
+/// Returns Failed if there are any.
 Exit print_differences(Context& context,
                        const std::vector<controller::ProjectDifference>& differences,
                        const char* first, const char* second);

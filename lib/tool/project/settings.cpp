@@ -93,7 +93,7 @@ Exit set(Context& context, const ProjectArguments& arguments)
     return admin::report(context, std::to_string(words.size() / 2) + " values set");
 }
 
-/// Of a name that there is already, or one more.
+/// Index of the user with this name, or of a new one.
 std::size_t number_of(controller::Project& project, const std::string& name)
 {
     const auto found =

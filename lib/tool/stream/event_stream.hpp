@@ -19,7 +19,7 @@ struct EventStream {
     std::string title{};
 };
 
-/// The standard fields, and those of the choice behind them.
+/// The standard fields, followed by those of the choice.
 using EventFields = Array<Variant>;
 
 /// Shows events as they come until the end of the stream, each by `show` or, for scripts, as one
@@ -30,7 +30,7 @@ void follow_events(Context& context, Connection& connection, const EventStream& 
 
 /// `text` in exactly so many columns.
 [[nodiscard]] std::string padded(std::string_view text, std::size_t columns);
-/// What is left for the last part of a line of which so much is `used`; never less than a word.
+/// Width for the last part of a line of which so much is `used`; never less than a word.
 [[nodiscard]] std::size_t columns_left(std::size_t columns, std::size_t used);
 
 } // namespace busbar::tool

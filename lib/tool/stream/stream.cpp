@@ -12,14 +12,14 @@ namespace busbar::tool {
 
 namespace {
 
-/// What poll() says of a descriptor at this moment; -1 for none.
+/// Returns the present result of poll() for a descriptor; -1 for none.
 short polled(int descriptor)
 {
     ::pollfd input{descriptor, POLLIN, 0};
     return descriptor >= 0 && ::poll(&input, 1, 0) > 0 ? input.revents : short{0};
 }
 
-/// Whoever typed there has gone: it could be read for ever.
+/// True if the terminal is gone: then it is always readable.
 bool is_gone(int descriptor)
 {
     return (polled(descriptor) & (POLLHUP | POLLERR | POLLNVAL)) != 0;

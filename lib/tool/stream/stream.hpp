@@ -55,7 +55,7 @@ private:
 class Stream {
 public:
     Stream(Context& context, Connection& connection, const StreamEnd& end);
-    /// Somebody else than a StreamReporter is told.
+    /// Reports to another listener than a StreamReporter.
     Stream(Context& context, Connection& connection, const StreamEnd& end,
            std::unique_ptr<StreamListener> listener);
     Stream(const Stream&) = delete;
@@ -68,8 +68,8 @@ public:
     bool count();
     /// run() ends after what happens now.
     void stop() { is_stopped_ = true; }
-    /// run() calls `tick` soon when this can be read, and ends when nobody can write there any
-    /// more.
+    /// Makes run() call `tick` soon when this descriptor is readable, and end when its writer is
+    /// gone.
     void wake_on(int descriptor);
     [[nodiscard]] bool has_lost_input() const;
     /// Until the end; throws Interrupted after Ctrl+C. `tick` is called after everything that

@@ -6,7 +6,7 @@
 
 namespace busbar::tool {
 
-/// What is known of a node whose values are shown as they change.
+/// The state of a node whose values are shown as they change.
 struct ValueRow {
     DataValue value;
     std::string shown{"(waiting)"};
@@ -14,8 +14,8 @@ struct ValueRow {
     StatusCode status; // of the item
 };
 
-/// Values of nodes as they change: each as a line, or a JSON document, unless somebody else shows
-/// them.
+/// Prints values of nodes as they change, each as a line or a JSON document, unless another
+/// listener shows them.
 class WatchedValues {
 public:
     /// None: only rows() change.

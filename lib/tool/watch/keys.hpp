@@ -6,7 +6,7 @@
 
 namespace busbar::tool::watch {
 
-/// What a user typed.
+/// A key that the user typed.
 struct Key {
     enum class Kind : std::uint8_t {
         Character,
@@ -46,7 +46,7 @@ enum class Action : std::uint8_t {
     Cancel, // the filter, or what a message says
 };
 
-/// What a key does while no line is edited.
+/// The action of a key while no line is edited.
 [[nodiscard]] Action action_of(const Key& key);
 /// "q quit  p pause ...": as many as there is room for.
 [[nodiscard]] std::string key_help(std::size_t columns);

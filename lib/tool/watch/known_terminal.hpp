@@ -2,8 +2,9 @@
 
 namespace busbar::tool::watch {
 
-/// Whether terminfo knows what TERM names. newterm() finds out too, but keeps what it took where it
-/// does not. In a file of its own, as <term.h> has macros of names like "tab" and "columns".
+/// Tells whether terminfo knows the TERM. newterm() would tell, too, but leaks memory for an
+/// unknown one. In a file of its own, because <term.h> has macros with names like "tab" and
+/// "columns".
 [[nodiscard]] bool is_known_terminal();
 
 } // namespace busbar::tool::watch

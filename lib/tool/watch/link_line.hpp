@@ -16,10 +16,10 @@ struct Now {
     DateTime wall;
 };
 
-/// What the connection does, on one line: the news first.
+/// Describes the state of the connection on one line, news first.
 class LinkLine {
 public:
-    /// `how` it is secured and who is logged in.
+    /// `how` describes its security and the user.
     void connected(std::string how, bool is_secure, const Now& now);
     void lost(StatusCode why, const Now& now);
     /// Notifications between the two moments may be missing; null: it is not known since when.

@@ -12,7 +12,7 @@ namespace {
 /// Part 3, 8.57
 constexpr std::uint8_t current_write = 2;
 
-/// A lost connection is no reason to keep the user waiting.
+/// Fails at once if the connection is lost, to keep the view responsive.
 client::ServiceOptions at_once()
 {
     client::RequestOptions options;
@@ -75,7 +75,7 @@ void LiveWriter::take(std::vector<DataValue> attributes)
         later([this, status] { prepared_("", text_of(status)); });
         return;
     }
-    // Who does not tell is asked by the attempt.
+    // If the server does not tell, the attempt decides.
     if ((attributes[2].value.value_or<std::uint8_t>(current_write) & current_write) == 0) {
         later([this] { prepared_("", "read only, for this user"); });
         return;

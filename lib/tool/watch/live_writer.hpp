@@ -24,7 +24,7 @@ public:
 
     struct Outcome {
         StatusCode status;
-        /// What is wrong with the text; empty if it went to the server.
+        /// An error in the text; empty if it was sent to the server.
         std::string problem;
     };
     /// Writes to the node of the last prepare() that ended well.

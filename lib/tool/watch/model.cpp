@@ -21,8 +21,8 @@ bool contains(std::string_view text, std::string_view part)
            std::search(text.begin(), text.end(), part.begin(), part.end(), is_same) != text.end();
 }
 
-/// How long the server had the value before it sent it. Old values of a server that gives no
-/// second timestamp look new.
+/// The time that the server had the value before it sent it. Old values look new if a server gives
+/// no second timestamp.
 Duration age_at_server(const DataValue& value)
 {
     const std::int64_t source = value.source_timestamp.ticks;

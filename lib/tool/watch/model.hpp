@@ -39,7 +39,7 @@ struct EventRow {
 enum class SortBy : std::uint8_t { Given, Name, Value, Age, Status };
 [[nodiscard]] std::string_view name(SortBy sort);
 
-/// What is typed into at the bottom.
+/// The line that is edited at the bottom.
 struct Prompt {
     enum class Kind : std::uint8_t { Filter, Write };
     Kind kind;
@@ -47,8 +47,8 @@ struct Prompt {
     LineEditor line;
 };
 
-/// What `busbar watch` shows and how the user wants to see it; knows neither the terminal, nor the
-/// server, nor what time it is.
+/// The content of `busbar watch` and the user's choices for showing it. Depends neither on the
+/// terminal, nor on the server, nor on the time.
 class Model {
 public:
     static constexpr std::size_t max_events = 1'000;
@@ -63,7 +63,7 @@ public:
     void set_value(std::size_t row, const DataValue& value, std::string text, const Now& now);
     /// The same value can be told better now.
     void set_text(std::size_t row, std::string text) { rows_[row].text = std::move(text); }
-    /// What became of the monitored item.
+    /// Sets the status of a monitored item.
     void set_item(std::size_t row, StatusCode status);
     void add_event(EventRow event);
     [[nodiscard]] LinkLine& link() { return link_; }
@@ -95,7 +95,7 @@ public:
     [[nodiscard]] SortBy sort() const { return sort_; }
     [[nodiscard]] bool is_reversed() const { return is_reversed_; }
     [[nodiscard]] bool is_paused() const { return paused_.has_value(); }
-    /// As they are, or were when the view was paused.
+    /// The rows as they are, or as they were when the view was paused.
     [[nodiscard]] const std::vector<Row>& rows() const;
     [[nodiscard]] const std::deque<EventRow>& events() const; // newest first
     /// The time that ages are counted to.
@@ -104,7 +104,7 @@ public:
     [[nodiscard]] std::vector<std::size_t> order() const;
     /// The row that the user is at; none if the filter leaves none.
     [[nodiscard]] std::optional<std::size_t> selected() const;
-    /// Where in order() the first row that is seen stands.
+    /// Position of the first visible row in order().
     [[nodiscard]] std::size_t top() const { return top_; }
 
 private:

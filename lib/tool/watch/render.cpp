@@ -47,7 +47,7 @@ public:
 
 private:
     [[nodiscard]] std::size_t columns() const { return screen_.size().columns; }
-    /// As much as there is room for at the current row.
+    /// Writes as much of the text as fits at the current row.
     void put(std::size_t column, std::string_view text, Ink ink = {})
     {
         if (column < columns()) {
@@ -90,7 +90,7 @@ void Painter::title()
     ++row_;
 }
 
-/// How the table is seen now: "PAUSED  filter: speed  sort: name  1-16 of 19".
+/// Describes the view: "PAUSED  filter: speed  sort: name  1-16 of 19".
 std::string Painter::view_text() const
 {
     std::string text;
@@ -225,7 +225,7 @@ void Painter::bottom()
     }
 }
 
-/// Of a text that is too long the end is seen, where the cursor is.
+/// Shows the end of a text that is too long, because the cursor is there.
 void Painter::prompt(const Prompt& prompt)
 {
     const std::size_t room = columns() - std::min<std::size_t>(columns(), 1);

@@ -15,7 +15,7 @@ struct Columns {
     std::size_t status;
 };
 
-/// Where what stands: a part with 0 rows is left out.
+/// The places of all parts; a part with 0 rows is left out.
 struct Layout {
     Columns columns;
     bool has_title;

@@ -16,7 +16,7 @@ struct Size {
     friend bool operator==(const Size&, const Size&) = default;
 };
 
-/// How a piece of text looks.
+/// The appearance of a piece of text.
 struct Ink {
     Style style{Style::Plain};
     bool is_reversed{false};
@@ -27,7 +27,7 @@ struct Ink {
 class Screen {
 public:
     struct Glyph {
-        /// One character with what combines with it; empty behind a wide one.
+        /// One character with its combining ones; empty after a wide character.
         std::string text{" "};
         Ink ink{};
     };
@@ -51,7 +51,7 @@ public:
         std::size_t row;
         std::size_t column;
     };
-    /// Where the cursor shows; nowhere if there is none.
+    /// Position of the cursor; empty if it is hidden.
     std::optional<Place> cursor;
 
 private:

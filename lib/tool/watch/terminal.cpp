@@ -46,8 +46,8 @@ void on_continue(int)
 
 using SignalAction = void (*)(int);
 
-/// Ctrl+Z is ours: ncurses ignores it as long as it draws, and so loses some. Where whoever started
-/// us has it ignored it stays so. The action that there was.
+/// Takes over Ctrl+Z, which ncurses ignores while it draws, so that some would be lost. It stays
+/// ignored if the parent process ignores it. Returns the previous action.
 SignalAction take_stops()
 {
     const SignalAction before = std::signal(SIGTSTP, on_stop);

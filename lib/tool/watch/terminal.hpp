@@ -8,11 +8,11 @@
 
 namespace busbar::tool::watch {
 
-/// The terminal of standard input and output, in full-screen mode as long as this lives. One at a
-/// time; whoever writes to it meanwhile garbles it.
+/// The terminal of standard input and output, in full-screen mode while this object exists. Only
+/// one may exist; other output to the terminal in the meantime garbles it.
 ///
-/// By ncursesw: it knows what each terminal can do (terminfo), tells keys from the bytes that they
-/// send, notices new sizes, and sends only what has changed, which counts over a slow line. Debian
+/// Uses ncursesw: it knows the abilities of each terminal (terminfo), recognizes keys by their
+/// bytes, notices new sizes, and sends only what has changed, which matters on a slow line. Debian
 /// maintains it in its base system. Ctrl+Z gives the terminal back at the next next_key().
 class Terminal {
 public:
@@ -25,7 +25,7 @@ public:
     ~Terminal();
 
     [[nodiscard]] Size size() const;
-    /// What was typed, without waiting. Redraw, too, after the program was stopped.
+    /// Returns the next key without waiting. Redraw, too, after the program was stopped.
     [[nodiscard]] std::optional<Key> next_key();
     void draw(const Screen& screen);
     /// Draw all of it the next time, whatever else has written there.

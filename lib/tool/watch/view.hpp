@@ -12,7 +12,7 @@ namespace busbar::tool::watch {
 /// A Variable that is watched.
 struct Watched {
     FeedNode node;
-    /// How the table names it.
+    /// Its name in the table.
     std::string name;
 };
 
@@ -20,7 +20,7 @@ struct ViewSettings {
     FeedSettings feed;
     StreamEnd end;
     bool has_events{true};
-    /// What the user should know at first; may be empty.
+    /// A note for the user at the start; may be empty.
     std::string note;
 };
 
@@ -59,7 +59,7 @@ private:
     Connection* connection_;
     std::vector<Watched> nodes_;
     Model model_;
-    /// Which value of a row is the newest: types may come after the next value.
+    /// Version of the newest value of each row: types may arrive after the next value.
     std::vector<std::uint64_t> versions_;
     std::vector<StatusCode> statuses_; // of the items
     TimePoint drawn_;
