@@ -160,6 +160,32 @@ TEST_CASE_METHOD(AttributeFixture, "the client chooses the timestamps")
     CHECK(values[0] == DataValue{Variant{7}});
 }
 
+TEST_CASE_METHOD(AttributeFixture, "a server without history says of no node that it has some")
+{
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    variable.access_level =
+        model::Access::ReadWrite | model::Access::HistoryRead | model::Access::HistoryWrite;
+    variable.historizing = true;
+    const NodeId level = add("Level", variable);
+    constexpr std::uint8_t read_write = 3;
+    user.access_level_mask = 0xFF;
+    CHECK(read(level, AttributeId::AccessLevel).value == Variant{read_write});
+    CHECK(read(level, AttributeId::UserAccessLevel).value == Variant{read_write});
+    CHECK((*read(level, AttributeId::AccessLevelEx).value.get_if<std::uint32_t>() & 0xFFU) ==
+          read_write);
+    CHECK(read(level, AttributeId::Historizing).value == Variant{false});
+
+    model::NewNode node;
+    node.id = NodeId{namespace_index, "Area"};
+    node.browse_name = QualifiedName{namespace_index, "Area"};
+    node.parent = space.find(id::ObjectsFolder);
+    model::NewObject area;
+    area.event_notifier = 0x0D; // SubscribeToEvents, HistoryRead, HistoryWrite
+    REQUIRE(space.add_object(node, area));
+    CHECK(read(node.id, AttributeId::EventNotifier).value == Variant{std::uint8_t{1}});
+}
+
 TEST_CASE_METHOD(AttributeFixture, "a bad status comes without value, an uncertain one with it")
 {
     const NodeId speed = add("Speed", id::Int32, 7);

@@ -89,6 +89,23 @@ void translate(const ReadContext& context, model::NodeIndex node, AttributeId at
     }
 }
 
+/// Part 3, 5.6.2 and 5.5.1: these say that history can be read or updated, or is being collected. A
+/// server without history says so of no node, whatever a file says.
+void hide_history(AttributeId attribute_id, Variant& value)
+{
+    constexpr unsigned history = static_cast<unsigned>(AccessLevelType::HistoryRead) |
+                                 static_cast<unsigned>(AccessLevelType::HistoryWrite);
+    if (attribute_id == AttributeId::Historizing) {
+        value = Variant{false};
+    } else if (const auto* const level = value.get_if<std::uint8_t>();
+               level != nullptr) { // AccessLevel, UserAccessLevel, EventNotifier
+        value = Variant{static_cast<std::uint8_t>(*level & ~history)};
+    } else if (const auto* const more = value.get_if<std::uint32_t>();
+               more != nullptr && attribute_id == AttributeId::AccessLevelEx) {
+        value = Variant{*more & ~std::uint32_t{history}};
+    }
+}
+
 /// Returns any attribute except a Variable's Value.
 Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
@@ -109,7 +126,9 @@ Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, mode
     }
     if (attribute_id == AttributeId::UserAccessLevel &&
         space.node_class(node) == NodeClass::Variable) {
-        return Variant{context.rights.access_level(node, space.variable(node))};
+        Variant level{context.rights.access_level(node, space.variable(node))};
+        hide_history(attribute_id, level);
+        return level;
     }
     if (space.node_class(node) == NodeClass::Method && attribute_id == AttributeId::Executable) {
         return Variant{is_executable(space, node)};
@@ -135,6 +154,7 @@ Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, mode
     auto value = space.attribute(node, attribute_id);
     if (value) {
         translate(context, node, attribute_id, *value);
+        hide_history(attribute_id, *value);
     }
     return value;
 }
