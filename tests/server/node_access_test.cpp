@@ -193,6 +193,21 @@ constexpr unsigned may_call = 4096;
 
 } // namespace
 
+TEST_CASE_METHOD(AccessFixture, "no channel is strong enough for an attribute that is not there")
+{
+    restrict_to(go, encryption);
+    auto client = log_in();
+    CHECK(read(client, "Go").status == status::Bad_AttributeIdInvalid);
+    CHECK(read(client, "Go", AttributeId::DataType).status == status::Bad_AttributeIdInvalid);
+    CHECK(read(client, "Go", static_cast<AttributeId>(99)).status ==
+          status::Bad_AttributeIdInvalid);
+    CHECK(write(client, "Go") == status::Bad_AttributeIdInvalid);
+    CHECK(call(client) == weak);
+    restrict_to(value, encryption);
+    CHECK(read(client, "Value").status == weak);
+    CHECK(read(client, "Value", AttributeId::Executable).status == status::Bad_AttributeIdInvalid);
+}
+
 TEST_CASE_METHOD(AccessFixture, "A node that asks for encryption is used over no weaker channel")
 {
     restrict_to(value, encryption);

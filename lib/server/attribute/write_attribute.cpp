@@ -146,6 +146,10 @@ StatusCode write_attribute(const WriteContext& context, model::NodeIndex node,
                            const WriteValue& value)
 {
     const auto attribute = static_cast<AttributeId>(value.attribute_id);
+    // First: no channel is strong enough for an attribute that no node of the class has.
+    if (!model::AddressSpace::has_attribute(context.space.node_class(node), attribute)) {
+        return status::Bad_AttributeIdInvalid;
+    }
     if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
         return weak;
     }

@@ -110,13 +110,19 @@ void hide_history(AttributeId attribute_id, Variant& value)
 Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
     const model::AddressSpace& space = context.space;
-    const bool is_browsing = id.attribute_id != value_attribute;
-    const StatusCode weak = is_browsing ? context.rights.check_browse_channel(node)
-                                        : context.rights.check_channel(node);
-    if (weak.is_bad()) {
+    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
+    if (const StatusCode weak = context.rights.check_browse_channel(node); weak.is_bad()) {
         return fail(weak);
     }
-    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
+    // First: no channel is strong enough for an attribute that no node of the class has.
+    if (!model::AddressSpace::has_attribute(space.node_class(node), attribute_id)) {
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    if (id.attribute_id == value_attribute) {
+        if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+            return fail(weak);
+        }
+    }
     if (attribute_id == AttributeId::Value) {
         Variant value = space.value(node);
         if (space.node_class(node) != NodeClass::VariableType || value.is_null()) {
