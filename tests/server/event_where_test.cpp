@@ -77,6 +77,29 @@ TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.3, without its views
     CHECK(elements[4].operand_status_codes[0] == status::Bad_FilterOperandInvalid);
 }
 
+TEST_CASE_METHOD(FilterFixture, "OfType takes event types only (Part 4, 7.7.3)")
+{
+    for (const Variant& wrong :
+         {Variant{NodeId{0, id::ObjectsFolder}}, Variant{NodeId{0, id::BaseObjectType}},
+          Variant{NodeId{7, "nowhere"}}, Variant{5}, Variant{}}) {
+        EventFilter filter = selecting({"Message"});
+        where(filter, OfType, {literal(wrong)});
+        REQUIRE(compile(filter) == status::Bad_EventFilterInvalid);
+        const auto& elements = result.where_clause_result.element_results;
+        REQUIRE(elements.size() == 1);
+        CHECK(elements[0].status_code == status::Bad_FilterOperandInvalid);
+        REQUIRE(elements[0].operand_status_codes.size() == 1);
+        CHECK(elements[0].operand_status_codes[0] == status::Bad_FilterOperandInvalid);
+    }
+    EventFilter filter = selecting({"Message"});
+    where(filter, OfType, {literal(ExpandedNodeId{NodeId{0, id::AuditEventType}})});
+    CHECK(compile(filter) == status::Good);
+    // What a field is, only an event tells.
+    EventFilter field = selecting({"Message"});
+    where(field, OfType, {of("EventType")});
+    CHECK(compile(field) == status::Good);
+}
+
 TEST_CASE_METHOD(FilterFixture, "where clauses on fields", "[unit:Monitor Complex Event Filter]")
 {
     EventFilter severe = selecting({"Message"});

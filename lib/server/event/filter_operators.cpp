@@ -4,6 +4,8 @@
 #include <array>
 #include <optional>
 
+#include <busbar/types/ids.hpp>
+
 #include "filter_compare.hpp"
 #include "filter_conversion.hpp"
 #include "like.hpp"
@@ -136,19 +138,19 @@ Variant logical_or(FilterContext&, FilterOperands operands)
 }
 
 /// Returns the node of this server that the operand names; no_node if there is none.
-model::NodeIndex node_of(const FilterContext& context, const Variant& operand)
+model::NodeIndex node_of(const model::AddressSpace& space, const Variant& operand)
 {
     if (const auto* const id = operand.get_if<NodeId>()) {
-        return context.space.find(*id);
+        return space.find(*id);
     }
     const auto* const id = operand.get_if<ExpandedNodeId>();
-    return id != nullptr && id->is_local() ? context.space.find(id->node_id) : model::no_node;
+    return id != nullptr && id->is_local() ? space.find(id->node_id) : model::no_node;
 }
 
 /// Any error in the conversion or in the parameters yields NULL.
 Variant cast(FilterContext& context, FilterOperands operands)
 {
-    const model::NodeIndex type = node_of(context, *operands[1]);
+    const model::NodeIndex type = node_of(context.space, *operands[1]);
     if (type == model::no_node || context.space.node_class(type) != NodeClass::DataType) {
         return {};
     }
@@ -160,7 +162,7 @@ Variant cast(FilterContext& context, FilterOperands operands)
 /// True if the event is of the type or of a subtype; false if the operand is not a type.
 Variant of_type(FilterContext& context, FilterOperands operands)
 {
-    return context.space.is_subtype_of(context.event_type, node_of(context, *operands[0]));
+    return context.space.is_subtype_of(context.event_type, node_of(context.space, *operands[0]));
 }
 
 /// An integer with its size; other values have size 0.
@@ -257,6 +259,13 @@ constexpr std::array operator_rules{
 };
 
 } // namespace
+
+bool is_event_type(const model::AddressSpace& space, const Variant& operand)
+{
+    const model::NodeIndex type = node_of(space, operand);
+    return type != model::no_node && space.node_class(type) == NodeClass::ObjectType &&
+           space.is_subtype_of(type, id::BaseEventType);
+}
 
 const FilterOperatorRule* find_operator(FilterOperator id)
 {

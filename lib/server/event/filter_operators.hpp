@@ -29,6 +29,9 @@ struct FilterOperatorRule {
     Variant (*evaluate)(FilterContext& context, FilterOperands operands);
 };
 
+/// Returns whether the operand is the NodeId of an event type.
+[[nodiscard]] bool is_event_type(const model::AddressSpace& space, const Variant& operand);
+
 /// Returns null for a number that is not an operator.
 [[nodiscard]] const FilterOperatorRule* find_operator(FilterOperator id);
 

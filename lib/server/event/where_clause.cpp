@@ -31,6 +31,9 @@ public:
         if (result.status_code.is_good()) {
             add_operands(element.filter_operands, result);
         }
+        if (result.status_code.is_good() && element.filter_operator == FilterOperator::OfType) {
+            check_type(element.filter_operands[0], result);
+        }
         const auto count = static_cast<std::uint32_t>(clause_.operands_.size()) - first;
         clause_.elements_.push_back({rule, first, count, false});
         return result;
@@ -110,6 +113,18 @@ private:
         push(Source::Field, clause_.fields_.size());
         clause_.fields_.push_back(*std::move(field));
         return status::Good;
+    }
+
+    /// Part 4, 7.7.3: the operand of OfType must resolve to an EventType. What the operand is in
+    /// each event is not known here, except of a literal.
+    void check_type(const ExtensionObject& operand, ContentFilterElementResult& result) const
+    {
+        const auto* const literal = operand.get_if<LiteralOperand>();
+        if (literal == nullptr || is_event_type(fields_.space(), literal->value)) {
+            return;
+        }
+        result.status_code = status::Bad_FilterOperandInvalid;
+        result.operand_status_codes = {status::Bad_FilterOperandInvalid};
     }
 
     void push(Source source, std::size_t index)
