@@ -2,6 +2,7 @@
 
 #include <busbar/model/address_space.hpp>
 
+#include "no_time.hpp"
 #include "tables.hpp"
 
 namespace busbar::model {
@@ -109,8 +110,9 @@ Result<void> AddressSpace::set_data_value(NodeIndex node, DataValue value)
         }
     }
     tables_->translations.erase(node, AttributeId::Value);
-    const detail::ValueQuality quality{value.source_timestamp, value.status,
-                                       value.source_picoseconds};
+    const bool is_timed = !value.source_timestamp.is_null();
+    const detail::ValueQuality quality{is_timed ? value.source_timestamp : detail::no_time,
+                                       value.status, value.source_picoseconds};
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);
         overlay.value = std::move(value.value);

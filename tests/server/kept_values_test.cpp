@@ -94,8 +94,10 @@ TEST_CASE_METHOD(KeptValues, "status and source timestamp are written with the v
 TEST_CASE_METHOD(KeptValues, "a value that is written has the time when it was")
 {
     const NodeId level = add_kept("level", 1, id::Int32);
-    CHECK(read(level).source_timestamp.is_null());
+    const DateTime started = wall_clock.time;
+    CHECK(read(level).source_timestamp == started); // when it was made, it came with its node
     advance(5s);
+    CHECK(read(level).source_timestamp == started);
     CHECK(write(level, DataValue{Variant{1}}) == status::Good);
     const DateTime then = wall_clock.time;
     advance(5s);

@@ -55,6 +55,7 @@ struct AttributeNeeds {
     WriteObserver& observer;
     /// Locales of texts that may be written, in addition to those in the address space.
     const std::vector<std::string>& locale_ids;
+    DateTime start_time{};
 };
 
 } // namespace busbar::server::detail

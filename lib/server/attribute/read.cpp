@@ -27,6 +27,7 @@ bool ReadOperation::plan(ServiceContext& context)
                            rights_of(*context.session, needs_.space, needs_.access),
                            live_value,
                            needs_.wall_clock.now(),
+                           needs_.start_time,
                            context.session->locale_ids,
                            context.session->registered.get()};
     if (job_->is_outdated(needs_.space)) {

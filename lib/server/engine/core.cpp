@@ -70,10 +70,12 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
                       *environment.wall_clock,
                       server_object,
                       *this,
-                      config.locale_ids},
+                      config.locale_ids,
+                      life.start_time},
       view_needs{address_space, config.limits, *environment.random, environment.access, late_nodes},
       certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)}
 {
+    subscription_needs.start_time = life.start_time;
     add_base_services(services);
 }
 

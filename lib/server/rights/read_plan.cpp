@@ -5,6 +5,7 @@
 
 #include "live_values.hpp"
 #include "method_lookup.hpp"
+#include "model/no_time.hpp"
 #include "write_mask.hpp"
 
 namespace busbar::server::detail {
@@ -175,6 +176,9 @@ DataValue kept_value(const ReadContext& context, const ReadTarget& id, model::No
         }
     }
     DataValue value = context.space.data_value(node);
+    if (value.source_timestamp.is_null() && value.source_timestamp != model::detail::no_time) {
+        value.source_timestamp = context.start_time;
+    }
     translate(context, node, AttributeId::Value, value.value);
     return value;
 }

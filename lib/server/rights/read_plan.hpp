@@ -24,6 +24,9 @@ struct ReadContext {
     /// computed when it is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
+    /// The source timestamp of values that came with their nodes and were never set: when the
+    /// server got them (Part 4, 7.11.3).
+    DateTime start_time{};
     /// The reader's locales in order of preference.
     std::span<const std::string> locales{};
     /// The aliases that may be among the NodeIds of the request; may be null.

@@ -19,7 +19,7 @@ ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscri
         return needs.live_values.find(node, reader);
     };
     return plan_read({needs.space, needs.sources, subscription.rights(), live_value,
-                      needs.wall_time(), subscription.locales()},
+                      needs.wall_time(), needs.start_time, subscription.locales()},
                      id);
 }
 

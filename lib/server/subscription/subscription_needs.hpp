@@ -47,6 +47,7 @@ struct SubscriptionNeeds {
     EventItems* event_items{nullptr};
     /// May be null.
     SubscriptionObserver* observer{nullptr};
+    DateTime start_time{};
 
     [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }
 };
