@@ -311,12 +311,16 @@ Texts expected_day()
     add(large_preparation());
     add({"11:05:02 SERVER 0005 Run"});
     add(day_preparation("11:30:00", "11:30:02", false));
-    add({"15:00:01 CERT 0003 Expired_Server" + own_name,
+    const std::string client_expired =
+        " CERT 0104 Expired_Client Line 4 2026-01-01T12:00:00Z CLIENT TRUSTED";
+    add({"12:00:01" + client_expired, "15:00:01 CERT 0003 Expired_Server" + own_name,
          "15:30:00 CERT 0001 Update_Server NxOpcUaServer@192.168.250.1 2027-01-01T15:30:00Z"});
     add(day_preparation("15:30:00", "15:30:02", false));
     add(day_preparation("16:00:00", "16:00:02", false));
     add({"17:00:00 SERVER 0006 Shutdown", "17:05:00 SERVER 0001 Start"});
-    add(day_preparation("17:05:00", "17:05:02", false));
+    Texts again = day_preparation("17:05:00", "17:05:02", false);
+    again.insert(again.begin() + 1, "17:05:00" + client_expired);
+    add(again);
     add({"20:00:00 SERVER 0006 Shutdown"});
     return all;
 }
