@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "tool/watch/details.hpp"
+#include "tool/watch/short_names.hpp"
 #include "watch_fixture.hpp"
 
 namespace watch_model_test {
@@ -57,6 +59,49 @@ TEST_CASE("a trend is what the last numbers were", "[watch]")
     CHECK_FALSE(number_of(Variant{true}));
     CHECK_FALSE(number_of(Variant{Array<double>{1}}));
     CHECK_FALSE(number_of(Variant{String{"1"}}));
+}
+
+TEST_CASE("names are as short as they can be", "[watch]")
+{
+    using Names = std::vector<std::string>;
+    const ShortNames press =
+        short_names({"4:Press/4:GlobalVars/4:Mode", "4:Press/4:GlobalVars/4:Part/2:Count"});
+    CHECK(press.folder == "Press/GlobalVars");
+    CHECK(press.names == Names{"Mode", "Part/Count"});
+    // Numbers of namespaces stay where they make the difference.
+    const ShortNames same = short_names({"2:Press/2:Mode", "2:Press/3:Mode", "2:Press/2:Time"});
+    CHECK(same.folder == "2:Press");
+    CHECK(same.names == Names{"2:Mode", "3:Mode", "2:Time"});
+    CHECK(short_names({"2:Press/2:Mode"}).names == Names{"Press/Mode"});
+    CHECK(short_names({"ns=2;s=a/b", "ns=2;s=a/c"}).names == Names{"ns=2;s=a/b", "ns=2;s=a/c"});
+    CHECK(short_names({"[ns=2;s=a]/2:b"}).names == Names{"[ns=2;s=a]/2:b"});
+    CHECK(short_names({"2:A&/b/2:c", "2:A&/b/2:d"}).folder == "A&/b");
+    CHECK(short_names({"2:A&/b", "2:A&/c"}).folder.empty());
+    CHECK(short_names({"12:30", "Part 2:Count"}).names == Names{"30", "Part 2:Count"});
+    CHECK(short_names({}).names.empty());
+}
+
+TEST_CASE("keys and details take the place of the table", "[watch]")
+{
+    Model model{"x"};
+    model.add_row("Speed");
+    model.apply(action_of(character("?")), at(0s));
+    CHECK(model.shows_help());
+    model.apply(action_of(character("j")), at(0s)); // any key ends it
+    CHECK_FALSE(model.shows_help());
+    model.apply(action_of(character("d")), at(0s));
+    CHECK(model.shows_details());
+    model.apply(Action::Cancel, at(0s));
+    CHECK_FALSE(model.shows_details());
+    CHECK(details_of(model.rows()[0], "/Objects/2:Speed", {}, nullptr, 80) ==
+          std::vector<std::string>{"Node          /Objects/2:Speed", "DataType      not known",
+                                   "Status        no value yet"});
+    model.set_value(0, value_of(Variant{17}), "17", at(0s));
+    const auto lines =
+        details_of(model.rows()[0], "/Objects/2:Speed", {{}, "Int32", "1/min"}, nullptr, 80);
+    CHECK(lines.back() == "Value         17");
+    CHECK(lines[2] == "Unit          1/min");
+    CHECK(lines[4] == "Source time   2026-11-21T12:00:00Z");
 }
 
 TEST_CASE("ages are told in the unit that suits them", "[watch]")
@@ -223,8 +268,8 @@ TEST_CASE("keys do what the last line says", "[watch]")
     CHECK(action_of({Key::Kind::PageDown}) == Action::PageDown);
     CHECK(action_of(character("é")) == Action::None);
     CHECK(key_help(80) ==
-          "q quit  w write  / filter  s sort  p pause  r reverse  e events  Up Down scroll");
-    CHECK(key_help(20) == "q quit  w write");
+          "q quit  ? help  w write  d details  / filter  s sort  p pause  e events");
+    CHECK(key_help(20) == "q quit  ? help");
     CHECK(key_help(3).empty());
 }
 

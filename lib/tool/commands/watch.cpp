@@ -12,6 +12,7 @@
 #include "tool/printing/event_fields.hpp"
 #include "tool/printing/value.hpp"
 #include "tool/stream/watched_values.hpp"
+#include "tool/watch/short_names.hpp"
 #include "tool/watch/view.hpp"
 
 namespace busbar::tool {
@@ -121,13 +122,32 @@ std::unique_ptr<watch::Terminal> open_terminal(const Context& context,
     return watch::Terminal::open(context.out.has_colour());
 }
 
+/// What the table needs beside the names: what the server says of each, and shorter names.
+watch::ViewSettings settings_of(Connection& connection, const WatchArguments& arguments,
+                                Selection& selection)
+{
+    std::vector<std::string> names;
+    std::vector<std::string> addresses;
+    for (const watch::Watched& watched : selection.nodes) {
+        names.push_back(watched.name);
+        addresses.push_back(watched.node.address.text());
+    }
+    const auto facts = facts_of(connection, find_nodes(connection, addresses), FactsWanted::All);
+    watch::ShortNames shorter = watch::short_names(names);
+    for (std::size_t i = 0; i < selection.nodes.size(); ++i) {
+        selection.nodes[i].facts = facts[i];
+        selection.nodes[i].name = std::move(shorter.names[i]);
+    }
+    return {arguments.feed, arguments.end, !arguments.has_no_events, selection.note,
+            shorter.folder};
+}
+
 Exit watch_nodes(Context& context, const WatchArguments& arguments)
 {
     Connection connection{context, Connection::Endurance::Lasting};
-    const Selection selection = select(connection, arguments);
+    Selection selection = select(connection, arguments);
     if (auto terminal = open_terminal(context, arguments)) {
-        const watch::ViewSettings settings{arguments.feed, arguments.end, !arguments.has_no_events,
-                                           selection.note};
+        const watch::ViewSettings settings = settings_of(connection, arguments, selection);
         return watch::View{context, connection, settings, selection.nodes, std::move(terminal)}
             .run();
     }
@@ -135,10 +155,13 @@ Exit watch_nodes(Context& context, const WatchArguments& arguments)
 }
 
 constexpr const char* watch_footer =
-    "Keys: arrows, Page Up and Down, Home and End move; w or Enter writes the value, / filters by\n"
-    "name, s sorts by name, value, age, status, r reverses that, p pauses, e shows events or not,\n"
-    "Escape ends what was typed or the filter, q quits. Lines instead of a view in a pipe, with\n"
-    "--json and where TERM is dumb.";
+    "Keys: arrows, Page Up and Down, Home and End move; w or Enter writes the value,\n"
+    "d shows all that is known of a variable, / filters by name, s sorts by name,\n"
+    "value, age, status, r reverses that, p pauses, e shows events or not, ? lists\n"
+    "the keys, Escape ends what was typed, the details or the filter, q quits. Names\n"
+    "are without numbers of namespaces where these make no difference, numbers\n"
+    "rounded to six digits. Lines instead of a view in a pipe, with --json, --csv,\n"
+    "--format and --value, and where TERM is dumb.";
 
 } // namespace
 

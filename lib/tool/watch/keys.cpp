@@ -13,13 +13,15 @@ struct CharacterKey {
     Action action;
 };
 constexpr std::array character_keys{
-    CharacterKey{"q", Action::Quit},   CharacterKey{"p", Action::Pause},
-    CharacterKey{" ", Action::Pause},  CharacterKey{"/", Action::Filter},
-    CharacterKey{"s", Action::Sort},   CharacterKey{"r", Action::Reverse},
-    CharacterKey{"w", Action::Write},  CharacterKey{"e", Action::Events},
-    CharacterKey{"k", Action::Up},     CharacterKey{"j", Action::Down},
-    CharacterKey{"g", Action::First},  CharacterKey{"G", Action::Last},
-    CharacterKey{"b", Action::PageUp}, CharacterKey{"f", Action::PageDown},
+    CharacterKey{"q", Action::Quit},     CharacterKey{"p", Action::Pause},
+    CharacterKey{" ", Action::Pause},    CharacterKey{"/", Action::Filter},
+    CharacterKey{"s", Action::Sort},     CharacterKey{"r", Action::Reverse},
+    CharacterKey{"w", Action::Write},    CharacterKey{"e", Action::Events},
+    CharacterKey{"d", Action::Details},  CharacterKey{"?", Action::Help},
+    CharacterKey{"h", Action::Help},     CharacterKey{"k", Action::Up},
+    CharacterKey{"j", Action::Down},     CharacterKey{"g", Action::First},
+    CharacterKey{"G", Action::Last},     CharacterKey{"b", Action::PageUp},
+    CharacterKey{"f", Action::PageDown},
 };
 
 struct SpecialKey {
@@ -39,9 +41,27 @@ constexpr std::array special_keys{
 };
 
 /// The most important first: the others go where there is no room.
-constexpr std::array<std::string_view, 8> help{"q quit",   "w write",       "/ filter",
-                                               "s sort",   "p pause",       "r reverse",
-                                               "e events", "Up Down scroll"};
+constexpr std::array<std::string_view, 10> help{
+    "q quit", "? help",  "w write",  "d details", "/ filter",
+    "s sort", "p pause", "e events", "r reverse", "Up Down scroll"};
+
+constexpr std::array<std::string_view, 15> lines{
+    "Up, k          the variable above",
+    "Down, j        the variable below",
+    "Page Up, b     a page up",
+    "Page Down, f   a page down",
+    "Home, g        the first variable",
+    "End, G         the last variable",
+    "w, Enter       write the value of the variable",
+    "d              show all that is known of the variable, or the table again",
+    "/              show only variables whose names contain a text; Escape ends it",
+    "s              sort as given, by name, value, age or status",
+    "r              reverse the order",
+    "p, Space       pause, or go on",
+    "e              show events, or not",
+    "Ctrl+L         draw the screen again",
+    "q, Ctrl+C      end",
+};
 
 /// A character of UTF-8 begins with any byte but 10xxxxxx.
 bool continues_character(char byte)
@@ -73,6 +93,11 @@ std::string key_help(std::size_t columns)
         text.append(gap, ' ').append(entry);
     }
     return text;
+}
+
+std::vector<std::string> all_key_help()
+{
+    return {lines.begin(), lines.end()};
 }
 
 LineEditor::State LineEditor::take(const Key& key)

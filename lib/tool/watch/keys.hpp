@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace busbar::tool::watch {
 
@@ -42,14 +43,18 @@ enum class Action : std::uint8_t {
     Reverse,
     Write,
     Events,
+    Details,
+    Help,
     Redraw,
-    Cancel, // the filter, or what a message says
+    Cancel, // the details, the filter, or what a message says
 };
 
 /// The action of a key while no line is edited.
 [[nodiscard]] Action action_of(const Key& key);
 /// "q quit  p pause ...": as many as there is room for.
 [[nodiscard]] std::string key_help(std::size_t columns);
+/// What each key does, a line each.
+[[nodiscard]] std::vector<std::string> all_key_help();
 
 /// A line that the user edits at its end.
 class LineEditor {

@@ -65,6 +65,7 @@ void Model::set_value(std::size_t row, const DataValue& value, std::string text,
 {
     Row& changed = rows_[row];
     changed.text = std::move(text);
+    changed.value = value;
     changed.status = value.status;
     changed.born = now.steady - age_at_server(value);
     changed.number = number_of(value.value);
@@ -104,7 +105,17 @@ void Model::tell(std::string message, Style style)
 bool Model::apply(Action action, const Now& now)
 {
     message_.clear();
+    if (shows_help_) {
+        shows_help_ = false; // any key ends it
+        return true;
+    }
     switch (action) {
+    case Action::Help:
+        shows_help_ = true;
+        return true;
+    case Action::Details:
+        shows_details_ = !shows_details_;
+        return true;
     case Action::Pause:
         toggle_pause(now);
         return true;
@@ -121,7 +132,11 @@ bool Model::apply(Action action, const Now& now)
         open_prompt({Prompt::Kind::Filter, "filter: ", LineEditor{filter_}});
         return true;
     case Action::Cancel:
-        set_filter("");
+        if (shows_details_) {
+            shows_details_ = false;
+        } else {
+            set_filter("");
+        }
         return true;
     default:
         return move(action);

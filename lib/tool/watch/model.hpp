@@ -16,8 +16,9 @@ namespace busbar::tool::watch {
 /// A Variable; all texts are `safe`.
 struct Row {
     std::string name;
-    /// The value for people, on one line.
+    /// The value for people, on one line, with its unit.
     std::string text{"(waiting)"};
+    DataValue value{};
     /// Of the value, or of the monitored item if that is bad.
     StatusCode status{};
     StatusCode item{};
@@ -67,6 +68,8 @@ public:
     void set_item(std::size_t row, StatusCode status);
     void add_event(EventRow event);
     [[nodiscard]] LinkLine& link() { return link_; }
+    /// Lines on the selected row, `safe`.
+    void set_details(std::vector<std::string> lines) { details_ = std::move(lines); }
     /// In place of events; empty for none.
     void set_event_note(std::string text) { event_note_ = std::move(text); }
     /// Shown until the next key.
@@ -92,6 +95,10 @@ public:
     [[nodiscard]] Style message_style() const { return message_style_; }
     [[nodiscard]] const std::string& event_note() const { return event_note_; }
     [[nodiscard]] bool shows_events() const { return shows_events_; }
+    /// In place of the table: the keys, or the details of the selected row.
+    [[nodiscard]] bool shows_help() const { return shows_help_; }
+    [[nodiscard]] bool shows_details() const { return shows_details_; }
+    [[nodiscard]] const std::vector<std::string>& details() const { return details_; }
     [[nodiscard]] SortBy sort() const { return sort_; }
     [[nodiscard]] bool is_reversed() const { return is_reversed_; }
     [[nodiscard]] bool is_paused() const { return paused_.has_value(); }
@@ -129,6 +136,9 @@ private:
     Style message_style_{Style::Plain};
     std::string event_note_;
     bool shows_events_{true};
+    bool shows_help_{false};
+    bool shows_details_{false};
+    std::vector<std::string> details_;
     SortBy sort_{SortBy::Given};
     bool is_reversed_{false};
     std::size_t selected_{0}; // a row

@@ -33,11 +33,17 @@ public:
             put(0, model_->link().text(now_), {model_->link().style()});
             ++row_;
         }
-        if (layout_.has_header) {
-            header();
+        if (model_->shows_help()) {
+            lines("KEYS", all_key_help());
+        } else if (model_->shows_details()) {
+            lines("DETAILS", model_->details());
+        } else {
+            if (layout_.has_header) {
+                header();
+            }
+            table();
+            events();
         }
-        table();
-        events();
         if (layout_.has_bottom) {
             row_ = screen_.size().rows - 1;
             bottom();
@@ -55,6 +61,8 @@ private:
         }
     }
     void title();
+    /// In place of the table and the events.
+    void lines(const std::string& heading, const std::vector<std::string>& text);
     void header();
     void table();
     void row(const Row& row, bool is_selected);
@@ -130,6 +138,21 @@ void Painter::cells(const std::string& name, const std::string& value, const std
     ++row_;
 }
 
+void Painter::lines(const std::string& heading, const std::vector<std::string>& text)
+{
+    const std::size_t end = screen_.size().rows - (layout_.has_bottom ? 1 : 0);
+    if (layout_.has_header) {
+        put(0, heading, {Style::Bold});
+        ++row_;
+    }
+    for (std::size_t i = 0; i < text.size() && row_ < end; ++i, ++row_) {
+        const std::size_t left = text.size() - i;
+        const bool is_cut = row_ + 1 == end && left > 1;
+        put(0, is_cut ? "... " + std::to_string(left) + " more lines" : text[i],
+            {is_cut ? Style::Dim : Style::Plain});
+    }
+}
+
 void Painter::header()
 {
     const Ink bold{Style::Bold};
@@ -193,6 +216,8 @@ void Painter::events()
     ++row_;
     if (!model_->event_note().empty()) {
         put(0, model_->event_note(), {Style::Dim});
+    } else if (model_->events().empty()) {
+        put(0, "(none so far)", {Style::Dim});
     }
     for (auto event = model_->events().begin(); event != model_->events().end() && row_ < end;
          ++event) {

@@ -7,6 +7,7 @@
 #include <busbar/net/system.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "details.hpp"
 #include "render.hpp"
 #include "tool/connection/status_help.hpp"
 #include "tool/printing/display_text.hpp"
@@ -69,8 +70,9 @@ private:
 
 View::View(Context& context, Connection& connection, const ViewSettings& settings,
            const std::vector<Watched>& nodes, std::unique_ptr<Terminal> terminal)
-    : context_{&context}, connection_{&connection}, nodes_{nodes}, model_{safe(
-                                                                       context.options.url)},
+    : context_{&context}, connection_{&connection}, nodes_{nodes},
+      model_{safe(context.options.url) +
+             (settings.folder.empty() ? "" : "  " + safe(settings.folder))},
       versions_(nodes.size()), statuses_(nodes.size()), stream_{context, connection, settings.end,
                                                                 std::make_unique<Listener>(*this)},
       feed_{connection,
@@ -114,7 +116,9 @@ Exit View::run()
             }
         });
     } catch (const Interrupted&) {
-        // One more key that ends the view.
+        if (!connection_->is_hung_up()) {
+            return Exit::Interrupted;
+        }
     }
     if (connection_->is_hung_up() || stream_.has_lost_input()) {
         return Exit::HungUp;
@@ -129,11 +133,21 @@ void View::show_value(std::size_t row, const DataValue& value)
         return;
     }
     ++versions_[row];
-    model_.set_value(row, value, text_of(value, connection_->types().types()), now());
+    model_.set_value(row, value, told(row, value), now());
     is_changed_ = true;
     if (value.value.type() == BuiltInType::ExtensionObject) {
         learn_types(row, value);
     }
+}
+
+/// The value on one line, rounded to what can be seen at a glance.
+std::string View::told(std::size_t row, const DataValue& value)
+{
+    constexpr int digits = 6;
+    const VariableFacts& facts = nodes_[row].facts;
+    const std::string text =
+        text_of(value, connection_->types().types(), {facts.data_type, digits});
+    return facts.unit.empty() || value.status.is_bad() ? text : text + " " + facts.unit;
 }
 
 void View::learn_types(std::size_t row, const DataValue& value)
@@ -141,7 +155,7 @@ void View::learn_types(std::size_t row, const DataValue& value)
     connection_->types().learn_values({value.value}, [this, row, version = versions_[row], value] {
         stream_.push([this, row, version, value] {
             if (versions_[row] == version) {
-                model_.set_text(row, text_of(value, connection_->types().types()));
+                model_.set_text(row, told(row, value));
                 is_changed_ = true;
             }
         });
@@ -263,6 +277,13 @@ void View::write(const std::string& text)
 void View::draw()
 {
     const Size size = terminal_->size();
+    if (const auto row = model_.shows_details() ? model_.selected() : std::nullopt) {
+        model_.set_details(details_of(model_.rows()[*row], nodes_[*row].node.text,
+                                      nodes_[*row].facts, connection_->types().types(),
+                                      size.columns));
+    } else {
+        model_.set_details({});
+    }
     model_.fit(layout_of(model_, size).table_rows);
     const Now moment = now();
     terminal_->draw(render(model_, size, moment, context_->out.has_unicode()));

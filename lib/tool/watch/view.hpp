@@ -6,6 +6,7 @@
 #include "model.hpp"
 #include "terminal.hpp"
 #include "tool/nodes/node_feed.hpp"
+#include "tool/nodes/variable_facts.hpp"
 
 namespace busbar::tool::watch {
 
@@ -14,6 +15,7 @@ struct Watched {
     FeedNode node;
     /// Its name in the table.
     std::string name;
+    VariableFacts facts{};
 };
 
 struct ViewSettings {
@@ -22,6 +24,8 @@ struct ViewSettings {
     bool has_events{true};
     /// A note for the user at the start; may be empty.
     std::string note;
+    /// The folder that all names are below; may be empty.
+    std::string folder;
 };
 
 /// The live view: brings together what the server sends, what the user types, the model of both and
@@ -51,6 +55,7 @@ private:
     void take_key(const Key& key);
     void edit(const Key& key);
     void act(Action action);
+    [[nodiscard]] std::string told(std::size_t row, const DataValue& value);
     void begin_write();
     void write(const std::string& text);
     void draw();
