@@ -1,5 +1,7 @@
 #include "program_options.hpp"
 
+#include <memory>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -116,39 +118,55 @@ ManualPage page_of(const CLI::App& app, const std::string& program)
     return page;
 }
 
-std::string words_of(const CLI::App& app)
-{
-    std::string words;
-    for (const CLI::App* command : commands_of(app)) {
-        words += " " + command->get_name();
+/// Help in lines that a terminal of 80 columns has room for.
+class NarrowFormatter final : public CLI::Formatter {
+public:
+    std::string make_option_desc(const CLI::Option* option) const override
+    {
+        return narrow(Formatter::make_option_desc(option), column_of_texts());
     }
-    for (const CLI::Option* option : options_of(app, false)) {
-        for (const std::string& name : option->get_lnames()) {
-            words += " --" + name;
-        }
+    std::string make_subcommand(const CLI::App* command) const override
+    {
+        std::ostringstream out;
+        CLI::detail::format_help(out, command->get_display_name(true),
+                                 narrow(command->get_description(), column_of_texts()),
+                                 get_column_width());
+        return out.str();
     }
-    return words.empty() ? words : words.substr(1);
-}
+    std::string make_description(const CLI::App* app) const override
+    {
+        return narrow(Formatter::make_description(app), 0);
+    }
 
-/// Completes the commands and options of a program whose commands have no commands themselves.
-std::string completion_of(const CLI::App& app, const std::string& program)
-{
-    std::string function = "_" + program;
-    for (char& character : function) {
-        character = character == '-' ? '_' : character;
+private:
+    [[nodiscard]] std::size_t column_of_texts() const { return get_column_width(); }
+    /// Broken at blanks; lines that are there stay.
+    static std::string narrow(const std::string& text, std::size_t indent)
+    {
+        constexpr std::size_t columns = 80;
+        std::string result;
+        std::size_t column = indent;
+        std::size_t at = 0;
+        while (at < text.size()) {
+            const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
+            if (column > indent && column + 1 + (end - at) > columns) {
+                result += '\n';
+                column = indent;
+            } else if (column > indent) {
+                result += ' ';
+                ++column;
+            }
+            result += text.substr(at, end - at);
+            column += end - at;
+            if (end < text.size() && text[end] == '\n') {
+                result += '\n';
+                column = indent;
+            }
+            at = end + 1;
+        }
+        return result;
     }
-    std::string script =
-        function + "() {\n  local word words='" + words_of(app) +
-        "'\n  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$word\" in\n";
-    for (const CLI::App* command : commands_of(app)) {
-        script += "      '" + command->get_name() + "') words='" + words_of(*command) + "' ;;\n";
-    }
-    return script +
-           "      *) ;;\n    esac\n  done\n"
-           "  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
-           "complete -o default -F " +
-           function + " " + program + "\n";
-}
+};
 
 /// Removes the final newline, because App::exit adds one.
 std::string last_line_open(std::string text)
@@ -161,8 +179,12 @@ std::string last_line_open(std::string text)
 
 } // namespace
 
-void add_program_options(CLI::App& app, const std::string& program)
+void add_program_options(CLI::App& app, const std::string& program, const Completer& completer)
 {
+    app.formatter(std::make_shared<NarrowFormatter>());
+    if (app.get_name().empty()) {
+        app.name(program);
+    }
     app.set_version_flag("--version", program + " " + version(), "print the version and end");
     const auto add = [&app](const std::string& name, auto text) {
         const auto answer = [&app, text] {
@@ -173,7 +195,18 @@ void add_program_options(CLI::App& app, const std::string& program)
     add("--print-man",
         [program](const CLI::App& all) { return text_of(page_of(all, program), version()); });
     add("--print-completion",
-        [program](const CLI::App& all) { return completion_of(all, program); });
+        [program](const CLI::App&) { return completion_script(program, "bash"); });
+    const auto breaks = std::make_shared<std::string>();
+    const auto complete = [&app, completer, breaks](const std::string& line) {
+        std::string text;
+        for (const std::string& candidate : completions(app, line, completer, *breaks)) {
+            text += candidate + "\n";
+        }
+        throw CLI::CallForVersion{last_line_open(text), 0};
+    };
+    // Its callback comes before that of the next one.
+    app.add_option("--complete-breaks", *breaks)->group("");
+    app.add_option_function<std::string>("--complete", complete)->group("");
 }
 
 } // namespace busbar::command_line

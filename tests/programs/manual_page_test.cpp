@@ -3,6 +3,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -87,10 +88,50 @@ TEST_CASE("a program answers with its version, its page and its completion", "[c
     CHECK(page->find("Exit codes") == page->rfind("Exit codes"));
     CHECK_FALSE(has(page, "print\\-man"));
     const auto completion = program.answer("--print-completion");
-    CHECK(has(completion, "words='cert --help --port --version'"));
-    CHECK(has(completion, "'cert') words='list --help'"));
+    CHECK(has(completion, "--complete \"${COMP_LINE:0:$COMP_POINT}\""));
     CHECK(has(completion, "complete -o default -F _tester tester\n"));
     CHECK_FALSE(has(program.answer("--help"), "--print"));
+}
+
+TEST_CASE("a line is completed by what the program understands", "[command_line]")
+{
+    using Words = std::vector<std::string>;
+    Program program;
+    program.app.add_option("--level", program.text, "how much")
+        ->check(CLI::IsMember({"low", "high"}));
+    program.app.add_option("--steps", program.text, "which")
+        ->check([](const std::string&) { return std::string{}; }, "",
+                command_line::values_name({"first", "second"}));
+    const auto of = [&program](const std::string& line) {
+        return command_line::completions(program.app, line, nullptr);
+    };
+    CHECK(of("tester ce") == Words{"cert"});
+    CHECK(of("tester cert ") == Words{"list"});
+    CHECK(of("tester cert list --a") == Words{"--all"});
+    CHECK(of("tester --lev") == Words{"--level"});
+    CHECK(of("tester --level ") == Words{"low", "high"});
+    CHECK(of("tester --level=h") == Words{"--level=high"});
+    CHECK(of("tester --steps s") == Words{"second"});
+    CHECK(of("tester --port 1 ce") == Words{"cert"});
+    CHECK(of("tester -p ").empty());
+    CHECK(of("").size() == 1);
+    // What only the program knows; words are read as a shell reads them.
+    command_line::CompletionPlace seen{&program.app};
+    const auto note = [&seen](const command_line::CompletionPlace& place) {
+        seen = place;
+        return Words{"a b:c", "a d"};
+    };
+    CHECK(command_line::completions(program.app, "tester cert list 'x y' z\\ z \"a b", note) ==
+          Words{"a b:c"});
+    CHECK(seen.arguments == Words{"x y", "z z"});
+    CHECK(seen.word == "a b");
+    CHECK(seen.is_quoted);
+    CHECK(seen.command->get_name() == "list");
+    // bash keeps what is before a colon, but not in quotes.
+    CHECK(command_line::completions(program.app, "tester cert list a\\ b:", note, ":=") ==
+          Words{"c"});
+    CHECK(command_line::completions(program.app, "tester cert list 'a b:", note, ":=") ==
+          Words{"a b:c"});
 }
 
 } // namespace manual_page_test

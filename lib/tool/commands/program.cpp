@@ -28,7 +28,10 @@ int end_early(Context& context, const CLI::App& app, const CLI::ParseError& erro
 {
     std::ostringstream text;
     std::ostringstream ignored;
-    if (app.exit(error, text, ignored) != 0) {
+    // Help on a command that there is not would be that of the program.
+    const bool has_unknown_command = app.get_subcommands().empty() && !app.remaining().empty() &&
+                                     std::string_view{error.get_name()} == "CallForHelp";
+    if (app.exit(error, text, ignored) != 0 || has_unknown_command) {
         throw usage_failure(app, error);
     }
     context.out.write(text.str());
