@@ -20,6 +20,7 @@ void add_commands(CLI::App& app, Run& run)
     add_discover(app, run);
     add_endpoints(app, run);
     add_browse(app, run);
+    add_find(app, run);
     add_read(app, run);
     add_write(app, run);
     add_subscribe(app, run);
@@ -32,6 +33,7 @@ void add_commands(CLI::App& app, Run& run)
     add_project(app, run);
     add_bench(app, run);
     add_completion(app, run);
+    add_help(app, run);
 }
 
 } // namespace

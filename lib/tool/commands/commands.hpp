@@ -19,6 +19,7 @@ namespace busbar::tool {
 void add_discover(CLI::App& app, Run& run);
 void add_endpoints(CLI::App& app, Run& run);
 void add_browse(CLI::App& app, Run& run);
+void add_find(CLI::App& app, Run& run);
 void add_read(CLI::App& app, Run& run);
 void add_write(CLI::App& app, Run& run);
 void add_subscribe(CLI::App& app, Run& run);
@@ -31,5 +32,6 @@ void add_admin(CLI::App& app, Run& run);
 void add_project(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
+void add_help(CLI::App& app, Run& run);
 
 } // namespace busbar::tool

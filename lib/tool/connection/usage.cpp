@@ -36,6 +36,19 @@ std::vector<std::string> commands_below(const CLI::App& level)
     return names;
 }
 
+Failure unknown_option(const CLI::App& command, const std::string& word)
+{
+    const std::string name = word.substr(0, word.find('='));
+    const std::string meant = nearest(name, options_of(command));
+    return {Exit::Usage, name + ": not an option of `" + full_name(command) + "`",
+            meant.empty() ? "`" + full_name(command) +
+                                " --help` has its options; text that begins "
+                                "with - must come after --"
+                          : "did you mean " + meant + "?"};
+}
+
+} // namespace
+
 Failure unknown_command(const CLI::App& level, const std::string& word)
 {
     const std::vector<std::string> commands = commands_below(level);
@@ -50,19 +63,6 @@ Failure unknown_command(const CLI::App& level, const std::string& word)
     }
     return {Exit::Usage, word + ": not a command", "there are " + joined(commands)};
 }
-
-Failure unknown_option(const CLI::App& command, const std::string& word)
-{
-    const std::string name = word.substr(0, word.find('='));
-    const std::string meant = nearest(name, options_of(command));
-    return {Exit::Usage, name + ": not an option of `" + full_name(command) + "`",
-            meant.empty() ? "`" + full_name(command) +
-                                " --help` has its options; text that begins "
-                                "with - must come after --"
-                          : "did you mean " + meant + "?"};
-}
-
-} // namespace
 
 std::string joined(const std::vector<std::string>& words)
 {
