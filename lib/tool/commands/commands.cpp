@@ -6,14 +6,18 @@ namespace {
 
 constexpr const char* footer =
     "Nodes are written i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or\n"
-    "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840 or host:4840.\n"
+    "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840, host:4840, or @NAME\n"
+    "of a profile. Profiles are tables in ~/.config/busbar/profiles.toml, [NAME] with\n"
+    "url, user, password-file, policy, mode, pki and other options of connections;\n"
+    "what the command line says counts before them.\n"
     "`busbar COMMAND --help` has the options of a command; those above may also\n"
     "follow it. Values that begin with - must come after --.\n"
     "\n"
     "Exit codes: 0 good, 1 refused by the server or the disk, 2 usage,\n"
     "3 not connected, 4 security or login, 5 some of the nodes failed,\n"
     "129 the terminal went away, 130 interrupted.\n"
-    "Environment: BUSBAR_URL, BUSBAR_PASSWORD, XDG_DATA_HOME, NO_COLOR, COLUMNS.";
+    "Environment: BUSBAR_URL, BUSBAR_PROFILE, BUSBAR_PASSWORD, XDG_CONFIG_HOME,\n"
+    "XDG_DATA_HOME, NO_COLOR, COLUMNS.";
 
 void add_commands(CLI::App& app, Run& run)
 {

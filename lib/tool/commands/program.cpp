@@ -7,6 +7,8 @@
 
 #include "command_line/program_options.hpp"
 #include "commands.hpp"
+#include "node_completion.hpp"
+#include "tool/connection/profile.hpp"
 #include "tool/connection/usage.hpp"
 
 namespace busbar::tool {
@@ -42,7 +44,7 @@ int run_command(Context& context, int argc, char** argv)
 {
     Run run;
     CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
-    command_line::add_program_options(app, "busbar");
+    command_line::add_program_options(app, "busbar", complete);
     add_command_line(app, context.options, run);
     if (argc == 1) {
         context.err.write(app.help());
@@ -56,6 +58,8 @@ int run_command(Context& context, int argc, char** argv)
             std::find(argv, argv + argc, std::string_view{"--json"}) != argv + argc;
         return end_early(context, app, error);
     }
+    context.options.given = given_options(app);
+    complete_options(context.options);
     return static_cast<int>(run(context));
 }
 

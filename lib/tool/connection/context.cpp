@@ -6,6 +6,8 @@
 
 #include <busbar/crypto/security_policy.hpp>
 
+#include "command_line/completion.hpp"
+#include "profile.hpp"
 #include "tool/nodes/ignored_steps.hpp"
 #include "tool/printing/display_text.hpp"
 #include "usage.hpp"
@@ -26,6 +28,15 @@ std::string unknown(const std::string& text, const std::string& thing,
            "; there are " + joined(names);
 }
 
+std::vector<std::string> policy_names()
+{
+    std::vector<std::string> names;
+    for (const crypto::SecurityPolicy& policy : crypto::security_policies()) {
+        names.emplace_back(policy.name);
+    }
+    return names;
+}
+
 /// Empty if it is one, as CLI11 has it.
 std::string check_step(const std::string& text)
 {
@@ -37,10 +48,7 @@ std::string check_step(const std::string& text)
 /// The same.
 std::string check_policy(const std::string& text)
 {
-    std::vector<std::string> names;
-    for (const crypto::SecurityPolicy& policy : crypto::security_policies()) {
-        names.emplace_back(policy.name);
-    }
+    const auto names = policy_names();
     return crypto::find_policy_by_name(text) != nullptr ? ""
                                                         : unknown(text, "security policy", names);
 }
@@ -49,10 +57,13 @@ std::string check_policy(const std::string& text)
 
 void add_options(CLI::App& app, Options& options)
 {
-    app.add_option("-u,--url", options.url, "server, or first argument of a command")
-        ->envname("BUSBAR_URL")
+    app.add_option("-u,--url", options.url,
+                   "server, or first argument of a command; or set BUSBAR_URL")
         ->type_name("URL")
-        ->capture_default_str();
+        ->default_str("opc.tcp://localhost:4840");
+    app.add_option("--profile", options.profile,
+                   "server and options of a profile, or @NAME for a URL; or set BUSBAR_PROFILE")
+        ->type_name("NAME");
     app.add_option("--user", options.user, "log in by name")->type_name("NAME");
     app.add_option("--password", options.password,
                    "visible to other users; better use one of these:")
@@ -68,7 +79,7 @@ void add_options(CLI::App& app, Options& options)
     app.add_option("--policy", options.policies, "security policies to accept, best first")
         ->type_name("A,B,...")
         ->delimiter(',')
-        ->check(check_policy)
+        ->check(check_policy, "", command_line::values_name(policy_names()))
         ->expected(1);
     app.add_option("--mode", options.mode, "least security: Sign, SignAndEncrypt")
         ->check(CLI::IsMember({"Sign", "SignAndEncrypt"}))
@@ -79,7 +90,7 @@ void add_options(CLI::App& app, Options& options)
         ->type_name("DIR");
     app.add_flag("--trust", options.trusts, "trust the server's certificate from now on");
     app.add_option("--ignore", options.ignored, "accept a certificate that fails this check")
-        ->check(check_step)
+        ->check(check_step, "", command_line::values_name(ignorable_steps()))
         ->type_name("STEP")
         ->expected(1)
         ->take_all();
@@ -89,6 +100,23 @@ void add_options(CLI::App& app, Options& options)
         ->capture_default_str();
     app.add_flag("--json", options.is_json, "write JSON, for scripts");
     app.add_flag("-v,--verbose", options.is_verbose, "tell what is done, on standard error");
+}
+
+std::string check_option(const std::string& name, const std::vector<std::string>& values)
+{
+    if (name == "mode") {
+        const bool is_mode = values.front() == "Sign" || values.front() == "SignAndEncrypt";
+        return is_mode ? "" : "expected Sign or SignAndEncrypt, found " + values.front();
+    }
+    for (const std::string& value : values) {
+        const std::string problem = name == "policy"   ? check_policy(value)
+                                    : name == "ignore" ? check_step(value)
+                                                       : std::string{};
+        if (!problem.empty()) {
+            return problem;
+        }
+    }
+    return {};
 }
 
 void Context::warn(const std::string& label, const std::string& text)
@@ -129,7 +157,14 @@ void take_url(std::vector<std::string>& arguments, Options& options, std::size_t
     std::for_each(arguments.begin(), arguments.end(), unmark);
     unmark(options.user);
     unmark(options.password);
-    if (arguments.size() > others && is_url(arguments.front())) {
+    if (arguments.size() <= others) {
+        return;
+    }
+    if (arguments.front().starts_with('@') && arguments.front().size() > 1) {
+        options.given.erase("url");
+        apply_profile(arguments.front().substr(1), options);
+        arguments.erase(arguments.begin());
+    } else if (is_url(arguments.front())) {
         options.url = arguments.front();
         arguments.erase(arguments.begin());
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,11 @@ namespace busbar::tool {
 
 /// The options that all commands have.
 struct Options {
-    std::string url{"opc.tcp://localhost:4840"};
+    /// Empty until complete_options().
+    std::string url;
+    std::string profile;
+    /// Names of those that the command line has, see profile.hpp.
+    std::set<std::string> given;
     std::string user;
     std::string password;
     std::string password_file;
@@ -52,13 +57,17 @@ using Run = std::function<Exit(Context&)>;
 
 /// Adds the options to the program.
 void add_options(CLI::App& app, Options& options);
+/// What is wrong with the values of an option that another place than the command line has; empty
+/// if they are right.
+[[nodiscard]] std::string check_option(const std::string& name,
+                                       const std::vector<std::string>& values);
 /// The command line as CLI11 wants it, last argument first. CLI11 would take "[1, 2]" for two
 /// arguments, and knows no -- before what is no option: a mark before such arguments keeps them as
 /// they are, which unmark() removes.
 [[nodiscard]] std::vector<std::string> protected_arguments(int count, char** arguments);
 void unmark(std::string& argument);
-/// Takes the URL off the front of a command's arguments if there is one and at least `others` more,
-/// and marks off all.
+/// Takes the URL, or the @NAME of a profile, off the front of a command's arguments if there is one
+/// and at least `others` more, and marks off all.
 void take_url(std::vector<std::string>& arguments, Options& options, std::size_t others = 0);
 /// The same for a command that has no other argument; throws Failure if there is one.
 void take_only_url(std::vector<std::string>& arguments, Options& options);

@@ -57,7 +57,7 @@ Failure unknown_command(const CLI::App& level, const std::string& word)
         return {Exit::Usage, word + ": not a command",
                 "did you mean `" + name + " " + meant + "`?"};
     }
-    if (is_url(word)) {
+    if (is_url(word) || word.starts_with('@')) {
         return {Exit::Usage, word + ": a command must come first",
                 "`" + name + " browse " + word + "` shows what the server has"};
     }
