@@ -52,9 +52,15 @@ struct TypeServer {
             return DataValue{Variant{
                 Array<LocalizedText>{LocalizedText{"Off"}, LocalizedText{}, LocalizedText{"On"}}}};
         }
-        const DataTypeEntry* const entry = find(item.node_id);
+        const bool is_variable = item.node_id.is_numeric() && item.node_id.numeric() > variables;
+        const DataTypeEntry* const entry = find(
+            is_variable ? NodeId{item.node_id.namespace_index(), item.node_id.numeric() - variables}
+                        : item.node_id);
         if (entry == nullptr || is_down) {
             return DataValue{is_down ? status::Bad_Timeout : status::Bad_NodeIdUnknown};
+        }
+        if (item.attribute_id == static_cast<std::uint32_t>(AttributeId::DataType)) {
+            return DataValue{Variant{entry->id}}; // of a Variable of that name
         }
         switch (AttributeId{item.attribute_id}) {
         case AttributeId::BrowseName:
@@ -102,8 +108,11 @@ struct TypeServer {
         }
         return result;
     }
-    [[nodiscard]] static NodeId encoding(const DataTypeEntry& entry)
+    [[nodiscard]] NodeId encoding(const DataTypeEntry& entry) const
     {
+        if (!has_encodings) {
+            return {};
+        }
         const auto* const structure = std::get_if<StructureDefinition>(&entry.definition);
         return structure != nullptr && entry.encoding_id.is_null() ? structure->default_encoding_id
                                                                    : entry.encoding_id;
@@ -122,6 +131,12 @@ struct TypeServer {
         CHECK_FALSE(is_done);
         return requester.run() && is_done;
     }
+    bool learn_values(std::vector<Variant> values, std::vector<NodeId> nodes)
+    {
+        bool is_done = false;
+        cache.learn_values(std::move(values), std::move(nodes), [&] { is_done = true; });
+        return requester.run() && is_done;
+    }
     bool learn_values(std::vector<Variant> values)
     {
         bool is_done = false;
@@ -134,6 +149,10 @@ struct TypeServer {
     std::vector<DataTypeEntry> entries{test::plant_types()};
     NodeId enum_strings{2, "strings"};
     bool is_down{false};
+    /// References HasEncoding.
+    bool has_encodings{true};
+    /// The Variable of a type has this much more in its NodeId.
+    static constexpr std::uint32_t variables = 100'000;
     int reads{0};
     int browses{0};
     TypeCache cache{requester};
@@ -259,6 +278,54 @@ TEST_CASE_METHOD(TypeServer, "A server that does not describe its types is not a
     CHECK(cache.types()->size() == standard);
     is_down = false;
     REQUIRE(learn_values({value}));
+    CHECK(cache.types()->find_encoding(encoding_of(test::types::Point)) != nullptr);
+}
+
+TEST_CASE_METHOD(TypeServer, "An encoding that no node has is that of the Variable's DataType")
+{
+    has_encodings = false;
+    const NodeId type = type_id(test::types::Point);
+    const NodeId variable{type.namespace_index(), type.numeric() + variables};
+    const Variant value = object_of(test::point(1, 2));
+    NodeId encoding = encoding_of(test::types::Point);
+    SECTION("DefaultEncodingId") {}
+    SECTION("the DataType's own id")
+    {
+        encoding = type;
+    }
+    SECTION("an id of nothing")
+    {
+        encoding = NodeId{2, 4711U};
+    }
+    const ExtensionObject sent =
+        ExtensionObject::from_binary(encoding, value.get_if<ExtensionObject>()->binary());
+    REQUIRE(learn_values({Variant{sent}}));
+    CHECK(cache.types()->find_encoding(encoding) == nullptr);
+    REQUIRE(learn_values({Variant{Array<ExtensionObject>{ExtensionObject{}, sent}}}, {variable}));
+    const auto types = cache.types();
+    REQUIRE(types->find_encoding(encoding) != nullptr);
+    CHECK(types->find_encoding(encoding)->name == "Point");
+    const auto decoded = binary::decode_dynamic(sent, *types);
+    REQUIRE(decoded);
+    // And back as the server wrote it.
+    CHECK(binary::to_extension_object(*decoded) == sent);
+    const int before = requester.sent();
+    REQUIRE(learn_values({Variant{sent}}, {variable}));
+    CHECK(requester.sent() == before);
+}
+
+TEST_CASE_METHOD(TypeServer, "A value that is no such structure is not taken for one")
+{
+    const NodeId type = type_id(test::types::Point);
+    const NodeId variable{type.namespace_index(), type.numeric() + variables};
+    const ExtensionObject other = ExtensionObject::from_binary(
+        NodeId{2, 4711U}, ByteString{std::as_bytes(std::span{"too short", 3})});
+    REQUIRE(learn_values({Variant{other}}, {variable}));
+    CHECK(cache.types()->find_encoding(NodeId{2, 4711U}) == nullptr);
+    // The server is not asked again, and values with the right id are still known.
+    const int sent = requester.sent();
+    REQUIRE(learn_values({Variant{other}}, {variable}));
+    CHECK(requester.sent() == sent);
     CHECK(cache.types()->find_encoding(encoding_of(test::types::Point)) != nullptr);
 }
 

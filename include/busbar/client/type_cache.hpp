@@ -64,6 +64,12 @@ public:
     /// Requests the types of all structures in the values, also of those within others.
     Operation learn_values(std::vector<Variant> values, std::function<void()> done,
                            const ServiceOptions& options = {});
+    /// Does the same for values of these Variables, of which some may be null; both lists have the
+    /// same length. If no node describes the encoding of a structure, which some servers give the
+    /// id of the DataType or of nothing at all, it is the Variable's DataType if the value can be
+    /// decoded as that.
+    Operation learn_values(std::vector<Variant> values, std::vector<NodeId> variables,
+                           std::function<void()> done, const ServiceOptions& options = {});
 
     struct State;
 

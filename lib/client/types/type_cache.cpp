@@ -1,5 +1,8 @@
 #include <busbar/client/type_cache.hpp>
 
+#include <algorithm>
+#include <utility>
+
 #include <busbar/client/attributes.hpp>
 #include <busbar/client/view.hpp>
 
@@ -19,9 +22,10 @@ class LearnOperation final : public detail::OperationState,
                              public std::enable_shared_from_this<LearnOperation> {
 public:
     LearnOperation(std::shared_ptr<TypeCache::State> cache, std::vector<Variant> values,
-                   std::function<void()> done, const ServiceOptions& options)
-        : cache_{std::move(cache)}, values_{std::move(values)}, done_{std::move(done)}, options_{
-                                                                                            options}
+                   std::vector<NodeId> variables, std::function<void()> done,
+                   const ServiceOptions& options)
+        : cache_{std::move(cache)}, values_{std::move(values)},
+          variables_{std::move(variables)}, done_{std::move(done)}, options_{options}
     {
     }
 
@@ -235,7 +239,7 @@ private:
             }
         }
         if (items.empty()) {
-            return finish();
+            return traced_.empty() ? ask_variables(*types) : take_traced();
         }
         step_ = browse(
             cache_->requester, std::move(items),
@@ -264,6 +268,70 @@ private:
         next_types();
     }
 
+    // A last step: asks the Variables of values whose encoding no node has for their DataType.
+
+    void ask_variables(const binary::DynamicTypes& types)
+    {
+        std::vector<ReadValueId> items;
+        for (std::size_t i = 0; i < std::min(values_.size(), variables_.size()); ++i) {
+            const ExtensionObject* const object = detail::first_structure(values_[i]);
+            if (object == nullptr || variables_[i].is_null() ||
+                types.find_encoding(object->encoding_id()) != nullptr ||
+                cache_->traced_encodings.size() >= cache_->limits.max_unknown_encodings ||
+                !cache_->traced_encodings.insert(object->encoding_id()).second) {
+                continue;
+            }
+            items.push_back(attribute_of(variables_[i], AttributeId::DataType));
+            traced_.push_back({object, {}});
+        }
+        if (items.empty()) {
+            return finish();
+        }
+        step_ =
+            read(cache_->requester, std::move(items),
+                 detail::step_of(shared_from_this(),
+                                 [](LearnOperation& self, const std::vector<DataValue>& values) {
+                                     self.take_variables(values);
+                                 }),
+                 {}, options_);
+    }
+    void take_variables(const std::vector<DataValue>& values)
+    {
+        if (!may_go_on()) {
+            return;
+        }
+        std::vector<NodeId> types;
+        for (std::size_t i = 0; i < traced_.size(); ++i) {
+            if (const auto* const type = values[i].value.get_if<NodeId>()) {
+                traced_[i].type = *type;
+                types.push_back(*type);
+            } else {
+                cache_->traced_encodings.erase(traced_[i].value->encoding_id());
+            }
+        }
+        want(types);
+        next_types();
+    }
+    /// The types of the Variables are known by now, if they are described.
+    void take_traced()
+    {
+        bool has_some = false;
+        for (const Traced& each : std::exchange(traced_, {})) {
+            const NodeId& encoding = each.value->encoding_id();
+            if (cache_->compiled()->find_encoding(encoding) == nullptr && !each.type.is_null() &&
+                cache_->take_encoding(each.type, *each.value)) {
+                cache_->unknown_encodings.erase(encoding);
+                has_some = true;
+            }
+        }
+        // Others may be within, which could not be found before.
+        if (!has_some) {
+            finish();
+        } else if (may_go_on()) {
+            look_at_values();
+        }
+    }
+
     /// Does not request it again, unless an answer may be missing.
     void give_up(const NodeId& encoding)
     {
@@ -285,8 +353,15 @@ private:
         }
     }
 
+    /// A structure, and the DataType of its Variable.
+    struct Traced {
+        const ExtensionObject* value;
+        NodeId type;
+    };
+
     std::shared_ptr<TypeCache::State> cache_;
     std::vector<Variant> values_;
+    std::vector<NodeId> variables_;
     std::function<void()> done_;
     ServiceOptions options_;
     std::size_t steps_{0};
@@ -304,14 +379,15 @@ private:
     std::vector<NodeId> named_;         // types whose names are read
     std::set<NodeId> undescribed_;      // types to be searched in dictionaries
     std::vector<NodeId> encodings_;     // encodings whose types are requested
+    std::vector<Traced> traced_;        // values whose Variables are asked
 };
 
 Operation begin(const std::shared_ptr<TypeCache::State>& state, const std::vector<NodeId>& types,
-                std::vector<Variant> values, std::function<void()> done,
-                const ServiceOptions& options)
+                std::vector<Variant> values, std::vector<NodeId> variables,
+                std::function<void()> done, const ServiceOptions& options)
 {
-    const auto operation =
-        std::make_shared<LearnOperation>(state, std::move(values), std::move(done), options);
+    const auto operation = std::make_shared<LearnOperation>(
+        state, std::move(values), std::move(variables), std::move(done), options);
     operation->begin(types);
     return Operation{operation};
 }
@@ -339,13 +415,19 @@ const std::vector<binary::DefinitionError>& TypeCache::dictionary_errors() const
 Operation TypeCache::learn(const std::vector<NodeId>& data_types, std::function<void()> done,
                            const ServiceOptions& options)
 {
-    return begin(state_, data_types, {}, std::move(done), options);
+    return begin(state_, data_types, {}, {}, std::move(done), options);
 }
 
 Operation TypeCache::learn_values(std::vector<Variant> values, std::function<void()> done,
                                   const ServiceOptions& options)
 {
-    return begin(state_, {}, std::move(values), std::move(done), options);
+    return begin(state_, {}, std::move(values), {}, std::move(done), options);
+}
+
+Operation TypeCache::learn_values(std::vector<Variant> values, std::vector<NodeId> variables,
+                                  std::function<void()> done, const ServiceOptions& options)
+{
+    return begin(state_, {}, std::move(values), std::move(variables), std::move(done), options);
 }
 
 } // namespace busbar::client

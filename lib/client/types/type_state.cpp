@@ -1,5 +1,8 @@
 #include "type_state.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace busbar::client {
 
 TypeCache::State::State(Requester& r, const TypeCacheLimits& l, DictionaryParser p)
@@ -15,6 +18,7 @@ void TypeCache::State::begin()
     dictionary_errors.clear();
     undescribed.clear();
     unknown_encodings.clear();
+    traced_encodings.clear();
     for (binary::DataTypeEntry& entry : binary::namespace0_data_types()) {
         add(std::move(entry));
     }
@@ -51,7 +55,41 @@ std::shared_ptr<const binary::DynamicTypes> TypeCache::State::compiled()
     return types;
 }
 
+bool TypeCache::State::take_encoding(const NodeId& type, const ExtensionObject& value)
+{
+    const auto found = entries.find(type);
+    if (found == entries.end() ||
+        !std::holds_alternative<StructureDefinition>(found->second.definition)) {
+        return false;
+    }
+    const NodeId before = std::exchange(found->second.encoding_id, value.encoding_id());
+    is_compiled = false;
+    if (binary::decode_dynamic(value, *compiled())) {
+        return true;
+    }
+    found->second.encoding_id = before;
+    is_compiled = false;
+    return false;
+}
+
 namespace detail {
+
+const ExtensionObject* first_structure(const Variant& value)
+{
+    const auto is_some = [](const ExtensionObject& object) {
+        return !object.is_null() && object.body() != ExtensionObject::Body::Xml;
+    };
+    if (const auto* const object = value.get_if<ExtensionObject>()) {
+        return is_some(*object) ? object : nullptr;
+    }
+    const auto* const objects = value.array_if<ExtensionObject>();
+    if (objects == nullptr) {
+        return nullptr;
+    }
+    const auto all = objects->span();
+    const auto found = std::find_if(all.begin(), all.end(), is_some);
+    return found != all.end() ? &*found : nullptr;
+}
 
 void EncodingSearch::look_at(const Variant& value)
 {

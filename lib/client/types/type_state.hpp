@@ -19,6 +19,8 @@ struct TypeCache::State {
     /// Forgets everything if the namespace table has changed.
     void check_revision();
     void add(binary::DataTypeEntry entry);
+    /// Gives the type the encoding id of this value, if the value can be decoded as the type then.
+    [[nodiscard]] bool take_encoding(const NodeId& type, const ExtensionObject& value);
     /// Returns the types of all entries.
     [[nodiscard]] std::shared_ptr<const binary::DynamicTypes> compiled();
     /// Returns how many more types may be taken from the server.
@@ -43,12 +45,17 @@ struct TypeCache::State {
     std::set<NodeId> undescribed;
     /// Encodings without a DataType.
     std::set<NodeId> unknown_encodings;
+    /// Those whose Variables were asked for their DataType.
+    std::set<NodeId> traced_encodings;
     std::shared_ptr<const binary::DynamicTypes> types{
         std::make_shared<const binary::DynamicTypes>()};
     bool is_compiled{false};
 };
 
 namespace detail {
+
+/// Returns the first structure that is not null, of a scalar or an array; null if there is none.
+[[nodiscard]] const ExtensionObject* first_structure(const Variant& value);
 
 /// Finds the encodings of structures in values.
 class EncodingSearch {

@@ -56,7 +56,7 @@ Forest browse_forest(Connection& connection, const NodeId& root, const BrowseArg
     if (arguments.has_values) {
         forest.values = read_nodes(connection, variables);
         forest.facts = facts_of(connection, variables, FactsWanted::DataType);
-        forest.types = connection.types_of(forest.values);
+        forest.types = connection.types_of(forest.values, ids_of(variables));
     }
     return forest;
 }

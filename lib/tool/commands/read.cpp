@@ -134,7 +134,7 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
         throw failure_of(nodes.front(), values.front().status);
     }
     const auto facts = facts_for(connection, nodes, *attribute);
-    const Types types = connection.types_of(values);
+    const Types types = connection.types_of(values, ids_of(nodes));
     if (context.options.is_json) {
         print_json(context.out, nodes, values, types, facts);
         return exit_of_all(values);
@@ -176,7 +176,7 @@ Exit read_all(Context& context, Connection& connection, const std::string& text,
     if (values.front().status.is_bad()) {
         throw Failure{values.front().status, text};
     }
-    const Types types = connection.types_of(values);
+    const Types types = connection.types_of(values, std::vector<NodeId>(values.size(), node));
     const VariableFacts facts = facts_of(connection, {{text, node}}, FactsWanted::DataType).front();
     JsonLine json;
     json.open_object().member("node", text).key("attributes").open_object();

@@ -84,17 +84,21 @@ bool Connection::is_hung_up() const
     return has_hangup;
 }
 
-Types Connection::types_of(const std::vector<DataValue>& values)
+Types Connection::types_of(const std::vector<DataValue>& values,
+                           const std::vector<NodeId>& variables)
 {
     std::vector<Variant> structures;
-    for (const DataValue& value : values) {
-        if (value.value.type() == BuiltInType::ExtensionObject) {
-            structures.push_back(value.value);
+    std::vector<NodeId> owners;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i].value.type() == BuiltInType::ExtensionObject) {
+            structures.push_back(values[i].value);
+            owners.push_back(i < variables.size() ? variables[i] : NodeId{});
         }
     }
     bool is_done = structures.empty();
     if (!is_done) {
-        types_->learn_values(std::move(structures), [&is_done] { is_done = true; });
+        types_->learn_values(std::move(structures), std::move(owners),
+                             [&is_done] { is_done = true; });
     }
     wait_until([&is_done] { return is_done; });
     return types_->types();

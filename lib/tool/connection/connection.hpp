@@ -54,7 +54,9 @@ public:
     }
     /// The types of the server's structures, those of `values` among them as far as the server
     /// describes them.
-    [[nodiscard]] Types types_of(const std::vector<DataValue>& values);
+    /// `variables`, if there are any, are those that have the values.
+    [[nodiscard]] Types types_of(const std::vector<DataValue>& values,
+                                 const std::vector<NodeId>& variables = {});
     [[nodiscard]] Types types_of(const std::vector<NodeId>& data_types);
     /// The types learned from the server so far, with a source for more that does not wait.
     [[nodiscard]] client::TypeCache& types() { return *types_; }

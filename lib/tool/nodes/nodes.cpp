@@ -41,6 +41,16 @@ void check_addresses(const std::vector<std::string>& texts)
     }
 }
 
+std::vector<NodeId> ids_of(const std::vector<NamedNode>& nodes)
+{
+    std::vector<NodeId> ids;
+    ids.reserve(nodes.size());
+    for (const NamedNode& node : nodes) {
+        ids.push_back(node.id.value_or(NodeId{}));
+    }
+    return ids;
+}
+
 std::vector<NamedNode> find_nodes(Connection& connection, const std::vector<std::string>& texts)
 {
     std::vector<client::NodeAddress> addresses;

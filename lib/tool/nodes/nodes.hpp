@@ -20,6 +20,9 @@ struct NamedNode {
     std::vector<std::string> candidates{};
 };
 
+/// Their NodeIds; null where there is none.
+[[nodiscard]] std::vector<NodeId> ids_of(const std::vector<NamedNode>& nodes);
+
 /// What the text says; throws Failure if it is no node id and no path.
 [[nodiscard]] client::NodeAddress parse_address(const std::string& text);
 /// Throws Failure for the first text that is neither, before a server is asked for anything.

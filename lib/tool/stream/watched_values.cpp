@@ -30,7 +30,9 @@ void WatchedValues::show(std::size_t node, const DataValue& value)
     }
     ValueRow& row = rows_[node];
     row.value = value;
-    const Types types = connection_->types_of({row.value});
+    const client::NodeAddress& address = feed_.nodes()[node].address;
+    const Types types = connection_->types_of(
+        {row.value}, {address.node_id(connection_->client().server()).value_or(NodeId{})});
     row.shown = full_text_of(row.value, types, {facts_[node].data_type});
     if (!facts_[node].unit.empty() && !row.value.status.is_bad()) {
         row.shown += " " + facts_[node].unit;

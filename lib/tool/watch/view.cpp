@@ -152,14 +152,17 @@ std::string View::told(std::size_t row, const DataValue& value)
 
 void View::learn_types(std::size_t row, const DataValue& value)
 {
-    connection_->types().learn_values({value.value}, [this, row, version = versions_[row], value] {
-        stream_.push([this, row, version, value] {
-            if (versions_[row] == version) {
-                model_.set_text(row, told(row, value));
-                is_changed_ = true;
-            }
+    const client::NodeAddress& address = nodes_[row].node.address;
+    connection_->types().learn_values(
+        {value.value}, {address.node_id(connection_->client().server()).value_or(NodeId{})},
+        [this, row, version = versions_[row], value] {
+            stream_.push([this, row, version, value] {
+                if (versions_[row] == version) {
+                    model_.set_text(row, told(row, value));
+                    is_changed_ = true;
+                }
+            });
         });
-    });
 }
 
 void View::show_event(const Array<Variant>& fields)
