@@ -70,8 +70,9 @@ void Plant::pass(Duration time)
 
 void Plant::set_all(std::uint32_t value)
 {
+    const DateTime time = clock_.now();
     for (std::uint32_t i = 0; i < variable_count; ++i) {
-        memory_.set(i, value);
+        memory_.set(i, value, {}, time);
     }
 }
 

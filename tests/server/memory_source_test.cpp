@@ -36,6 +36,11 @@ TEST_CASE("a memory source gives back what it was given")
     CHECK(values[1] == DataValue{Variant{std::int16_t{8}}, status::Uncertain_InitialValue,
                                  DateTime::from_unix_seconds(2000)});
     CHECK(values[2].status == status::Bad_NodeIdUnknown);
+
+    // With a time of the caller's, for many values at once.
+    source.set(speed, std::int16_t{9}, {}, DateTime::from_unix_seconds(1500));
+    CHECK(source.get(speed) ==
+          DataValue{Variant{std::int16_t{9}}, {}, DateTime::from_unix_seconds(1500)});
 }
 
 TEST_CASE("a memory source is written to, whole or in part")

@@ -25,6 +25,9 @@ public:
     using DataSource::variable;
     /// Sets a variable's value, with the time of day as source timestamp.
     void set(std::uint64_t handle, Variant value, StatusCode status = {});
+    /// Sets a variable's value with this source timestamp, so that the clock need not be read for
+    /// each of many values.
+    void set(std::uint64_t handle, Variant value, StatusCode status, DateTime source_timestamp);
     /// Returns the variable; valid until the next add().
     [[nodiscard]] const DataValue& get(std::uint64_t handle) const
     {

@@ -20,7 +20,13 @@ model::BoundValue MemorySource::variable(Variant value)
 
 void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status)
 {
-    values_[static_cast<std::size_t>(handle)] = {std::move(value), status, clock_->now()};
+    set(handle, std::move(value), status, clock_->now());
+}
+
+void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status,
+                       DateTime source_timestamp)
+{
+    values_[static_cast<std::size_t>(handle)] = {std::move(value), status, source_timestamp};
 }
 
 DataSourceOptions MemorySource::options() const
