@@ -23,11 +23,8 @@ public:
     /// source must have been added to a server.
     [[nodiscard]] model::BoundValue variable(Variant value);
     using DataSource::variable;
-    /// Sets a variable's value, with the time of day as source timestamp.
-    void set(std::uint64_t handle, Variant value, StatusCode status = {});
-    /// Sets a variable's value with this source timestamp, so that the clock need not be read for
-    /// each of many values.
-    void set(std::uint64_t handle, Variant value, StatusCode status, DateTime source_timestamp);
+    /// Sets a variable's value, with the time of day as source timestamp unless a time is given.
+    void set(std::uint64_t handle, Variant value, StatusCode status = {}, DateTime time = {});
     /// Returns the variable; valid until the next add().
     [[nodiscard]] const DataValue& get(std::uint64_t handle) const
     {

@@ -18,15 +18,10 @@ model::BoundValue MemorySource::variable(Variant value)
     return variable(handle, get(handle).value);
 }
 
-void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status)
+void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status, DateTime time)
 {
-    set(handle, std::move(value), status, clock_->now());
-}
-
-void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status,
-                       DateTime source_timestamp)
-{
-    values_[static_cast<std::size_t>(handle)] = {std::move(value), status, source_timestamp};
+    values_[static_cast<std::size_t>(handle)] = {std::move(value), status,
+                                                 time.is_null() ? clock_->now() : time};
 }
 
 DataSourceOptions MemorySource::options() const
