@@ -57,6 +57,8 @@ struct Standing {
 };
 
 [[nodiscard]] Standing standing_of(const ControllerConfig& config);
+/// Whether the process has a terminal.
+[[nodiscard]] bool has_terminal();
 
 /// The starting point of a controller.
 struct Beginning {
