@@ -73,21 +73,29 @@ struct BackupFixture {
     void start()
     {
         gate = std::make_unique<StorageGate>(files);
-        backup = std::make_unique<MachineBackup>(
-            MachineBackup::Needs{.files = all,
-                                 .gate = *gate,
-                                 .items = machine_items(*settings, state),
-                                 .controller = "Press 4",
-                                 .clock = clock,
-                                 .log = log,
-                                 .mode = [this] { return mode; },
-                                 .hold_files =
-                                     [this](FunctionRef<void()> act) {
-                                         ++holds;
-                                         act();
-                                     },
-                                 .values_replaced = [] {},
-                                 .replaced = [this] { ++restarts; }});
+        backup = std::make_unique<MachineBackup>(MachineBackup::Needs{
+            .files = all,
+            .gate = *gate,
+            .items = machine_items(*settings, state, prepared),
+            .preparation =
+                [this](std::span<const std::byte> file) {
+                    return [this, file] {
+                        const ProgramBase base{{*controller::CheckedProgram::create({})},
+                                               PlcTrial{settings->config()}};
+                        prepare_restored(base, file, *prepared);
+                    };
+                },
+            .controller = "Press 4",
+            .clock = clock,
+            .log = log,
+            .mode = [this] { return mode; },
+            .hold_files =
+                [this](FunctionRef<void()> act) {
+                    ++holds;
+                    act();
+                },
+            .values_replaced = [] {},
+            .replaced = [this] { ++restarts; }});
     }
 
     static std::span<const std::byte> bytes_of(std::string_view text)
@@ -144,7 +152,13 @@ struct BackupFixture {
     {
         const Variant wish{options};
         const StatusCode may = backup->may_take({wish, user, session});
-        return std::string{name(may.is_bad() ? may : backup->take({wish, user, session}, bytes))};
+        if (may.is_bad()) {
+            return std::string{name(may)};
+        }
+        if (const auto prepare = backup->preparation({wish, user, session}, bytes)) {
+            prepare();
+        }
+        return std::string{name(backup->take({wish, user, session}, bytes))};
     }
     [[nodiscard]] Bytes made()
     {
@@ -162,6 +176,7 @@ struct BackupFixture {
 
     test::TemporaryFolder folder;
     std::unique_ptr<Settings> settings;
+    std::shared_ptr<RestoredProgram> prepared = std::make_shared<RestoredProgram>();
     storage::MemoryStorage files;
     storage::MemoryStorage events;
     storage::MemoryStorage state;

@@ -22,11 +22,17 @@ std::vector<administration::TemporaryFileTransfer> Generation::backups(const Req
     if (machine == nullptr) {
         return {};
     }
+    const auto program = std::make_shared<RestoredProgram>();
     memory_files_.emplace(settings_->folder(), machine->event_files());
     backup_.emplace(MachineBackup::Needs{
         .files = *memory_files_,
         .gate = settings_->files(),
-        .items = machine_items(*settings_, machine->state()),
+        .items = machine_items(*settings_, machine->state(), program),
+        .preparation = [this, program](std::span<const std::byte> backup) -> std::function<void()> {
+            return [base = program_base(), program, backup] {
+                prepare_restored(base, backup, *program);
+            };
+        },
         .controller = controller_name(config_),
         .clock = *around_.environment.wall_clock,
         .log = administered_.log(),

@@ -14,6 +14,27 @@ namespace busbar::product {
 
 // How a RunningController takes over other programs.
 
+namespace {
+
+/// Nothing if the file has the text that is known, or nothing that can be used: what is wrong with
+/// it is found out once more where it is told.
+std::optional<PreparedProgram> prepare_file(const ProgramBase& base, const std::string& file,
+                                            const std::string& known)
+{
+    auto text = SourceFiles{}.text(file, ReceivedProgram::max_text);
+    if (!text || **text == known) {
+        return std::nullopt;
+    }
+    auto prepared = prepare_program(base, **text, file);
+    if (!prepared) {
+        return std::nullopt;
+    }
+    prepared->files.text = *std::move(text);
+    return *std::move(prepared);
+}
+
+} // namespace
+
 void RunningController::check_download(const ControllerConfig& next, const std::string& edit) const
 {
     if (next.machine.is_used != current_->config().machine.is_used) {
@@ -31,16 +52,36 @@ void RunningController::check_download(const ControllerConfig& next, const std::
     expect(check_listeners(next)); // which may have changed in the file since
 }
 
-bool RunningController::download()
+void RunningController::read_again_soon()
 {
-    Reading reading = read(configuration_, {.files = current_->sources().again()});
+    when_free([this] {
+        const ControllerConfig& config = current_->config();
+        const bool is_begun = machine_ && maker_->run([this, base = current_->program_base(),
+                                                       file = config.machine.program_file,
+                                                       known = config.machine.program_text] {
+            when_free([this, program = prepare_file(base, file, *known)] { read_again(program); });
+        });
+        if (!is_begun) {
+            read_again({});
+        }
+    });
+}
+
+bool RunningController::download(const std::optional<PreparedProgram>& program)
+{
+    const SourceFiles& sources = current_->sources();
+    Reading reading =
+        read(configuration_,
+             {.files = program ? sources.again_with(current_->config().machine.program_file,
+                                                    program->files)
+                               : sources.again()});
     const MachineConfig& machine = reading.config.machine;
     if (!machine.program || *machine.program_text == *current_->config().machine.program_text) {
         tell_of_other_file();
         return false;
     }
     const std::string file = machine.program_name;
-    const auto edited = current_->edit(reading);
+    const auto edited = current_->edit(reading, program);
     if (edited) {
         edited_online(file);
         return false;

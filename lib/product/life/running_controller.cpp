@@ -64,7 +64,7 @@ void RunningController::power_going()
 
 void RunningController::reload()
 {
-    when_free([this] { read_again(); });
+    read_again_soon();
 }
 
 void RunningController::switch_mode(controller::MachineMode mode)
@@ -259,14 +259,14 @@ void RunningController::hang_up()
         loop_.stop();
         return;
     }
-    when_free([this] { read_again(); });
+    read_again_soon();
 }
 
-void RunningController::read_again()
+void RunningController::read_again(const std::optional<PreparedProgram>& program)
 {
-    try_to([this] {
+    try_to([&] {
         try {
-            if (machine_ && download()) {
+            if (machine_ && download(program)) {
                 return;
             }
             download_labels();

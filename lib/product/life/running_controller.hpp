@@ -118,8 +118,10 @@ private:
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
     void hang_up();
-    /// Reads users, trust lists, settings and programs again, and applies what can be applied.
-    void read_again();
+    /// Reads users, trust lists, settings and programs again soon, and applies what can be applied; a
+    /// worker reads the machine's program first.
+    void read_again_soon();
+    void read_again(const std::optional<PreparedProgram>& program);
     void renewed();
     void follow(HardwareEvent event);
     /// Reports the change to the machine's life cycle.
@@ -170,7 +172,7 @@ private:
     [[nodiscard]] Substitutes as_known() const;
     /// Takes over another program, if there is one: by an online edit, in any mode, if that is
     /// enough, and by a download otherwise. True for a download, which reads everything again.
-    [[nodiscard]] bool download();
+    [[nodiscard]] bool download(const std::optional<PreparedProgram>& program);
     void edited_online(const std::string& name);
     /// Tells a user who changed the file that it is not used.
     void tell_of_other_file();

@@ -203,6 +203,14 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     return report(request, done, options.substr(0, options.find('\n')));
 }
 
+std::function<void()> MachineBackup::preparation(const TransferRequest& request,
+                                                 std::span<const std::byte> bytes)
+{
+    const auto wish = wish_of(request.options);
+    const bool restores = wish && wish->task == Wish::Task::Restore;
+    return restores && needs_.preparation ? needs_.preparation(bytes) : std::function<void()>{};
+}
+
 Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std::byte> bytes)
 {
     Configured<std::string> done;

@@ -54,6 +54,8 @@ public:
         /// The gate for all other changes of those files.
         StorageGate& gate;
         std::vector<controller::MemoryItem> items;
+        /// Work for another thread before a backup is restored; may be null.
+        std::function<std::function<void()>(std::span<const std::byte> backup)> preparation{};
         /// The controller's name in backup files.
         std::string controller;
         const WallClock& clock;
@@ -80,6 +82,8 @@ public:
     [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override;
     [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
                                   std::span<const std::byte> bytes) override;
+    [[nodiscard]] std::function<void()> preparation(const administration::TransferRequest& request,
+                                                    std::span<const std::byte> bytes) override;
 
 private:
     struct Wish;

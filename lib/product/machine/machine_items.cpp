@@ -16,6 +16,7 @@
 #include <busbar/server/password_users.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+#include "controller/backup/backup_file.hpp"
 #include "machine_files.hpp"
 #include "product/configuration/setting_keys.hpp"
 #include "product/store/received_program.hpp"
@@ -118,8 +119,36 @@ SettingValues all_values(const Settings& settings, SettingValues changes)
 }
 
 /// The program that a restore is about to install, for checking the settings that come with it.
-/// Without a value the program stays; a missing document means the program of the file.
-using NextProgram = std::shared_ptr<std::optional<std::optional<std::string>>>;
+struct Next {
+    /// Whether `text` differs from that of the configuration's file.
+    enum class Kind : std::uint8_t { Stays, OfFile, Received };
+
+    [[nodiscard]] SourceFiles sources(const Settings& settings) const
+    {
+        const SourceFiles& now = settings.sources();
+        if (kind == Kind::Stays) {
+            return now;
+        }
+        SourceFiles::Prepared known;
+        if (is_prepared(text)) {
+            known = prepared->prepared;
+            known.text = std::make_shared<const std::string>(text);
+        }
+        return now.with_program(kind == Kind::Received ? std::optional{document} : std::nullopt,
+                                settings.config().machine.program_file, std::move(known));
+    }
+    [[nodiscard]] bool is_prepared(const std::string& program) const
+    {
+        return prepared != nullptr && prepared->prepared.program != nullptr &&
+               prepared->text == program;
+    }
+
+    Kind kind{Kind::Stays};
+    std::string document{};
+    std::string text{};
+    std::shared_ptr<const RestoredProgram> prepared;
+};
+using NextProgram = std::shared_ptr<Next>;
 
 /// The settings of the security profile, or all others.
 controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
@@ -131,7 +160,7 @@ controller::FilePart settings_part(const Settings& settings, bool is_of_profile,
     controller::FilePart part{.file = Settings::file_name};
     part.take = [&settings, is_other,
                  program](std::span<const std::byte> whole) -> Configured<Bytes> {
-        program->reset(); // items of a backup are read before any is installed
+        program->kind = Next::Kind::Stays; // items of a backup are read before any is installed
         auto values = values_in(settings, whole).transform([&](SettingValues changes) {
             return all_values(settings, std::move(changes));
         });
@@ -172,11 +201,7 @@ MemoryItem settings_item(const Settings& settings, std::string name, std::string
     item.part = settings_part(settings, group == MemoryGroup::SecurityProfile, program);
     item.check = [&settings, program](std::string_view, std::span<const std::byte> bytes) {
         return values_in(settings, bytes).and_then([&](const SettingValues& values) {
-            const SourceFiles& now = settings.sources();
-            return settings.check_restored(
-                values,
-                *program ? now.with_program(**program, settings.config().machine.program_file, {})
-                         : now);
+            return settings.check_restored(values, program->sources(settings));
         });
     };
     return item;
@@ -186,6 +211,13 @@ MemoryItem settings_item(const Settings& settings, std::string name, std::string
 std::string plain_document(std::string name, std::string text)
 {
     return document_of({.name = std::move(name), .user = {}, .time = {}, .text = std::move(text)});
+}
+
+constexpr const char* program_name = "Program";
+
+std::string name_of_received()
+{
+    return std::string{ReceivedProgram::file_name};
 }
 
 std::string_view text_of(std::span<const std::byte> bytes)
@@ -201,7 +233,7 @@ Bytes copy_of(std::string_view text)
 
 Configured<std::string> plain_document(std::span<const std::byte> received)
 {
-    return read_received(text_of(received), std::string{ReceivedProgram::file_name})
+    return read_received(text_of(received), name_of_received())
         .transform([](ReceivedProgram program) {
             return plain_document(std::move(program.name), std::move(program.text));
         });
@@ -219,8 +251,8 @@ std::string file_document(const Settings& settings, SourceFiles sources)
 /// In a backup, the program of the configured file looks like a received one.
 MemoryItem program_item(const Settings& settings, const NextProgram& next)
 {
-    const std::string name{ReceivedProgram::file_name};
-    MemoryItem item{.name = "Program", .group = MemoryGroup::ServerSettings, .files = {name}};
+    const std::string name = name_of_received();
+    MemoryItem item{.name = program_name, .group = MemoryGroup::ServerSettings, .files = {name}};
     controller::FilePart part{.file = name};
     part.take = [&settings](std::span<const std::byte> whole) -> Configured<Bytes> {
         if (whole.empty()) {
@@ -232,16 +264,21 @@ MemoryItem program_item(const Settings& settings, const NextProgram& next)
     part.put = [&settings, next](std::span<const std::byte>,
                                  std::span<const std::byte> own) -> Configured<Bytes> {
         const bool is_of_file = own.empty() || text_of(own) == file_document(settings, {});
-        next->emplace(is_of_file ? std::nullopt : std::optional{std::string{text_of(own)}});
+        next->kind = is_of_file ? Next::Kind::OfFile : Next::Kind::Received;
+        next->document = text_of(own);
+        next->text = read_received(next->document, name_of_received())
+                         .transform([](ReceivedProgram program) { return std::move(program.text); })
+                         .value_or(std::string{});
         return is_of_file ? Bytes{} : Bytes{own.begin(), own.end()};
     };
     item.part = std::move(part);
-    item.check = [](std::string_view, std::span<const std::byte> bytes) {
-        return read_received(text_of(bytes), std::string{ReceivedProgram::file_name})
-            .and_then([](const ReceivedProgram& program) {
-                return read_program(program.text, program.name);
-            })
-            .transform([](const auto&) {});
+    item.check = [next](std::string_view, std::span<const std::byte> bytes) {
+        return read_received(text_of(bytes), name_of_received())
+            .and_then([&](const ReceivedProgram& program) {
+                return next->is_prepared(program.text)
+                           ? Configured<void>{}
+                           : read_program(program.text, program.name).transform([](const auto&) {});
+            });
     };
     return item;
 }
@@ -284,9 +321,31 @@ MemoryItem certificates_item(std::string name, std::vector<std::string> folders)
 
 } // namespace
 
-std::vector<MemoryItem> machine_items(Settings& settings, Storage& state)
+void prepare_restored(const ProgramBase& base, std::span<const std::byte> backup,
+                      RestoredProgram& program)
 {
-    const auto program = std::make_shared<NextProgram::element_type>();
+    program = {};
+    const auto memory = controller::detail::read_backup(backup, {});
+    if (!memory) {
+        return;
+    }
+    for (const controller::detail::SavedItem& item : memory->items) {
+        if (item.name != program_name || item.files.size() != 1) {
+            continue;
+        }
+        auto received = read_received(text_of(item.files.front().bytes), name_of_received());
+        auto prepared = received ? prepare_program(base, received->text, received->name)
+                                 : Configured<PreparedProgram>{Unexpected{received.error()}};
+        if (prepared) {
+            program = {std::move(received->text), std::move(prepared->files)};
+        }
+    }
+}
+
+std::vector<MemoryItem> machine_items(Settings& settings, Storage& state,
+                                      std::shared_ptr<RestoredProgram> prepared)
+{
+    const auto program = std::make_shared<Next>(Next{.prepared = std::move(prepared)});
     return {settings_item(settings, "Server settings", Settings::file_name,
                           MemoryGroup::ServerSettings, program),
             program_item(settings, program),

@@ -1,12 +1,28 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <busbar/controller/backup.hpp>
 
 #include "product/configuration/settings.hpp"
+#include "program_change.hpp"
 
 namespace busbar::product {
+
+/// The results of preparing the program of a backup, so that a restore need not prepare it while the
+/// server waits.
+struct RestoredProgram {
+    std::string text;
+    SourceFiles::Prepared prepared;
+};
+/// Prepares the program of a backup. If the backup has no usable one, `program` is empty, and the
+/// restore reports the reason. Any thread, but not during a restore.
+void prepare_restored(const ProgramBase& base, std::span<const std::byte> backup,
+                      RestoredProgram& program);
 
 /// Returns the items of a machine's memory (W588, 3-2-9, 8-2-1, 8-2-2 and 8-3) in a MachineFiles:
 /// the program and the server settings; the values of RETAIN variables; the security profile of
@@ -21,7 +37,9 @@ namespace busbar::product {
 /// online. A restore does not store settings that the file of the target controller has as well.
 ///
 /// `settings`, which checks a backup's program and settings, must outlive the result, and so must
-/// `state`, which has the values.
-[[nodiscard]] std::vector<controller::MemoryItem> machine_items(Settings& settings, Storage& state);
+/// `state`, which has the values. `program` may be prepared before each restore; null if it never
+/// is.
+[[nodiscard]] std::vector<controller::MemoryItem>
+machine_items(Settings& settings, Storage& state, std::shared_ptr<RestoredProgram> program = {});
 
 } // namespace busbar::product

@@ -184,7 +184,8 @@ KeptProject::KeptProject(const std::string& folder, const std::string& other, bo
             expect(controller::read_project(other, "the project that was served last")));
         is_other_due_ = store_.current() != nullptr;
     }
-    if (running != nullptr && running->served_ == served_) {
+    const auto& theirs = running != nullptr ? running->served_ : nullptr;
+    if (theirs != nullptr && served_ != nullptr && (theirs == served_ || *theirs == *served_)) {
         document_ = running->document_;
     }
 }
@@ -243,7 +244,8 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
 Configured<void> KeptProject::check_labels(const backend::LabelBackend& plc,
                                            bool isolates_failures) const
 {
-    if (isolates_failures || read_text(files_, accepted_file) == print_of(document())) {
+    const std::string accepted = read_text(files_, accepted_file);
+    if (isolates_failures || (!accepted.empty() && accepted == print_of(document()))) {
         return {};
     }
     return label_differences(*served_, plc).and_then(check_usable);

@@ -100,4 +100,15 @@ SourceFiles SourceFiles::again() const
     return all;
 }
 
+SourceFiles SourceFiles::again_with(const std::string& file, Prepared prepared) const
+{
+    SourceFiles all = again();
+    all.texts_before_[file] = std::move(prepared.text);
+    all.programs_[file] = std::move(prepared.program);
+    if (prepared.tried != nullptr) {
+        all.tried_ = std::move(prepared.tried);
+    }
+    return all;
+}
+
 } // namespace busbar::product
