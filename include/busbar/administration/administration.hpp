@@ -81,9 +81,9 @@ struct AdministrationParts {
     /// problem goes to the log, its status to the client. If empty, it would.
     std::function<Configured<void>()> may_replace{};
     /// ResetToServerDefaults (Part 12, 7.10.13), requires `certificates` and `stop`: discards all
-    /// changes of administrators, completely or not at all, before `restart` is called, or `stop` if
-    /// there is no `restart`. Called on the server's thread; the problem is for the log. If empty,
-    /// the Method does not exist.
+    /// changes of administrators, completely or not at all, before `restart` is called, or `stop`
+    /// if there is no `restart`. Called on the server's thread; the problem is for the log. If
+    /// empty, the Method does not exist.
     std::function<Configured<void>()> reset{};
     /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); if empty, the property does not
     /// exist.

@@ -34,7 +34,7 @@ struct ToAdminister {
     server::Worker& worker;
     /// Ends the program.
     std::function<void()> stop;
-    /// Has the program start again after a reset.
+    /// Starts the program again after a reset.
     std::function<void()> start_over;
     /// Goes on without the server; empty: the program ends.
     std::function<void(const std::string& reason)> shut_down;

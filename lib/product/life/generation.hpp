@@ -51,7 +51,7 @@ struct Surroundings {
 /// Requests of administrators to the controller. Called on the server's thread.
 struct Requests {
     std::function<void()> stop;
-    /// As stop, and starts again with what is there then.
+    /// Stops the controller, which starts again with what is there then.
     std::function<void()> start_over;
     /// A machine goes on without its server.
     std::function<void(const std::string& reason)> shut_down;

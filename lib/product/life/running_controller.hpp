@@ -57,7 +57,7 @@ struct Standing {
 };
 
 [[nodiscard]] Standing standing_of(const ControllerConfig& config);
-/// Whether the process has a terminal.
+/// Returns whether the process has a terminal.
 [[nodiscard]] bool has_terminal();
 
 /// The starting point of a controller.
@@ -152,14 +152,15 @@ private:
     void replace(Replacement wish, std::optional<Reading> reading = {});
     /// See replace(). Throws ConfigError.
     void begin(Replacement wish, Reading reading);
-    /// What takes long of a generation. Any thread, while no other one is made. Throws ConfigError.
+    /// Does what takes long of a generation. Any thread, while no other one is made. Throws
+    /// ConfigError.
     void prepare(Successor& next) const;
     /// False if the maker has too much to do.
     [[nodiscard]] bool make(const std::shared_ptr<Successor>& next);
     void made(const std::shared_ptr<Successor>& next);
     /// Lets it serve, has another one made, or refuses it.
     void take(Successor& next);
-    /// Of one that nothing uses: to destroy it takes long.
+    /// Lets the worker destroy a generation that nothing uses, which takes long.
     void discard(std::unique_ptr<Generation> gone);
     /// Nothing is made any more.
     void drop_next();
@@ -192,14 +193,14 @@ private:
     /// Takes over another program of labels, if there is one.
     void download_labels();
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
-    /// Whether the project, null for none, can have its labels of the PLC, if it is another one
+    /// Checks that the project, null for none, can have its labels of the PLC, if it is another one
     /// than `last`, the file of the one before. Any thread, while no program of labels is taken
     /// over. Throws ConfigError if the program of its labels is none.
     [[nodiscard]] Configured<void> check_labels(const KeptProject* project,
                                                 const ControllerConfig& next,
                                                 const std::string& last) const;
-    /// What restart() would take up: whether it could. The labels of its project may have been
-    /// checked already, which takes long.
+    /// Checks what restart() would take up. The labels of its project may have been checked
+    /// already, which takes long.
     [[nodiscard]] Configured<void> may_restart(bool are_labels_checked);
     /// As what it runs with.
     void keep();

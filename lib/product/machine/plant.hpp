@@ -35,7 +35,7 @@ public:
     void publish(server::Server& server, SourceFiles& sources, LogSink& log,
                  const controller::MachineEventLog* machine_log,
                  std::function<void(HardwareEvent)> hardware);
-    /// Has the runtime load the program, after publish(), on the same thread. Throws ConfigError.
+    /// Lets the runtime load the program, after publish(), on the same thread. Throws ConfigError.
     void load();
     /// Drops the runtime's program while nothing scans, so that a Plant can be destroyed on another
     /// thread.

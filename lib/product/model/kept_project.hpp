@@ -50,13 +50,14 @@ public:
     [[nodiscard]] const controller::Project* project() const { return served_.get(); }
     /// Its file; empty if there is none.
     [[nodiscard]] const std::string& document() const;
-    /// Whether it is that of `last`, the file of the project that was served before, or none.
+    /// Returns whether it is none, or that of `last`, the file of the project that was served
+    /// before.
     [[nodiscard]] bool is_known(const std::string& last) const
     {
         return served_ == nullptr || document() == last;
     }
-    /// Whether its labels can be used with the PLC (see check_usable), if nobody has accepted it
-    /// all the same. Like publish() on any thread, one at a time.
+    /// Checks that its labels can be used with the PLC (see check_usable), if nobody has accepted
+    /// it all the same. Like publish() on any thread, one at a time.
     [[nodiscard]] Configured<void> check_labels(const backend::LabelBackend& plc,
                                                 bool isolates_failures) const;
     /// What its transfers need; all must outlive the server.
