@@ -67,7 +67,7 @@ TEST_CASE("There are 16 events of the server and three of its instructions (9-2-
         CHECK(type->other_level == row.other);
         CHECK_FALSE(type->name.empty());
     }
-    CHECK(machine_event_types().size() == rows.size() + 5); // and ours
+    CHECK(machine_event_types().size() == rows.size() + 6); // and ours
     std::set<std::string_view> names;
     for (const MachineEventType& type : machine_event_types()) {
         INFO(code_text(type));
@@ -352,6 +352,16 @@ TEST_CASE_METHOD(EventWorld, "Faults of the controller stand until a restart (4-
     CHECK(source_details(*log->current_errors().back().type) == "CPU Unit");
     happen(RecordKind::ServerStarted);
     CHECK(current() == Texts{});
+}
+
+TEST_CASE_METHOD(EventWorld, "A storage medium close to its end is told, and is no error (7-4-5)")
+{
+    const Happening worn{RecordKind::MachineFault,
+                         {text("Level", "Observation"), text("Where", "storage medium")}};
+    CHECK(happen(worn) == Texts{"00000005 storage medium"});
+    CHECK(log->events().at(0).level == EventLevel::Observation);
+    CHECK(current() == Texts{});
+    CHECK_FALSE(log->plc_error());
 }
 
 TEST_CASE_METHOD(EventWorld, "A configuration that cannot be used stands until a restart")
