@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <controller/backup/backup_file.hpp>
 #include <controller/backup/tar.hpp>
@@ -127,6 +128,11 @@ TEST_CASE("A backup file is a tar with checksums and a manifest (8-2-1)")
         contents[file->name] = controller::detail::as_text(file->bytes);
     }
     REQUIRE(names.size() > 2);
+    // Names that are long or not ASCII.
+    const TarBlocks blocks{backup};
+    const auto all = blocks.headers();
+    CHECK(std::ranges::count_if(
+              all, [&](std::size_t at) { return blocks.text(at + 156, 1) == "x"; }) == 2);
     CHECK(names[0] == "SHA256SUMS");
     CHECK(names[1] == "manifest.json");
     CHECK(contents[a_place] == "client a");
@@ -150,12 +156,14 @@ TEST_CASE("The same memory gives the same backup file (8-2-1)")
 {
     CHECK(first_backup() == first_backup());
     // Times that no header of a tar can hold.
-    for (const std::int64_t seconds : {std::int64_t{-1}, std::int64_t{1} << 34U}) {
+    for (const auto& [seconds, shown] :
+         {std::pair{std::int64_t{-1}, "00000000000"}, {std::int64_t{1} << 34U, "77777777777"}}) {
         MemoryFixture machine;
         machine.put_all(test::first_machine());
         const BackupLabel strange{"press 4", DateTime::from_unix_seconds(seconds)};
         const auto made = machine.memory.backup(strange);
         REQUIRE(made);
+        CHECK(TarBlocks{*made}.text(136, 12) == shown);
         CHECK(machine.memory.verify(*made, {}));
     }
 }
@@ -254,6 +262,7 @@ TEST_CASE("A tar with a wrong end is refused (8-2-2)")
     };
     CHECK(contains(with_size(good.size() - 512), "no two blocks of zeros"));
     CHECK(contains(with_size(good.size() - 1'024), "its end within a file"));
+    CHECK(contains(with_size(good.size() - 1'034), "its end within a file"));
     CHECK(contains(with_size(good.size() + 1), "no two blocks of zeros"));
     BackupBytes more = good;
     more.insert(more.end(), good.begin(), good.end());
