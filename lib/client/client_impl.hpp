@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -7,13 +8,55 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/connection.hpp>
+#include <busbar/core/clock.hpp>
 #include <busbar/core/detail/guarded.hpp>
 
-#include "keep_alive.hpp"
 #include "reconnect.hpp"
 #include "request_queue.hpp"
 #include "server_info.hpp"
 #include "transport.hpp"
+
+namespace busbar::client::detail {
+
+/// Decides when to send a request to a silent server, and when to give up.
+class KeepAlive {
+public:
+    enum class Action : std::uint8_t { None, Ask, GiveUp };
+
+    /// Starts again; with an interval of zero it never asks.
+    void start(TimePoint now, Duration interval)
+    {
+        interval_ = interval;
+        heard(now);
+    }
+    void stop() { deadline_ = no_deadline; }
+    void heard(TimePoint now)
+    {
+        unanswered_ = 0;
+        deadline_ = interval_ > Duration::zero() ? now + interval_ : no_deadline;
+    }
+    [[nodiscard]] Action due(TimePoint now)
+    {
+        if (now < deadline_) {
+            return Action::None;
+        }
+        if (unanswered_ == 2) {
+            return Action::GiveUp;
+        }
+        ++unanswered_;
+        deadline_ = now + interval_;
+        return Action::Ask;
+    }
+    [[nodiscard]] TimePoint next_deadline() const { return deadline_; }
+    [[nodiscard]] Duration interval() const { return interval_; }
+
+private:
+    Duration interval_{0};
+    TimePoint deadline_{no_deadline};
+    int unanswered_{0};
+};
+
+} // namespace busbar::client::detail
 
 namespace busbar::client {
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <map>
 
 #include <busbar/binary/relative_path.hpp>
@@ -8,12 +10,58 @@
 
 #include "later.hpp"
 #include "path_search.hpp"
-#include "reference_types.hpp"
 #include "steps.hpp"
 
 namespace busbar::client {
 
 namespace {
+
+struct CommonReference {
+    std::string_view name;
+    std::uint32_t id;
+};
+
+/// Common ReferenceTypes; others are looked up on the server.
+constexpr std::array common_references{
+    CommonReference{"References", id::References},
+    CommonReference{"HierarchicalReferences", id::HierarchicalReferences},
+    CommonReference{"NonHierarchicalReferences", id::NonHierarchicalReferences},
+    CommonReference{"HasChild", id::HasChild},
+    CommonReference{"Organizes", id::Organizes},
+    CommonReference{"Aggregates", id::Aggregates},
+    CommonReference{"HasComponent", id::HasComponent},
+    CommonReference{"HasOrderedComponent", id::HasOrderedComponent},
+    CommonReference{"HasProperty", id::HasProperty},
+    CommonReference{"HasSubtype", id::HasSubtype},
+    CommonReference{"HasTypeDefinition", id::HasTypeDefinition},
+    CommonReference{"HasEncoding", id::HasEncoding},
+    CommonReference{"HasModellingRule", id::HasModellingRule},
+    CommonReference{"HasEventSource", id::HasEventSource},
+    CommonReference{"HasNotifier", id::HasNotifier},
+    CommonReference{"GeneratesEvent", id::GeneratesEvent},
+    CommonReference{"HasInterface", id::HasInterface},
+    CommonReference{"HasAddIn", id::HasAddIn},
+};
+
+/// Returns the ReferenceType of namespace 0 with this BrowseName; null if it is not a common one.
+NodeId standard_reference_type(const QualifiedName& name)
+{
+    const auto* const found = std::find_if(
+        common_references.begin(), common_references.end(), [&](const CommonReference& type) {
+            return name.namespace_index == 0 && type.name == name.name.view();
+        });
+    return found == common_references.end() ? NodeId{} : NodeId{0, found->id};
+}
+
+/// Returns the BrowseName of such a ReferenceType; empty if it is not one of them.
+QualifiedName standard_name(const NodeId& reference_type)
+{
+    const auto* const found = std::find_if(common_references.begin(), common_references.end(),
+                                           [&](const CommonReference& type) {
+                                               return reference_type == NodeId{0, type.id};
+                                           });
+    return found == common_references.end() ? QualifiedName{} : QualifiedName{0, found->name};
+}
 
 /// Works in steps, each skipped if it is not needed: wait for a session, browse ReferenceTypes for
 /// unknown names, translate.
@@ -135,7 +183,7 @@ private:
     }
     [[nodiscard]] NodeId type_of(const QualifiedName& name)
     {
-        NodeId type = detail::standard_reference_type(name);
+        NodeId type = standard_reference_type(name);
         if (type.is_null()) {
             needs_types_ = true;
             const auto found = types_.find(name);
@@ -207,7 +255,7 @@ private:
                 return name;
             }
         }
-        return detail::standard_name(type);
+        return standard_name(type);
     }
     [[nodiscard]] ResolvedNode target_of(const BrowsePathResult& result) const
     {

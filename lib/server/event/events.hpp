@@ -1,19 +1,45 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
+#include <busbar/model/address_space.hpp>
 #include <busbar/server/environment.hpp>
 #include <busbar/server/event.hpp>
 #include <busbar/server/event_limits.hpp>
 
 #include "event_fields.hpp"
-#include "event_receiver.hpp"
 #include "notifiers.hpp"
+#include "raised_event.hpp"
 
 namespace busbar::server::detail {
+
+/// Receives the events that reach a notifier. Keeps its address while it is registered.
+class EventReceiver {
+public:
+    explicit EventReceiver(model::NodeHandle notifier) : notifier_{notifier} {}
+    EventReceiver(const EventReceiver&) = delete;
+    EventReceiver& operator=(const EventReceiver&) = delete;
+
+    [[nodiscard]] model::NodeHandle notifier() const { return notifier_; }
+    /// An event has reached the notifier.
+    virtual void deliver(const RaisedEvent& event) = 0;
+    /// Events were lost on their way here.
+    virtual void tell_of_loss() = 0;
+
+    virtual ~EventReceiver() = default;
+
+private:
+    friend class Events;
+    static constexpr std::size_t nowhere = SIZE_MAX;
+
+    model::NodeHandle notifier_;
+    /// Index among the receivers of its notifier.
+    std::size_t place_{nowhere};
+};
 
 /// The events of a server: takes raised events and passes them to the receivers of all notifiers
 /// that they reach. Lives on the server's thread; other threads use only the queue.
