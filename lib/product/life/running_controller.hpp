@@ -118,8 +118,8 @@ private:
     [[nodiscard]] Surroundings surroundings();
     [[nodiscard]] Requests requests();
     void hang_up();
-    /// Reads users, trust lists, settings and programs again soon, and applies what can be applied; a
-    /// worker reads the machine's program first.
+    /// Reads users, trust lists, settings and programs again soon, and applies what can be applied;
+    /// a worker reads the machine's program first.
     void read_again_soon();
     void read_again(const std::optional<PreparedProgram>& program);
     void renewed();

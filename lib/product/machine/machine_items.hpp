@@ -13,8 +13,8 @@
 
 namespace busbar::product {
 
-/// The results of preparing the program of a backup, so that a restore need not prepare it while the
-/// server waits.
+/// The results of preparing the program of a backup, so that a restore need not prepare it while
+/// the server waits.
 struct RestoredProgram {
     std::string text;
     SourceFiles::Prepared prepared;
