@@ -79,7 +79,7 @@ TEST_CASE_METHOD(ImageFixture, "a text keeps to its capacity and tells null from
     CHECK(memory.store(name, Variant{"123456789"}) == status::Bad_OutOfRange);
 }
 
-TEST_CASE_METHOD(ImageFixture, "readers see what was published, with the scan's time")
+TEST_CASE_METHOD(ImageFixture, "readers see what was published, with the time of its change")
 {
     CHECK(read(speed).status == status::Bad_NoCommunication);
     scan([&](ImageMemory& memory) {
@@ -98,6 +98,97 @@ TEST_CASE_METHOD(ImageFixture, "readers see what was published, with the scan's 
     CHECK(read(99).status == status::Bad_NodeIdUnknown);
     scan();
     CHECK(read(speed) == DataValue{Variant{std::int16_t{8}}, {}, at(1002)});
+}
+
+TEST_CASE_METHOD(ImageFixture, "the source timestamp is that of the last change")
+{
+    scan();
+    const auto time_of = [&](std::uint32_t handle) { return read(handle).source_timestamp; };
+    const auto all = {speed, name, levels, grid, names};
+    for (int i = 0; i < 3; ++i) {
+        for (const std::uint32_t handle : all) {
+            CHECK(time_of(handle) == at(1001));
+        }
+        scan();
+    }
+    scan([&](ImageMemory& memory) { memory.value<std::int16_t>(speed) = 1; });     // 1005
+    scan([&](ImageMemory& memory) { memory.set_text(name, "x"); });                // 1006
+    scan([&](ImageMemory& memory) { memory.values<double>(levels)[3] = 1; });      // 1007
+    scan([&](ImageMemory& memory) { memory.values<std::uint32_t>(grid)[5] = 1; }); // 1008
+    scan([&](ImageMemory& memory) { memory.set_text(names, "y", 2); });            // 1009
+    // The same value again is no change.
+    scan([&](ImageMemory& memory) { memory.value<std::int16_t>(speed) = 1; });
+    std::int64_t expected = 1005;
+    for (const std::uint32_t handle : all) {
+        CHECK(time_of(handle) == at(expected++));
+    }
+    SECTION("written by a client")
+    {
+        const DataValue same = of<std::int16_t>(1);
+        CHECK(write_now({speed, nullptr, &same}) == status::Good);
+        CHECK(time_of(speed) == at(1005));
+        const DataValue other = of<std::int16_t>(2);
+        CHECK(write_now({speed, nullptr, &other}) == status::Good);
+        CHECK(time_of(speed) == at(seconds));
+    }
+    SECTION("while the task is halted and when it starts again")
+    {
+        image->halt();
+        CHECK(time_of(speed) == at(1005));
+        scan();
+        CHECK(time_of(speed) == at(1005));
+    }
+}
+
+TEST_CASE_METHOD(ImageFixture, "an older scan has no times of newer ones")
+{
+    scan();
+    scan();
+    const ImagePin pin = image->pin(); // 1002
+    ReadSlot slot;
+    scan([&](ImageMemory& memory) { memory.value<std::int16_t>(speed) = 1; });
+    pin.read(speed, slot);
+    CHECK(slot.source_timestamp == at(1001));
+    // Its time was kept once; from then on it is the scan's at most.
+    scan([&](ImageMemory& memory) { memory.value<std::int16_t>(speed) = 2; });
+    pin.read(speed, slot);
+    CHECK(slot.source_timestamp == at(1002));
+    CHECK(read(speed).source_timestamp == at(1004));
+}
+
+TEST_CASE("times of changes are those of single variables among many")
+{
+    ImageLayout layout;
+    std::vector<std::int16_t> runtime(500);
+    const auto options = GENERATE(true, false);
+    for (std::size_t i = 0; i < 1'000; ++i) {
+        ImageVariable variable;
+        variable.type = i % 7 == 0 ? BuiltInType::Double : BuiltInType::Int16;
+        if (options && i % 2 == 1 && i % 7 != 0) {
+            variable.runtime = std::as_writable_bytes(std::span{runtime}.subspan(i / 2, 1));
+        }
+        if (i % 97 == 0) {
+            variable = {BuiltInType::String, {}, 600}; // longer than what is compared at once
+        }
+        REQUIRE(layout.add(variable));
+    }
+    const auto image = ProcessImage::create(std::move(layout));
+    image->publish(at(1));
+    std::int64_t second = 1;
+    std::vector<std::int64_t> expected(1'000, 1);
+    for (std::uint32_t i = 0; i < 1'000; i += 3) {
+        std::byte* const bytes = image->memory().bytes(image->layout()[i]);
+        const std::uint32_t last = image->layout()[i].bytes() - 1;
+        bytes[last] = std::byte{1};
+        expected[i] = ++second;
+        image->publish(at(second));
+    }
+    const ImagePin pin = image->pin();
+    for (std::uint32_t i = 0; i < 1'000; ++i) {
+        ReadSlot slot;
+        pin.read(i, slot);
+        REQUIRE(slot.source_timestamp == at(expected[i]));
+    }
 }
 
 TEST_CASE_METHOD(ImageFixture, "a pinned scan stays as it was")

@@ -22,6 +22,7 @@ class ImageBuffer;
 class ImageCopy;
 class ImagePool;
 class ImageSegments;
+class ImageTimes;
 class ImageWrites;
 class StructureValues;
 } // namespace detail
@@ -110,10 +111,10 @@ public:
     [[nodiscard]] DateTime time() const;
     /// The number of the scan, counted from 1.
     [[nodiscard]] std::uint64_t scan() const;
-    /// Stores a variable's value in the slot, with the scan's time. True if the slot points into
-    /// the scan or the pin, so that the pin must be kept as long as the slot is used. `handle` must
-    /// exist; Bad_WaitingForInitialData for one that was added after the scan. The pin keeps the
-    /// encoding of structures, once for each variable.
+    /// Stores a variable's value in the slot, with the time of its last change. True if the slot
+    /// points into the scan or the pin, so that the pin must be kept as long as the slot is used.
+    /// `handle` must exist; Bad_WaitingForInitialData for one that was added after the scan. The
+    /// pin keeps the encoding of structures, once for each variable.
     bool read(std::uint32_t handle, ReadSlot& slot) const;
     /// Call it when no filled slot is used any more, to free the encodings of structures in the
     /// pin.
@@ -131,6 +132,9 @@ private:
     struct Found {
         const ImagePlace* place;
         const detail::ImageCopy* copy;
+        /// The times of the layout, and the variable's index in it.
+        const detail::ImageTimes* times;
+        std::uint32_t index;
     };
     [[nodiscard]] Found find(std::uint32_t handle) const;
     /// Prefetches the place of a variable that is read soon, and then its value.
@@ -184,8 +188,10 @@ public:
     /// The scan's edge: applies clients' writes, all items of a Write call together.
     void begin_scan(WriteGuard guard);
     void begin_scan();
-    /// Publishes the present memory to readers, with `time` as source timestamp. Then the Write
-    /// calls of this scan are answered, so that a client which reads after its Write sees it.
+    /// Publishes the present memory to readers, with `time` as the source timestamp of every
+    /// variable whose bytes differ from those of the previous scan; the others keep theirs (Part 4,
+    /// 7.11.3). Then the Write calls of this scan are answered, so that a client which reads after
+    /// its Write sees it.
     void publish(DateTime time);
     /// The task stops. Readers get the last scan with Uncertain_LastUsableValue (Part 8, 7.3.2);
     /// Writes, including those that wait, answer Bad_NoCommunication. The next publish() ends this

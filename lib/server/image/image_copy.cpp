@@ -24,7 +24,8 @@ Variant make_array(const ImagePlace& place, std::byte*& elements)
 ImageCopy::ImageCopy(const ImageLayout& layout)
     : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
       plain_bytes_{layout.plain_bytes()}, gathered_{std::make_unique<std::byte[]>(
-                                              layout.gathered_bytes())}
+                                              layout.gathered_bytes())},
+      gathered_bytes_{layout.gathered_bytes()}
 {
     arrays_.reserve(layout.array_count());
     copies_.reserve(layout.array_count());
@@ -55,11 +56,17 @@ void ImageCopy::fill(const ImageMemory& memory)
         std::memcpy(plain_.get(), memory.plain(), plain_bytes_);
     }
     memory.gather(gathered_.get());
-    for (const ArrayCopy& copy : copies_) {
-        std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
-        if (copy.is_repaired) {
-            repair_booleans(copy.to, copy.from->bytes());
-        }
+    for (std::size_t i = 0; i < copies_.size(); ++i) {
+        fill_array(i, memory);
+    }
+}
+
+void ImageCopy::fill_array(std::size_t array, const ImageMemory& memory)
+{
+    const ArrayCopy& copy = copies_[array];
+    std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
+    if (copy.is_repaired) {
+        repair_booleans(copy.to, copy.from->bytes());
     }
 }
 

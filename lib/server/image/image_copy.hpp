@@ -14,6 +14,7 @@ class ImageCopy {
 public:
     explicit ImageCopy(const ImageLayout& layout);
 
+    /// Copies everything.
     void fill(const ImageMemory& memory);
 
     [[nodiscard]] const std::byte* plain(const ImagePlace& place) const
@@ -28,6 +29,8 @@ public:
     [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const;
 
 private:
+    friend class ImageTimes;
+
     struct ArrayCopy {
         const ImagePlace* from;
         std::byte* to;
@@ -35,9 +38,12 @@ private:
         bool is_repaired;
     };
 
+    void fill_array(std::size_t array, const ImageMemory& memory);
+
     std::unique_ptr<std::byte[]> plain_;
     std::size_t plain_bytes_;
     std::unique_ptr<std::byte[]> gathered_;
+    std::size_t gathered_bytes_;
     std::vector<Variant> arrays_;
     std::vector<ArrayCopy> copies_;
 };

@@ -2,20 +2,26 @@
 
 namespace busbar::server::detail {
 
-void ImageBuffer::fill(const ImageMemory& memory, const ImageSegments& segments, DateTime time,
-                       std::uint64_t scan)
+void ImageBuffer::fill(const ImageMemory& memory, const ImageSegments& segments, ImageTimes& times,
+                       const ImageBuffer* before, DateTime time)
 {
-    copy_.fill(memory);
-    segments_ = segments.count();
-    for (std::uint32_t i = 0; i < segments_; ++i) {
-        segments[i].copies[index_].fill(segments[i].memory);
-    }
+    const std::uint64_t filled = scan_;
+    const std::uint32_t filled_segments = segments_;
+    scan_ = (before != nullptr ? before->scan_ : 0) + 1;
     time_ = time;
-    scan_ = scan;
+    segments_ = segments.count();
+    times.fill(memory, {copy_, filled, before != nullptr ? &before->copy_ : nullptr, scan_, time});
+    for (std::uint32_t i = 0; i < segments_; ++i) {
+        ImageSegment& segment = segments[i];
+        const bool was_there = before != nullptr && i < before->segments_;
+        segment.times.fill(segment.memory,
+                           {segment.copies[index_], i < filled_segments ? filled : 0,
+                            was_there ? &segment.copies[before->index_] : nullptr, scan_, time});
+    }
 }
 
 ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uint32_t max_queued)
-    : max_pins_{max_pins}, queue_(max_queued)
+    : times_{layout}, max_pins_{max_pins}, queue_(max_queued)
 {
     for (std::uint32_t i = 0; i < max_pins + max_queued + 3; ++i) {
         buffers_.push_back(std::make_unique<ImageBuffer>(layout, i));
@@ -44,7 +50,7 @@ bool ImagePool::publish(const ImageMemory& memory, const ImageSegments& segments
     if (next == no_buffer) {
         return false; // the class comment says why this does not happen
     }
-    at(next).fill(memory, segments, time, ++scans_);
+    at(next).fill(memory, segments, times_, current_ != no_buffer ? &at(current_) : nullptr, time);
     const std::uint64_t end = queue_end_.load(std::memory_order_relaxed);
     // acquire: the follower has returned what it took out before.
     const bool is_queued = is_followed_.load(std::memory_order_acquire) &&

@@ -16,9 +16,10 @@ class ImageBuffer { // NOLINT(*-optin.performance.Padding): a line of cache for 
 public:
     ImageBuffer(const ImageLayout& layout, std::uint32_t index) : copy_{layout}, index_{index} {}
 
-    /// Fills it with the present segments as well.
-    void fill(const ImageMemory& memory, const ImageSegments& segments, DateTime time,
-              std::uint64_t scan);
+    /// Fills it with the present segments as well, and notes in `times` and theirs what has changed
+    /// since the previous scan; null if this is the first one.
+    void fill(const ImageMemory& memory, const ImageSegments& segments, ImageTimes& times,
+              const ImageBuffer* before, DateTime time);
 
     [[nodiscard]] DateTime time() const { return time_; }
     [[nodiscard]] std::uint64_t scan() const { return scan_; }
@@ -71,6 +72,8 @@ public:
     // Called on any thread.
 
     [[nodiscard]] std::size_t size() const { return buffers_.size(); }
+    /// When the initial variables last changed.
+    [[nodiscard]] const ImageTimes& times() const { return times_; }
     /// Returns null if nothing was published or too many pins are held.
     [[nodiscard]] ImageBuffer* pin();
     void unpin(ImageBuffer& buffer);
@@ -99,6 +102,7 @@ private:
     }
 
     std::vector<std::unique_ptr<ImageBuffer>> buffers_;
+    ImageTimes times_;
     std::uint32_t max_pins_;
     /// A ring of buffer indices, from the task to the follower; the counters never wrap.
     std::vector<std::uint64_t> queue_;
@@ -106,7 +110,6 @@ private:
     std::atomic<std::uint64_t> queue_end_{0};
     std::atomic<bool> is_followed_{false};
     std::uint64_t current_{no_buffer};
-    std::uint64_t scans_{0};
     alignas(64) std::atomic<std::uint64_t> latest_{no_buffer << index_shift};
     alignas(64) std::atomic<std::uint32_t> held_{0};
 };

@@ -8,6 +8,7 @@
 #include <busbar/server/image_memory.hpp>
 
 #include "image_copy.hpp"
+#include "image_times.hpp"
 
 namespace busbar::server::detail {
 
@@ -15,13 +16,14 @@ namespace busbar::server::detail {
 /// need.
 struct ImageSegment {
     ImageSegment(ImageLayout added, std::uint32_t first_handle)
-        : layout{std::move(added)}, memory{layout}, first{first_handle}
+        : layout{std::move(added)}, memory{layout}, times{layout}, first{first_handle}
     {
     }
 
     ImageLayout layout;
     /// Used by the task.
     ImageMemory memory;
+    ImageTimes times;
     /// The handle of the first variable.
     std::uint32_t first;
     /// The copy of these variables for each buffer of the pool.

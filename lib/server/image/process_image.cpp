@@ -75,32 +75,36 @@ std::uint64_t ImagePin::scan() const
 ImagePin::Found ImagePin::find(std::uint32_t handle) const
 {
     if (handle < image_->layout_.size()) {
-        return {&image_->layout_[handle], &buffer_->copy()};
+        return {&image_->layout_[handle], &buffer_->copy(), &image_->pool_->times(), handle};
     }
     const std::uint32_t index = image_->segments_->segment_of(handle);
     const detail::ImageSegment& segment = (*image_->segments_)[index];
-    return {&segment.layout[handle - segment.first],
-            index < buffer_->segments() ? &segment.copies[buffer_->index()] : nullptr};
+    const std::uint32_t local = handle - segment.first;
+    return {&segment.layout[local],
+            index < buffer_->segments() ? &segment.copies[buffer_->index()] : nullptr,
+            &segment.times, local};
 }
 
 void ImagePin::fetch_place(std::uint32_t handle) const
 {
-    busbar::detail::fetch_object(*find(handle).place);
+    const Found found = find(handle);
+    busbar::detail::fetch_object(*found.place);
+    found.times->fetch(found.index);
 }
 
 void ImagePin::fetch_value(std::uint32_t handle) const
 {
-    const auto [place, copy] = find(handle);
-    if (copy != nullptr && place->in_arrays) {
-        busbar::detail::fetch(&copy->array(*place));
-    } else if (copy != nullptr) {
-        busbar::detail::fetch(copy->plain(*place));
+    const Found found = find(handle);
+    if (found.copy != nullptr && found.place->in_arrays) {
+        busbar::detail::fetch(&found.copy->array(*found.place));
+    } else if (found.copy != nullptr) {
+        busbar::detail::fetch(found.copy->plain(*found.place));
     }
 }
 
 bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
 {
-    const auto [found, copy] = find(handle);
+    const auto [found, copy, times, index] = find(handle);
     if (copy == nullptr) {
         slot = status::Bad_WaitingForInitialData;
         slot.shared = nullptr;
@@ -108,7 +112,7 @@ bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
     }
     const ImagePlace& place = *found;
     slot.status = status::Good;
-    slot.source_timestamp = buffer_->time();
+    slot.source_timestamp = times->last_change(index, buffer_->time());
     if (place.in_arrays) {
         slot.shared = &copy->array(place);
         return true;
@@ -135,8 +139,8 @@ Variant ImagePin::value(std::uint32_t handle) const
 
 const std::byte* ImagePin::bytes(std::uint32_t handle) const
 {
-    const auto [place, copy] = find(handle);
-    return copy != nullptr ? copy->bytes(*place) : nullptr;
+    const Found found = find(handle);
+    return found.copy != nullptr ? found.copy->bytes(*found.place) : nullptr;
 }
 
 void ImagePin::recycle() const
