@@ -19,7 +19,7 @@ constexpr StatusCode overflow{0x0480};
 
 /// A task with a few variables, and what serves them.
 struct Plc {
-    Plc()
+    explicit Plc(Duration scan_cycle)
     {
         server::ImageLayout layout;
         button = layout.add({BuiltInType::Boolean, {}}).value();
@@ -36,7 +36,9 @@ struct Plc {
                      .value();
         word = layout.add({BuiltInType::Int16, {}}).value();
         real = layout.add({BuiltInType::Double, {}}).value();
-        image = server::ProcessImage::create(std::move(layout));
+        server::ImageOptions options;
+        options.cycle = scan_cycle;
+        image = server::ProcessImage::create(std::move(layout), options);
         source = std::make_unique<server::ImageSource>(image);
     }
     void scan()
@@ -54,7 +56,8 @@ struct Plc {
 };
 
 struct ImageFixture : Plc, ServerFixture {
-    ImageFixture() : ServerFixture{waker_of_plc, insecure_config()}
+    explicit ImageFixture(Duration scan_cycle = Duration::zero())
+        : Plc{scan_cycle}, ServerFixture{waker_of_plc, insecure_config()}
     {
         const auto index = server.add_source(*source);
         add(index, button, id::Boolean, -1);
@@ -126,6 +129,11 @@ struct ImageFixture : Plc, ServerFixture {
     std::uint32_t subscription{0};
 };
 
+/// The server knows the time from scan to scan.
+struct CycleFixture : ImageFixture {
+    CycleFixture() : ImageFixture{cycle} {}
+};
+
 } // namespace
 
 TEST_CASE_METHOD(ImageFixture, "values of each size are reported when they change, and only then")
@@ -170,6 +178,70 @@ TEST_CASE_METHOD(ImageFixture, "a pulse of one scan is seen by an item that foll
     CHECK(values[0].value == Variant{true});
     CHECK(values[1].value == Variant{false});
     CHECK(values[1].source_timestamp.ticks == values[0].source_timestamp.ticks + 10);
+}
+
+TEST_CASE_METHOD(CycleFixture, "an interval of one scan misses no scan")
+{
+    scan();
+    const auto interval = GENERATE(100.0, 50.0);
+    const auto made = monitor(level, interval);
+    CHECK(made.revised_sampling_interval == interval);
+    std::vector<Variant> expected{0};
+    std::vector<Variant> values = next_values();
+    for (int i = 1; i <= 60; ++i) {
+        image->memory().value<std::int32_t>(level) = i;
+        expected.emplace_back(i);
+        scan();
+        server.handle_completions(now);
+        if (i % 3 == 0) { // scans are faster than the clock of the server
+            const auto more = next_values();
+            values.insert(values.end(), more.begin(), more.end());
+        }
+    }
+    CHECK(values == expected);
+}
+
+TEST_CASE_METHOD(CycleFixture, "an interval longer than a scan has a timer of its own")
+{
+    scan();
+    monitor(level, 200);
+    next();
+    for (int i = 1; i <= 10; ++i) {
+        image->memory().value<std::int32_t>(level) = i;
+        scan();
+        server.handle_completions(now);
+    }
+    auto values = next_values(); // of 100 ms each
+    const auto more = next_values();
+    values.insert(values.end(), more.begin(), more.end());
+    CHECK(values == std::vector<Variant>{10});
+}
+
+TEST_CASE_METHOD(ImageFixture, "a filter on the timestamp sees changes only")
+{
+    scan();
+    auto item = SubscriptionFixture::item_request(NodeId{1, level}, level);
+    item.requested_parameters.sampling_interval = 0;
+    item.requested_parameters.queue_size = 20;
+    DataChangeFilter filter;
+    filter.trigger = DataChangeTrigger::StatusValueTimestamp;
+    item.requested_parameters.filter = ExtensionObject::from(filter);
+    CHECK(SubscriptionFixture::monitor(client, subscription, item, TimestampsToReturn::Source)
+              .status_code == status::Good);
+    CHECK(next().size() == 1);
+    for (int i = 0; i < 5; ++i) {
+        scan();
+        server.handle_completions(now);
+    }
+    CHECK(next().empty());
+    image->memory().value<std::int32_t>(level) = 1;
+    const DateTime changed = time;
+    scan();
+    scan();
+    server.handle_completions(now);
+    const auto values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].source_timestamp == changed);
 }
 
 TEST_CASE_METHOD(ImageFixture, "each change of each scan arrives once and in order")

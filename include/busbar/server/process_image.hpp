@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/detail/hand_over.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -45,6 +46,10 @@ struct ImageOptions {
     std::uint32_t max_bytes_per_scan{1U << 20U};
     /// The number of times that variables may be added while the task runs.
     std::uint32_t max_additions{64};
+    /// The time from scan to scan; zero if unknown. Items whose revised sampling interval is not
+    /// longer are sampled at each scan, as those with an interval of 0 are: a timer of the same
+    /// interval would miss scans and take others twice.
+    Duration cycle{0};
 
     friend bool operator==(const ImageOptions&, const ImageOptions&) = default;
 };

@@ -47,8 +47,10 @@ std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server
     }
     const std::uint16_t index =
         expect(server.address_space().add_namespace(machine_uri), "the machine's namespace");
+    server::ImageOptions image = config_.image;
+    image.cycle = config_.scan;
     image_ =
-        expect(program_->make_image(index, {.image = config_.image,
+        expect(program_->make_image(index, {.image = image,
                                             .elementary = controller::MachineTypes::elementary_in(
                                                 server.address_space(), config_.machine.types),
                                             .runtime_of = std::move(memory_of)}));

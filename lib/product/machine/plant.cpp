@@ -61,9 +61,11 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     if (config_.machine.program) {
         program_.emplace(config_);
     }
+    server::ImageOptions image = config_.image;
+    image.cycle = config_.scan;
     plc_ = program_
                ? program_->make_plc(server, [this](const auto& each) { return memory_of(each); })
-               : expect(controller::Plc::create(config_.plc, config_.image));
+               : expect(controller::Plc::create(config_.plc, image));
     if (machine_log != nullptr) {
         plc_->instructions().use(*machine_log);
     }

@@ -53,11 +53,31 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
     return *followed.group;
 }
 
+bool Sampler::may_follow(Duration interval) const
+{
+    if (interval == Duration::zero()) {
+        return true;
+    }
+    if (!needs_.limits.subscriptions.sampling.samples_each_scan) {
+        return false;
+    }
+    for (std::uint32_t i = 0; i < needs_.sources.size(); ++i) {
+        const auto* const source = needs_.sources.find(i);
+        const ProcessImage* const image = source != nullptr ? (*source)->process_image() : nullptr;
+        if (image != nullptr && interval <= image->options().cycle) {
+            return true;
+        }
+    }
+    return false;
+}
+
 SamplingGroup& Sampler::group_of(const ValueItem& item)
 {
-    if (item.interval() == Duration::zero()) {
+    if (may_follow(item.interval())) {
         const ReadPlan plan = plan_sample(needs_, item.subscription(), item.target());
-        if (can_follow_scans(needs_, plan)) {
+        if (can_follow_scans(needs_, plan) &&
+            (item.interval() == Duration::zero() ||
+             item.interval() <= plan.source->process_image()->options().cycle)) {
             return follow(*plan.source->process_image());
         }
     }

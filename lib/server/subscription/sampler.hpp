@@ -76,6 +76,8 @@ private:
         Sampler& sampler;
     };
 
+    /// Returns whether the scans of any image may come as seldom.
+    [[nodiscard]] bool may_follow(Duration interval) const;
     [[nodiscard]] SamplingGroup& group_of(const ValueItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
     static ImagePin take_scans(Followed& one, TimePoint now);

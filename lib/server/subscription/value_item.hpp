@@ -56,7 +56,7 @@ public:
     {
         return {node_id_, attribute_id_, extras_ != nullptr ? &extras_->data_encoding : nullptr};
     }
-    /// Zero means each scan of a process image.
+    /// Zero means each scan of a process image, as does an interval of one scan.
     [[nodiscard]] Duration interval() const { return interval_; }
     /// Returns null for the whole value.
     [[nodiscard]] const NumericRange* range() const
