@@ -20,6 +20,14 @@ namespace busbar::administration::detail {
 
 namespace {
 
+/// NodeIds of Part 6, Annex A, for optional instances that the type only declares.
+namespace instance {
+constexpr std::uint32_t in_application_setup = 19309;
+constexpr std::uint32_t create_self_signed_certificate = 19342;
+constexpr std::uint32_t delete_certificate = 19345;
+constexpr std::uint32_t get_certificates = 32333;
+} // namespace instance
+
 /// Of Transaction::check_end.
 const char* reason_of_end(StatusCode state)
 {
@@ -82,29 +90,30 @@ Configured<void> ServerConfiguration::add_nodes()
         return misconfigured("certificates", "the nodes of ServerConfiguration cannot be added",
                              added.error());
     }
-    auto done = add_method("GetCertificates", id::ServerConfigurationType_GetCertificates,
+    auto done = add_method({"GetCertificates", id::ServerConfigurationType_GetCertificates,
+                            instance::get_certificates},
                            &OwnCertificateMethods::get);
-    done = done ? add_method("CreateSelfSignedCertificate",
-                             id::ServerConfigurationType_CreateSelfSignedCertificate,
+    done = done ? add_method({"CreateSelfSignedCertificate",
+                              id::ServerConfigurationType_CreateSelfSignedCertificate,
+                              instance::create_self_signed_certificate},
                              &OwnCertificateMethods::create_self_signed)
                 : done;
     done = done ? add_remove_rejected() : done;
     done = done ? add_setup() : done;
     done = done ? add_own_certificate(server_, table_, files_.configured) : done;
-    return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
+    return done ? add_method({"DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
+                              instance::delete_certificate},
                              &OwnCertificateMethods::remove)
                 : done;
 }
 
-Configured<void> ServerConfiguration::add_method(std::string_view name, std::uint32_t declaration,
-                                                 OwnMethod method)
+Configured<void> ServerConfiguration::add_method(const StandardMethod& what, OwnMethod method)
 {
-    const auto own = space_.namespace_index(server_.config().application_uri);
-    const model::NodeIndex type = space_.find(declaration);
+    const model::NodeIndex type = space_.find(what.declaration);
     const model::NodeIndex parent = space_.find(id::ServerConfiguration);
     model::NewNode node;
-    node.id = NodeId{own.value_or(1), "ServerConfiguration/" + std::string{name}};
-    node.browse_name = QualifiedName{0, String{std::string{name}}};
+    node.id = NodeId{0, what.instance};
+    node.browse_name = QualifiedName{0, what.name};
     node.parent = parent;
     node.reference_type = NodeId{0, id::HasComponent};
     model::NewMethod facts;
@@ -112,7 +121,8 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
     facts.output_arguments = declared_arguments(space_, type, "OutputArguments");
     const auto made = space_.add_method(node, facts);
     if (!made) {
-        return misconfigured("certificates", "the Method " + std::string{name} + " cannot be added",
+        return misconfigured("certificates",
+                             "the Method " + std::string{what.name} + " cannot be added",
                              made.error());
     }
     bind_own(*made, method);
@@ -150,9 +160,8 @@ Configured<void> ServerConfiguration::add_setup()
     if (!is_in_setup_) {
         return {};
     }
-    const auto own = space_.namespace_index(server_.config().application_uri);
     model::NewNode node;
-    node.id = NodeId{own.value_or(1), "ServerConfiguration/InApplicationSetup"};
+    node.id = NodeId{0, instance::in_application_setup};
     node.browse_name = QualifiedName{0, "InApplicationSetup"};
     node.parent = space_.find(id::ServerConfiguration);
     node.reference_type = NodeId{0, id::HasProperty};

@@ -31,9 +31,14 @@ private:
     using OwnMethod = void (OwnCertificateMethods::*)(server::MethodCall);
 
     [[nodiscard]] Configured<void> add_nodes();
-    /// A Method that the type has as an optional one.
-    [[nodiscard]] Configured<void> add_method(std::string_view name, std::uint32_t declaration,
-                                              OwnMethod method);
+    /// A Method that the type has as an optional one, and its NodeIds.
+    struct StandardMethod {
+        const char* name;
+        std::uint32_t declaration;
+        std::uint32_t instance;
+    };
+
+    [[nodiscard]] Configured<void> add_method(const StandardMethod& what, OwnMethod method);
     void bind(std::uint32_t node, Method method);
     void bind_own(model::NodeIndex node, OwnMethod method);
     void bind_values();

@@ -88,6 +88,21 @@ NewVariable argument_property(const Array<Argument>& arguments)
     return property;
 }
 
+/// Returns an unused NodeId for a Property of a Method. It is in the Method's namespace, and for a
+/// Method of the specification the next number, as there (Part 6, Annex A).
+NodeId argument_id(detail::Tables& tables, const NodeId& method)
+{
+    if (method.namespace_index() == 0 && method.is_numeric()) {
+        for (const std::uint32_t distance : {1U, 2U}) {
+            const NodeId next{0, method.numeric() + distance};
+            if (tables.find(next) == no_node) {
+                return next;
+            }
+        }
+    }
+    return tables.free_id(method.namespace_index());
+}
+
 std::uint8_t flag(bool is_set, std::uint8_t bit)
 {
     return is_set ? bit : std::uint8_t{0};
@@ -222,8 +237,7 @@ Result<void> AddressSpace::add_arguments(NodeIndex method, const NewMethod& from
             return {};
         }
         NewNode node;
-        // Its BrowseName is one of namespace 0, its NodeId is not.
-        node.id = tables_->free_id(node_id(method).namespace_index());
+        node.id = argument_id(*tables_, node_id(method));
         node.browse_name = QualifiedName{0, name};
         node.parent = method;
         const auto added = add_property(node, argument_property(arguments));

@@ -170,10 +170,13 @@ TEST_CASE_METHOD(Parts, "administration: nodes that a program has taken are name
     CHECK(problem(with_roles, NodeId{0, 15684}) == "roles"); // Operator's AddIdentity
 
     for (const char* text :
-         {"GetCertificates", "CreateSelfSignedCertificate", "InApplicationSetup", "OwnCertificate",
-          "OwnCertificate/HostNames", "OwnCertificate/Thumbprint", "DeleteCertificate"}) {
+         {"OwnCertificate", "OwnCertificate/HostNames", "OwnCertificate/Thumbprint"}) {
         const std::string name = "ServerConfiguration/" + std::string{text};
         CHECK(problem(with_certificates(), own(name.c_str())) == "certificates");
+    }
+    // GetCertificates, CreateSelfSignedCertificate, DeleteCertificate, InApplicationSetup.
+    for (const std::uint32_t standard : {32333U, 19342U, 19345U, 19309U}) {
+        CHECK(problem(with_certificates(), NodeId{0, standard}) == "certificates");
     }
     CHECK(problem(with_certificates(), NodeId{0, id::UserManagement_AddUser}) == "users");
     CHECK(problem(with_certificates(), NodeId{0, id::Server_RequestServerStateChange}) == "stop");
@@ -237,7 +240,7 @@ TEST_CASE_METHOD(Parts, "administration: what a part is missing for is absent")
     CHECK(space.find(id::UserManagement_AddUser) == model::no_node);
     CHECK(space.find(id::Server_RequestServerStateChange) == model::no_node);
     CHECK(space.find(id::ServerConfiguration_ResetToServerDefaults) == model::no_node);
-    CHECK(space.find(NodeId{1, "ServerConfiguration/InApplicationSetup"}) == model::no_node);
+    CHECK(space.find(NodeId{0, 19309}) == model::no_node);
     CHECK(space.find(NodeId{1, "Settings"}) == model::no_node);
 }
 

@@ -101,10 +101,12 @@ void close_lists(World& world)
     world.may(World::on_server(id::ServerConfiguration_CancelChanges, {}));
 }
 
-CallRequest own_method(const char* name, const std::vector<Variant>& inputs)
+CallRequest own_method(std::string_view name, const std::vector<Variant>& inputs)
 {
-    return World::calling(NodeId{0, id::ServerConfiguration},
-                          NodeId{1, String{"ServerConfiguration/" + std::string{name}}}, inputs);
+    const std::uint32_t method = name == "GetCertificates"     ? 32333
+                                 : name == "DeleteCertificate" ? 19345
+                                                               : 19342;
+    return World::calling(NodeId{0, id::ServerConfiguration}, NodeId{0, method}, inputs);
 }
 
 std::vector<Row> certificate_rows()

@@ -33,8 +33,7 @@ std::vector<Function> functions_of_own()
          }},
         {"Server certificate", "Export", administers,
          [](Plant& plant, TestClient& client) {
-             return plant.on_server(client, NodeId{1, "ServerConfiguration/GetCertificates"},
-                                    {Variant{NodeId{}}});
+             return plant.on_server(client, NodeId{0, 32333}, {Variant{NodeId{}}});
          }},
         {"Server certificate", "Regenerate", administers,
          [](Plant& plant, TestClient& client) { return plant.regenerate(client); }},

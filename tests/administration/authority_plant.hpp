@@ -189,13 +189,12 @@ struct Plant : ManagedFixture {
     StatusCode regenerate(TestClient& client)
     {
         const StatusCode removed =
-            on_server(client, NodeId{1, "ServerConfiguration/DeleteCertificate"},
-                      {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}});
+            on_server(client, NodeId{0, 19345}, {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}});
         if (removed.is_bad()) {
             return removed;
         }
         const StatusCode made = on_server(
-            client, NodeId{1, "ServerConfiguration/CreateSelfSignedCertificate"},
+            client, NodeId{0, 19342},
             {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}, Variant{String{"CN=Press 4"}},
              Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
              Variant{std::uint16_t{365}}, Variant{std::uint16_t{2'048}}});

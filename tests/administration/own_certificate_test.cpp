@@ -22,9 +22,11 @@ constexpr std::uint32_t user_group =
 struct OwnCertificate : Configuration {
     using Configuration::Configuration;
 
-    static NodeId method(const char* name)
+    static NodeId method(std::string_view name)
     {
-        return NodeId{1, String{"ServerConfiguration/" + std::string{name}}};
+        return NodeId{0, name == "GetCertificates"     ? 32333U
+                         : name == "DeleteCertificate" ? 19345U
+                                                       : 19342U};
     }
     std::string_view remove(TestClient& client, const NodeId& group = {}, const NodeId& type = rsa)
     {

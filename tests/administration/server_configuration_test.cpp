@@ -95,8 +95,8 @@ TEST_CASE_METHOD(Configuration, "server configuration: a request is signed by a 
 
 TEST_CASE_METHOD(Configuration, "server configuration: a new certificate of its own")
 {
-    const NodeId create{1, "ServerConfiguration/CreateSelfSignedCertificate"};
-    const NodeId remove{1, "ServerConfiguration/DeleteCertificate"};
+    const NodeId create{0, 19342};
+    const NodeId remove{0, 19345};
     auto admin = log_in();
     const std::string before = certificate();
     const auto make = [&] {
@@ -123,15 +123,23 @@ TEST_CASE_METHOD(Configuration, "server configuration: a new certificate of its 
 TEST_CASE_METHOD(Configuration, "server configuration: lists what it has and what it rejected")
 {
     auto admin = log_in();
-    const auto own =
-        on_server(admin, NodeId{1, "ServerConfiguration/GetCertificates"}, {Variant{NodeId{}}});
+    const auto own = on_server(admin, NodeId{0, 32333}, {Variant{NodeId{}}});
     REQUIRE(own.status_code == status::Good);
     CHECK(own.output_arguments[0].array_size() == 1);
     const auto* const ders = own.output_arguments[1].array_if<ByteString>();
     REQUIRE(ders != nullptr);
     CHECK((*ders)[0] == ByteString{server_identity().certificates.front().der()});
-    CHECK(on_server(admin, NodeId{1, "ServerConfiguration/GetCertificates"}, {Variant{rsa}})
-              .status_code == status::Bad_InvalidArgument);
+    // Their arguments follow the Methods, as in the specification's list of NodeIds.
+    for (const auto& [method, inputs, outputs] :
+         {std::tuple{32333U, 32334U, 32335U}, {19342U, 19343U, 19344U}, {19345U, 19346U, 0U}}) {
+        const auto& space = server.address_space();
+        CHECK(space.browse_name(space.find(inputs)).name.view() == "InputArguments");
+        CHECK((outputs == 0 ||
+               space.browse_name(space.find(outputs)).name.view() == "OutputArguments"));
+        CHECK(space.node_class(space.find(method)) == NodeClass::Method);
+    }
+    CHECK(on_server(admin, NodeId{0, 32333}, {Variant{rsa}}).status_code ==
+          status::Bad_InvalidArgument);
 
     applications.reject(issue({}, key_number(1)).certificate, today);
     const auto rejected = on_server(admin, id::ServerConfiguration_GetRejectedList, {});

@@ -236,7 +236,7 @@ TEST_CASE_METHOD(Users, "user management: accounts of the configuration are show
 
 TEST_CASE_METHOD(Users, "user management: who waits for an administrator is told of changes")
 {
-    const NodeId in_setup{1, "ServerConfiguration/InApplicationSetup"};
+    const NodeId in_setup{0, 19309};
     auto admin = log_in();
     ReadRequest request;
     request.nodes_to_read.resize(1);
