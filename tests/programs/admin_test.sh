@@ -183,7 +183,8 @@ done
 
 # A CA and its revocation list, of which there is one at a time.
 if command -v openssl > /dev/null; then
-    openssl req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 30 \
+    new_key ca.key
+    openssl req -x509 -key ca.key -out ca.pem -days 30 \
         -subj "/CN=Works CA" -addext "keyUsage=critical,keyCertSign,cRLSign" 2> /dev/null
     printf '[ca]\ndefault_ca = d\n[d]\ndatabase = index\ndefault_md = sha256\n' > ca.cnf
     : > index

@@ -60,6 +60,22 @@ quick_hash() {
     "$controller" --hash-password --config quick.toml < "$1"
 }
 
+# new_key FILE: an RSA key for openssl, another one each time; kept as those of the programs are.
+new_keys=0
+new_key() {
+    new_keys=$((new_keys + 1))
+    if [ -z "${BUSBAR_KEPT_KEYS:-}" ] || [ "${BUSBAR_TEST_EFFORT:-}" = full ]; then
+        openssl genrsa -out "$1" 2048 2> /dev/null
+        return
+    fi
+    kept=$BUSBAR_KEPT_KEYS/openssl-2048-$new_keys.pem
+    if ! [ -s "$kept" ]; then
+        mkdir -p -m 700 "$BUSBAR_KEPT_KEYS"
+        openssl genrsa -out "$kept.$$" 2048 2> /dev/null && mv "$kept.$$" "$kept"
+    fi
+    cp "$kept" "$1"
+}
+
 # What busbar said at the last run.
 says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
 says_not() { ! grep -q -s -e "$1" out || fail "\"$1\" is in the output of: $last"; }

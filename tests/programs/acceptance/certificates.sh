@@ -42,7 +42,8 @@ END
     chmod 600 "$1.pki/own/private/own.pem"
 }
 request() {
-    openssl req -newkey rsa:2048 -nodes -keyout "$1.key" -out request -subj "$2" 2> /dev/null
+    new_key "$1.key"
+    openssl req -new -key "$1.key" -out request -subj "$2" 2> /dev/null
 }
 sign() {
     if [ -z "$2" ]; then
