@@ -23,9 +23,12 @@ chief 0 project update "$url" --yes
 await logged 'own certificate is CN=Busbar, O=Busbar, and other names are configured'
 
 # Made again it has them, and lasts for twenty years.
-await reaches admin cert regenerate "$url" --yes
-await reaches --json admin cert show "$url"
-says 'CN=LINE4'
+# Until the update is in force, it is made with the names from before.
+makes_new_one() {
+    reaches admin cert regenerate "$url" --yes && reaches --json admin cert show "$url" &&
+        grep -q 'CN=LINE4' out
+}
+await makes_new_one
 says 'O=ACME'
 says 'C=JP'
 says 'LINE4HOST'
