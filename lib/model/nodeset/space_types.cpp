@@ -63,16 +63,6 @@ std::optional<T> body_of(const ExtensionObject& object)
     return decoded ? std::optional<T>{std::move(*decoded)} : std::nullopt;
 }
 
-NodeId default_encoding(const model::SpaceReader& space, model::NodeIndex node)
-{
-    const Variant attribute =
-        space.attribute(node, AttributeId::DataTypeDefinition).value_or(Variant{});
-    const auto* const object = attribute.get_if<ExtensionObject>();
-    const auto definition =
-        object == nullptr ? std::nullopt : body_of<StructureDefinition>(*object);
-    return definition ? definition->default_encoding_id : NodeId{};
-}
-
 void add_encodings(const model::SpaceReader& space, model::NodeIndex node, DataType& type,
                    DataTypeTable& types)
 {
@@ -121,14 +111,18 @@ void add_data_types(const model::SpaceReader& space, DataTypeTable& types)
         type.supertype = above == model::no_node ? NodeId{} : space.node_id(above);
         type.is_abstract = space.is_abstract(node);
         type.is_complete = true;
-        // A small namespace 0 has no nodes for encodings.
-        type.binary_encoding = default_encoding(space, node);
-        add_encodings(space, node, type, types);
         const Variant attribute =
             space.attribute(node, AttributeId::DataTypeDefinition).value_or(Variant{});
         if (const auto* const object = attribute.get_if<ExtensionObject>()) {
-            type.definition = definition_from(*object);
+            if (const auto structure = body_of<StructureDefinition>(*object)) {
+                // A small namespace 0 has no nodes for encodings.
+                type.binary_encoding = structure->default_encoding_id;
+                type.definition = from_structure(*structure);
+            } else {
+                type.definition = definition_from(*object);
+            }
         }
+        add_encodings(space, node, type, types);
         types.add(std::move(type));
     });
 }
