@@ -56,11 +56,11 @@ void survive(FaultPlant& plant, Loss loss)
     CHECK(plant.world.run_until([&] { return plant.holds_nothing(); }, 3min));
 }
 
-/// The round's 17th of a long script is played unless the effort is full. The faults of a script,
-/// and its moments, are never a multiple of 17, so each of them occurs.
+/// The round's 37th of a long script is played unless the effort is full. The faults of a script,
+/// and its moments, are never a multiple of 37, so each of them occurs.
 [[nodiscard]] bool is_played(std::size_t index, std::size_t count)
 {
-    constexpr std::size_t parts = 17;
+    constexpr std::size_t parts = 37;
     return is_full_effort() || count <= 30 || index % parts == test::part_of_round("faults", parts);
 }
 

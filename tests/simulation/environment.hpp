@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -19,6 +20,13 @@ namespace busbar::test {
 [[nodiscard]] inline std::uint64_t simulation_hours(std::uint64_t otherwise)
 {
     return number_from("BUSBAR_SIMULATION_HOURS", is_full_effort() ? 24 : otherwise);
+}
+
+/// The same, for less than an hour.
+[[nodiscard]] inline std::chrono::minutes simulation_time(std::chrono::minutes otherwise)
+{
+    const std::uint64_t hours = simulation_hours(0);
+    return hours != 0 ? std::chrono::hours{hours} : otherwise;
 }
 
 [[nodiscard]] inline std::uint64_t simulation_seed()

@@ -16,7 +16,7 @@ inline std::size_t next_allocation(std::size_t k)
 }
 
 /// Calls `fail(k)` for k = 1, `next(1)`, ... until it is false; unless the effort is full, for the
-/// round's fifth of the first 30 of these and its 23rd of the others. Each time it makes a
+/// round's fifth of the first 30 of these and its 41st of the others. Each time it makes a
 /// world, has the k-th allocation fail there, and tells whether it came to that; nothing that was
 /// allocated may be left when the world is gone. `what` is to be seen where something is.
 template <typename Fail>
@@ -25,10 +25,10 @@ void check_failing_worlds(std::string_view what, Fail fail,
 {
     REQUIRE_FALSE(fail(1'000'000)); // after which all is there that lasts as long as the program
     bool has_failed = true;
-    const std::size_t round = part_of_round(what, 5 * 23);
+    const std::size_t round = part_of_round(what, 5 * 41);
     std::size_t index = 0;
     for (std::size_t k = 1; has_failed; k = next(k), ++index) {
-        const std::size_t parts = index < 30 ? 5 : 23;
+        const std::size_t parts = index < 30 ? 5 : 41;
         if (!is_full_effort() && index % parts != round % parts) {
             continue;
         }
