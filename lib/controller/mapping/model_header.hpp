@@ -16,7 +16,7 @@ struct HeaderModel {
     std::string uri;
     std::string version;
     std::string publication_date;
-    /// By the rules of semantic versioning; empty in older files.
+    /// Follows semantic versioning; empty in older files.
     std::string model_version{};
 };
 

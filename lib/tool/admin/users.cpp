@@ -183,7 +183,7 @@ Exit enable(Context& context, Connection& connection, const AdminArguments& argu
     return report(context, "enabled " + safe(arguments.words.front()));
 }
 
-/// One's own password, which every user may change who gives the one of before (Part 18, 5.2.8).
+/// Changes the password of the user who is logged in, who gives the present one (Part 18, 5.2.8).
 void change_own(Context& context, Connection& connection, const crypto::Secret& password)
 {
     const auto identity = user_of(context);

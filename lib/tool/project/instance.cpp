@@ -57,7 +57,7 @@ NodeId type_of(const ModelSet& models, const std::string& text)
     return found.front();
 }
 
-/// Of "PATH=TYPE".
+/// Reads "PATH=TYPE".
 std::pair<std::string, NodeId> type_choice(const ModelSet& models, const std::string& text)
 {
     const std::size_t end = text.find('=');
