@@ -159,7 +159,7 @@ type aLword 9 18446744073709551615
 type aReal 10 -0.5
 type aLreal 11 2.5
 type aTime 11 1500
-type aString 12 'pärts' '"pärts"'
+type aString 12 'pärts' 'pärts'
 type aDt 13 2026-11-21T06:00:00Z
 type aDate 13 2026-11-21T00:00:00Z
 type aTod 13 1601-01-01T06:00:00Z
