@@ -140,6 +140,13 @@ NamesProperty names_property(bool is_enumeration, const Array<EnumField>& fields
     return {"EnumValues", id::EnumValueType, enum_values(fields)};
 }
 
+/// A field is a scalar, or an array of so many dimensions (Part 3, 8.51). That of a StructureField
+/// whose ValueRank was not set is 0, which no decoder takes.
+bool has_rank(const StructureField& field)
+{
+    return field.value_rank == -1 || field.value_rank > 0;
+}
+
 } // namespace
 
 std::vector<binary::DataTypeEntry> collect_data_types(const SpaceReader& space)
@@ -173,6 +180,9 @@ const binary::DynamicTypes& DataTypes::of(const SpaceReader& space)
 Result<NodeIndex> add_structure_type(AddressSpace& space, const NewNode& node,
                                      StructureDefinition definition, bool is_abstract)
 {
+    if (!std::all_of(definition.fields.begin(), definition.fields.end(), has_rank)) {
+        return fail(status::Bad_NodeAttributesInvalid);
+    }
     NewNode encoding;
     encoding.id = definition.default_encoding_id;
     if (is_abstract) {

@@ -269,6 +269,11 @@ TEST_CASE_METHOD(ModelFixture, "Structures and enumerations are added with all t
           status::Bad_NodeIdExists);
     CHECK(status_of(add_enumeration_type(space, named("Mode", space.find(id::Enumeration)),
                                          mode)) == status::Bad_NodeIdExists);
+    // A ValueRank that was not set is 0, which would make a type that nothing can decode.
+    point.fields[1].value_rank = 0;
+    CHECK(status_of(add_structure_type(space, named("Flat", space.find(id::Structure)), point)) ==
+          status::Bad_NodeAttributesInvalid);
+    CHECK(find("Flat.Default Binary") == no_node);
     const auto base = add_structure_type(space, named("Base", space.find(id::Structure)), {}, true);
     REQUIRE(base);
     CHECK(find("Base.Default Binary") == no_node);
