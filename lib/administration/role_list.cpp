@@ -225,7 +225,7 @@ Checked<void> RoleList::change(std::string_view name, Change change)
     const auto found = std::find_if(roles.begin(), roles.end(),
                                     [&](const RoleRules& role) { return role.name == name; });
     if (found == roles.end()) {
-        return refuse_role(status::Bad_NotFound, name, "is not there");
+        return refuse_role(status::Bad_NotFound, name, "does not exist");
     }
     const bool had_rules = !found->identities.empty();
     const bool admitted_nobody = admits_nobody(*found);
@@ -257,7 +257,7 @@ Checked<void> RoleList::add(std::string name, std::string namespace_uri)
             "has a name that is not UTF-8, or has control characters or spaces at either end");
     }
     if (find(name) != nullptr) {
-        return refuse_role(status::Bad_AlreadyExists, name, "is there already");
+        return refuse_role(status::Bad_AlreadyExists, name, "already exists");
     }
     if (roles_.size() >= limits_.max_roles) {
         return refuse_role(status::Bad_ResourceUnavailable, name,
@@ -277,7 +277,7 @@ Checked<void> RoleList::remove(std::string_view name)
     const auto found = std::find_if(roles.begin(), roles.end(),
                                     [&](const RoleRules& role) { return role.name == name; });
     if (found == roles.end()) {
-        return refuse_role(status::Bad_NodeIdUnknown, name, "is not there");
+        return refuse_role(status::Bad_NodeIdUnknown, name, "does not exist");
     }
     if (is_well_known(name)) {
         return refuse_role(status::Bad_RequestNotAllowed, name,

@@ -30,7 +30,7 @@ std::string_view usual_reason(ServerState state, bool restarts)
     case ServerState::Shutdown:
         return "an administrator stops the server";
     case ServerState::Running:
-        return "an administrator has the server go on";
+        return "an administrator lets the server continue";
     default:
         return "an administrator changed the state of the server";
     }

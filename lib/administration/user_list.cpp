@@ -373,7 +373,7 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     const std::lock_guard lock{change_mutex_};
     if (find_in(users_, user.name) != nullptr || is_configured(user.name) ||
         !passwords_->password_hash(user.name).empty()) {
-        return refuse_user(status::Bad_AlreadyExists, user.name, "is there already");
+        return refuse_user(status::Bad_AlreadyExists, user.name, "already exists");
     }
     if (users_.size() >= rules_.max_users) {
         return refuse_user(status::Bad_ResourceUnavailable, user.name,
@@ -417,7 +417,7 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
     std::vector<User> users = users_;
     User* const user = find_in(users, name);
     if (user == nullptr) {
-        return refuse_user(status::Bad_NotFound, name, "is not there");
+        return refuse_user(status::Bad_NotFound, name, "does not exist");
     }
     apply(change, std::move(hashed), *user);
     if (has_administrator_in(users_) && !has_administrator_in(users)) {
@@ -436,7 +436,7 @@ Checked<void> UserList::remove(std::string_view name)
     std::vector<User> users = users_;
     const User* const user = find_in(users, name);
     if (user == nullptr) {
-        return refuse_user(status::Bad_NotFound, name, "is not there");
+        return refuse_user(status::Bad_NotFound, name, "does not exist");
     }
     if (has(*user, user_bit::no_delete)) {
         return refuse_user(status::Bad_NotSupported, name, "cannot be removed",

@@ -122,7 +122,7 @@ TEST_CASE_METHOD(Reasons, "reasons: a user's name, password and configuration")
         add_user(admin, "pat", "short") ==
         "password rules: it must have 12 to 64 characters. Choose another one that fits the rules");
     CHECK(add_user(admin, "admin", "patience is all") ==
-          "user list: user \"admin\" is there already");
+          "user list: user \"admin\" already exists");
     CHECK(has(add_user(admin, "pat", "patience is all", 64),
               "unknown bits in its configuration: 64"));
     const NodeId users{0, id::UserManagement};

@@ -258,7 +258,7 @@ TEST_CASE_METHOD(Control, "server control: who gives no reason has the usual one
     CHECK(request(admin, ServerState::Suspended, 0, false, "") == "Good");
     CHECK(log.text.find("an administrator changed the state of the server") != std::string::npos);
     CHECK(request(admin, ServerState::Running, 0, false, "") == "Good");
-    CHECK(log.text.find("an administrator has the server go on") != std::string::npos);
+    CHECK(log.text.find("an administrator lets the server continue") != std::string::npos);
     CHECK(request(admin, ServerState::Shutdown, 10, false, "") == "Good");
     CHECK(read(admin, id::Server_ServerStatus_ShutdownReason)
               .value.value_or<LocalizedText>({})

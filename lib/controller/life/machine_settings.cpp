@@ -146,7 +146,7 @@ Configured<void> MachineSettings::load()
     }
     if (!*server_text || !*security_text) {
         return misconfigured(storage_->place(*server_text ? security_file_ : server_file_),
-                             "is not there, while the other file of settings is",
+                             "is missing, while the other file of settings exists",
                              status::Bad_NotFound);
     }
     const auto server = read_server_settings(**server_text, storage_->place(server_file_));

@@ -14,7 +14,7 @@ Unexpected<Problem> changed_online(std::string where, const ProgramPlace& place,
 {
     return Unexpected<Problem>{
         problem_at(std::move(where), place,
-                   "exists already and " + std::move(what) +
+                   "already exists and " + std::move(what) +
                        "; this requires a download instead of an online edit")};
 }
 

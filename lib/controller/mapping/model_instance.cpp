@@ -232,7 +232,7 @@ Configured<void> InstanceMaker::make()
     id_ = id_of_instance(parent);
     if (const NodeIndex there = space_.find(id_); there != model::no_node) {
         if (space_.type_definition(there) != type) {
-            return refuse(id_, "is there already and of another type, expected " +
+            return refuse(id_, "already exists with another type, expected " +
                                    display_name(instance_.type));
         }
         const auto added = model::add_optional(space_, there, options());

@@ -186,7 +186,7 @@ std::string value_text(const Variant& value)
     if (const auto* const texts = value.array_if<String>()) {
         return list_text(*texts);
     }
-    return "nothing that works by itself";
+    return "no valid configuration";
 }
 
 } // namespace busbar::product

@@ -177,13 +177,12 @@ StatusCode MachineBackup::may_take(const TransferRequest& request)
         return status::Bad_InvalidArgument;
     }
     if (wish->task != Wish::Task::Verify && needs_.gate.is_closed()) {
-        return refuse(status::Bad_InvalidState, "a restart of the controller is due, before which "
-                                                "nothing of its memory changes");
+        return refuse(status::Bad_InvalidState,
+                      "a restart of the controller is due; its memory does not change before that");
     }
     if (wish->task == Wish::Task::Clear && needs_.mode() == controller::MachineMode::Run) {
-        return refuse(status::Bad_InvalidState,
-                      "the machine is in RUN, in which its memory is not cleared; set machine.mode "
-                      "to PROGRAM before");
+        return refuse(status::Bad_InvalidState, "the machine is in RUN, where its memory is not "
+                                                "cleared; set machine.mode to PROGRAM first");
     }
     return allow();
 }

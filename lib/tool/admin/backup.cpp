@@ -85,8 +85,8 @@ std::string restored_text(RemoteTransfer& transfer)
     }
     if (failure.status == status::Bad_InvalidState) {
         throw Failure{failure.status, what + ": nothing was changed" + reason,
-                      "a restart of the controller is due, or it is in RUN mode, in which its "
-                      "memory is not cleared"};
+                      "a restart of the controller is due, or it is in RUN mode, where its memory "
+                      "is not cleared"};
     }
     throw Failure{failure.status, what + ": nothing was changed" + reason,
                   failure.hint.empty() ? "see the log of the controller" : failure.hint};

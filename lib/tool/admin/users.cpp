@@ -48,7 +48,7 @@ void by_rules(Connection& connection, Function&& function)
             failure.status == status::Bad_OutOfRange) {
             failure.hint = rules_of(connection);
         } else if (failure.status == status::Bad_ResourceUnavailable) {
-            failure.hint = "the server has as many users as it may have, or cannot write them down";
+            failure.hint = "the server has the maximum number of users, or cannot store them";
         }
         throw;
     }

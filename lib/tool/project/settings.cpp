@@ -155,8 +155,8 @@ void add_settings(CLI::App& project, Run& run)
     user->add_option("--new-password-file", arguments->new_password_file,
                      "its first line is the password; asked for on a terminal otherwise");
     user->add_option("--pbkdf2-iterations", arguments->pbkdf2_iterations,
-                     "how the password is stored for a server that has not the 16.8 MB which each "
-                     "login takes otherwise; 600000 is usual")
+                     "stores a hash for servers without the 16.8 MB that each login takes "
+                     "otherwise; 600000 is usual")
         ->check(CLI::Range(10'000U, 10'000'000U));
     user->add_option("--permission", arguments->permission,
                      "\"tool\", \"client\" or \"tool and client\", which a new user has");

@@ -170,19 +170,19 @@ TEST_CASE("An online edit that changes what there is is refused, and adds nothin
         edited.types[0].members[0].type = use(ElementaryType::Dint);
         edited.types[0].place = {3, 1};
         CHECK(machine.refusal(edited) ==
-              "3:1: types[0] (Point): exists already and was a different type" + end);
+              "3:1: types[0] (Point): already exists and was a different type" + end);
     }
     SECTION("the type of a variable")
     {
         edited.variables[4].type = use(ElementaryType::Uint);
         CHECK(machine.refusal(edited) ==
-              "variables[4] (Speed): exists already and had another type" + end);
+              "variables[4] (Speed): already exists and had another type" + end);
     }
     SECTION("whether it is a constant")
     {
         edited.variables[4].is_constant = true;
         CHECK(machine.refusal(edited) ==
-              "variables[4] (Speed): exists already and was not a constant" + end);
+              "variables[4] (Speed): already exists and was not a constant" + end);
     }
     SECTION("what an edit before has brought")
     {
@@ -190,7 +190,7 @@ TEST_CASE("An online edit that changes what there is is refused, and adds nothin
         edited = with_numbers({"Later"});
         edited.variables[2].type = use(ElementaryType::Bool);
         CHECK(machine.refusal(edited) ==
-              "variables[2] (Later): exists already and had another type" + end);
+              "variables[2] (Later): already exists and had another type" + end);
         CHECK(machine.image().size() == 3);
         return;
     }

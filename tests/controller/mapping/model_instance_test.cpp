@@ -162,7 +162,7 @@ TEST_CASE_METHOD(Fixture, "Instances that cannot be are refused, and nothing is 
     REQUIRE(add_instance(models, drive("Line")));
     wrong = drive("Line");
     wrong.type = id("MotorType", "urn:companion");
-    CHECK(refused(wrong).find("is there already and of another type") != std::string::npos);
+    CHECK(refused(wrong).find("already exists with another type") != std::string::npos);
     wrong.uri = "urn:companion";
     wrong.name = "Other";
     CHECK(refused(wrong).find("namespace that models require") != std::string::npos);

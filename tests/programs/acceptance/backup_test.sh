@@ -137,7 +137,7 @@ entry variables 8-3: clear
 # Only in PROGRAM; without the security profile users, certificates and the logs stay, and it is the
 # program and the settings of the unit's own file again, and values as declared.
 chief 1 admin clear "$url" --yes
-says 'the machine is in RUN, in which its memory is not cleared'
+says 'the machine is in RUN, where its memory is not cleared'
 chief 0 admin mode "$url" program --yes
 chief 0 admin cert show "$url"
 own=$(sed -n 's/^own .* \([0-9A-F]*\)$/\1/p' out)

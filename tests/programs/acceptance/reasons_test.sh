@@ -36,7 +36,7 @@ for name in pat "pat of the night shift" observer chief; do
     case "$name" in
         pat) refused 'user name rules: "pat" must have 4 to 32 characters' ;;
         observer) refused 'user name rules: "observer" is a reserved name' ;;
-        chief) refused 'user "chief" is there already' ;;
+        chief) refused 'user "chief" already exists' ;;
         *) refused 'user name rules: "pat of the night shift" has characters other than' ;;
     esac
 done
@@ -92,7 +92,7 @@ step_ends
 # What wants PROGRAM.
 chief 0 admin mode "$url" run --yes
 chief 1 admin clear "$url" --yes
-refused 'the machine is in RUN, in which its memory is not cleared'
+refused 'the machine is in RUN, where its memory is not cleared'
 chief 1 admin user add "$url" night --new-password-file good
 refused 'cannot change while the machine is in RUN'
 chief 1 admin setting set "$url" server.port 4841

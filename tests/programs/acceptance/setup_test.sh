@@ -75,7 +75,7 @@ run 0 --user chief --password-file password admin trust move "$url" "$rejected"
 run 0 --pki stranger --user chief --password-file password admin status "$url"
 # Again: it is over, and says what to do.
 setup 4
-says 'hint: the code is another one, or the setup is over'
+says 'hint: the code is wrong, or the setup is over'
 power_cycle
 is_done_still() { run 0 --user chief --password-file password admin status "$url"; }
 is_done_still
