@@ -50,8 +50,8 @@ constexpr std::array timer_rows{
     TimerRow{"LCOUNTER", LabelType::LongCounter, ElementaryType::Udint},
 };
 
-/// Function devices and the step relay (SH-082679, 8.3), which cannot be sampled; J1\X0 and U0\G0
-/// are handled separately. No other device's name begins with these letters.
+/// Function devices and the step relay (SH-082679, 8.3), which cannot be sampled. Devices such as
+/// J1\X0 and U0\G0 are recognized by their first letter, which no other device has.
 constexpr std::array<std::string_view, 4> unsampled_devices{"FX", "FY", "FD", "S"};
 
 bool is_letter(char c)

@@ -39,7 +39,7 @@ says '^night'
 login 0 night good
 
 remedy 9-3.29
-told 'Bad_UserAccessDenied | somebody gave the user another password'
+told 'Bad_UserAccessDenied | an administrator changed the password'
 chief 0 admin user password "$url" night --new-password-file better
 recorded AUTH 0100 Update
 login 4 night good
