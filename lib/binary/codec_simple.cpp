@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/utf8.hpp"
+
 namespace busbar {
 
 namespace {
@@ -106,7 +108,17 @@ void decode(binary::Reader& reader, String& value)
         return;
     }
     const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    value = reader.strings() == binary::Strings::Borrow ? String::borrow(text) : String{text};
+    if (reader.strings() == binary::Strings::Own) {
+        value = String{text};
+        return;
+    }
+    // A server borrows from requests, and passes on what it takes: a text that is not UTF-8 (Part
+    // 6, 5.2.2.4) would cost other clients whole responses. A client owns what it gets, and loses
+    // nothing else of a response that has such a text.
+    if (!busbar::detail::is_utf8(text)) {
+        reader.fail(status::Bad_DecodingError);
+    }
+    value = String::borrow(text);
 }
 
 void decode(binary::Reader& reader, XmlElement& value)

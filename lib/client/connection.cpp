@@ -85,7 +85,7 @@ void Connection::Impl::handle_response(channel::ChannelEvent event)
                              std::move(event.body), *context};
     if (response.status.is_good()) {
         // Every response begins with its header, which is all that a ServiceFault has.
-        binary::Reader reader{response.body, binary::Strings::Borrow};
+        binary::Reader reader{response.body};
         NodeId id;
         ResponseHeader header;
         decode(reader, id);

@@ -1,6 +1,8 @@
 #include <busbar/core/text.hpp>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -10,7 +12,11 @@ namespace busbar {
 
 namespace detail {
 
-std::size_t utf8_sequence(std::string_view text)
+namespace {
+
+/// Returns the length of the valid UTF-8 sequence at the front of `text`, which is not empty; 0 if
+/// it is not valid.
+std::size_t any_sequence(std::string_view text)
 {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     const unsigned lead = byte(0);
@@ -32,8 +38,62 @@ std::size_t utf8_sequence(std::string_view text)
     const bool too_short = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
     const bool surrogate = lead == 0xED && second >= 0xA0;
     const bool too_large = lead == 0xF4 && second >= 0x90;
-    const bool c1_control = lead == 0xC2 && second < 0xA0;
-    return too_short || surrogate || too_large || c1_control ? 0 : size;
+    return too_short || surrogate || too_large ? 0 : size;
+}
+
+/// Returns whether 8 bytes have one that is not ASCII.
+bool has_others(const char* bytes)
+{
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes, sizeof word);
+    return (word & 0x8080'8080'8080'8080U) != 0;
+}
+
+/// Returns how many bytes at the front are ASCII, in steps of 8 while there are as many.
+std::size_t ascii_prefix(std::string_view text)
+{
+    std::size_t at = 0;
+    for (; text.size() - at >= 16; at += 16) {
+        std::uint64_t words[2];
+        std::memcpy(words, text.data() + at, sizeof words);
+        if (((words[0] | words[1]) & 0x8080'8080'8080'8080U) != 0) {
+            break;
+        }
+    }
+    for (; text.size() - at >= 8 && !has_others(text.data() + at); at += 8) {
+    }
+    while (at < text.size() && static_cast<unsigned char>(text[at]) < 0x80) {
+        ++at;
+    }
+    return at;
+}
+
+} // namespace
+
+std::size_t utf8_sequence(std::string_view text)
+{
+    const std::size_t size = any_sequence(text);
+    const bool is_c1_control =
+        size == 2 && text[0] == '\xC2' && static_cast<unsigned char>(text[1]) < 0xA0;
+    return is_c1_control ? 0 : size;
+}
+
+bool is_utf8(std::string_view text)
+{
+    for (;;) {
+        text.remove_prefix(ascii_prefix(text));
+        if (text.empty()) {
+            return true;
+        }
+        // Texts that are not ASCII have many such sequences in a row.
+        while (!text.empty() && static_cast<unsigned char>(text.front()) >= 0x80) {
+            const std::size_t size = any_sequence(text);
+            if (size == 0) {
+                return false;
+            }
+            text.remove_prefix(size);
+        }
+    }
 }
 
 bool is_bidi_control(std::string_view sequence)

@@ -11,6 +11,10 @@ namespace busbar::detail {
 /// it is not valid or is a C1 control.
 [[nodiscard]] BUSBAR_API std::size_t utf8_sequence(std::string_view text);
 
+/// Returns whether all of `text` is UTF-8 (Part 6, 5.2.2.4; RFC 3629), C1 controls included. ASCII
+/// is checked 16 bytes at a time.
+[[nodiscard]] BUSBAR_API bool is_utf8(std::string_view text);
+
 /// Returns whether the sequence changes the direction of the text around it, so that it reads as
 /// another one (Unicode's Bidi_Control).
 [[nodiscard]] BUSBAR_API bool is_bidi_control(std::string_view sequence);

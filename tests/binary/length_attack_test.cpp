@@ -2,8 +2,11 @@
 
 #include <pthread.h>
 
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -243,6 +246,77 @@ TEST_CASE("masks, encodings and numbers without a meaning have a defined end", "
         CHECK(*decoded == Variant{number});
     }
     CHECK(binary::from_bytes<Variant>(wire(std::uint8_t{0x86}, 0U)));
+}
+
+TEST_CASE("texts that are borrowed from a message are UTF-8 (Part 6, 5.2.2.4)", "[attack]")
+{
+    const auto read = [](std::string_view text, binary::Strings strings) {
+        binary::VectorSink sink;
+        binary::Writer writer{sink};
+        encode(writer, Variant{String{text}});
+        encode(writer, QualifiedName{1, String{text}});
+        encode(writer, NodeId{1, String{text}});
+        encode(writer, LocalizedText{String{text}});
+        const auto bytes = sink.take(writer.written());
+        std::size_t good = 0;
+        std::size_t at = 0;
+        const auto next = [&](auto value) {
+            binary::Reader reader{std::span{bytes}.subspan(at), strings};
+            decode(reader, value);
+            good += reader.ok() ? 1U : 0U;
+            CHECK((reader.ok() || reader.status() == status::Bad_DecodingError));
+            binary::Reader owner{std::span{bytes}.subspan(at)}; // for the place of the next one
+            decode(owner, value);
+            at += owner.offset();
+        };
+        next(Variant{});
+        next(QualifiedName{});
+        next(NodeId{});
+        next(LocalizedText{});
+        return good;
+    };
+    for (const std::string_view text : {"", "Motor", "\xe6\xb0\xb4", "\xc2\x85"}) {
+        CHECK(read(text, binary::Strings::Borrow) == 4);
+    }
+    for (const std::string_view text : {"ok\xff\xfe", "\xed\xa0\x80", "a\xc3"}) {
+        CHECK(read(text, binary::Strings::Borrow) == 0);
+        CHECK(read(text, binary::Strings::Own) == 4); // a client's
+    }
+}
+
+TEST_CASE("a NaN at any place of an array is a quiet one (Part 6, 5.2.2.3)")
+{
+    const auto check = [](auto signalling, auto expected_bits) {
+        using T = decltype(signalling);
+        for (const std::size_t size : {1U, 2U, 7U, 1'023U, 1'024U, 1'025U, 3'000U}) {
+            for (const std::size_t at : {std::size_t{0}, size / 2, size - 1, size}) {
+                Array<T> values(size);
+                for (std::size_t i = 0; i < size; ++i) {
+                    const T some[] = {T{0},
+                                      T{-0.0F},
+                                      std::numeric_limits<T>::infinity(),
+                                      -std::numeric_limits<T>::infinity(),
+                                      std::numeric_limits<T>::max(),
+                                      std::numeric_limits<T>::denorm_min()};
+                    values[i] = some[i % std::size(some)];
+                }
+                Array<T> sent = values;
+                if (at < size) {
+                    sent[at] = signalling;
+                    values[at] = std::bit_cast<T>(expected_bits);
+                }
+                const auto bytes = binary::to_bytes(Variant{std::move(sent)});
+                REQUIRE(bytes);
+                constexpr std::size_t header = 5;
+                REQUIRE(bytes->size() == header + size * sizeof(T));
+                CHECK(std::memcmp(bytes->data() + header, values.data(), size * sizeof(T)) == 0);
+            }
+        }
+    };
+    check(std::bit_cast<float>(0x7F800001U), 0xFFC00000U);
+    check(std::bit_cast<float>(0xFFFFFFFFU), 0xFFC00000U);
+    check(std::bit_cast<double>(0x7FF0000000000001U), std::uint64_t{0xFFF8000000000000U});
+    check(std::bit_cast<double>(0xFFFFFFFFFFFFFFFFU), std::uint64_t{0xFFF8000000000000U});
 }
 
 TEST_CASE("values as deep as may be are used on a small stack", "[attack]")

@@ -182,6 +182,50 @@ TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][t
     CHECK(printable(std::string(300, 'x'), 10) == "xxxxxxxxxx...");
 }
 
+TEST_CASE("UTF-8 is checked at any place of a text (Part 6, 5.2.2.4)", "[core][text]")
+{
+    using busbar::detail::is_utf8;
+    const std::string_view good[] = {"",
+                                     "\x7f",
+                                     std::string_view{"\0", 1},
+                                     "\xc2\x80",
+                                     "\xdf\xbf",
+                                     "\xe0\xa0\x80",
+                                     "\xed\x9f\xbf",
+                                     "\xee\x80\x80",
+                                     "\xf0\x90\x80\x80",
+                                     "\xf4\x8f\xbf\xbf"};
+    // Continuations alone, overlong ones, surrogates, beyond U+10FFFF, ends within a sequence.
+    const std::string_view bad[] = {"\x80",
+                                    "\xbf",
+                                    "\xc0\xaf",
+                                    "\xc1\xbf",
+                                    "\xe0\x9f\xbf",
+                                    "\xed\xa0\x80",
+                                    "\xf0\x8f\xbf\xbf",
+                                    "\xf4\x90\x80\x80",
+                                    "\xf5\x80\x80\x80",
+                                    "\xff\xfe",
+                                    "\xc3",
+                                    "\xe2\x82",
+                                    "\xf0\x9f\x94",
+                                    "\xc3\x28",
+                                    "\xe2\x28\xa1"};
+    for (std::size_t before = 0; before < 40; ++before) {
+        for (std::size_t after = 0; after < 40; ++after) {
+            const auto at = [&](std::string_view middle) {
+                return std::string(before, 'a') + std::string{middle} + std::string(after, 'z');
+            };
+            for (const std::string_view text : good) {
+                REQUIRE(is_utf8(at(text)));
+            }
+            for (const std::string_view text : bad) {
+                REQUIRE_FALSE(is_utf8(at(text)));
+            }
+        }
+    }
+}
+
 TEST_CASE("names are texts that people can read", "[core][text]")
 {
     using busbar::detail::is_name;

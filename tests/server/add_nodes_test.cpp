@@ -137,9 +137,8 @@ TEST_CASE_METHOD(ManagementFixture, "AddNodes says what is wrong with place and 
     {
         for (const QualifiedName& name :
              {QualifiedName{}, QualifiedName{1, ""}, QualifiedName{9, "x"},
-              QualifiedName{1, String{std::string(513, 'x')}}, QualifiedName{1, "\xff"},
-              QualifiedName{1, "a\n"}, QualifiedName{1, " a"},
-              QualifiedName{1, "\xe2\x80\xaetxt.exe"}}) {
+              QualifiedName{1, String{std::string(513, 'x')}}, QualifiedName{1, "a\n"},
+              QualifiedName{1, " a"}, QualifiedName{1, "\xe2\x80\xaetxt.exe"}}) {
             made.browse_name = name;
             CHECK(status_of_adding(made) == status::Bad_BrowseNameInvalid);
         }

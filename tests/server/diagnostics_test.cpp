@@ -110,10 +110,9 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session's name is a text, whatever its c
         std::string sent;
         std::string shown; // empty: the session's id
     };
-    for (const Case& each :
-         {Case{"panel", "panel"}, Case{"", ""}, Case{"  ", ""}, Case{"\xff\xfe", "\\xFF\\xFE"},
-          Case{"\xe2\x80\xaepanel", "\\u202Epanel"},
-          Case{std::string(255, 'n') + "\xe6\xb0\xb4", std::string(255, 'n')}}) {
+    for (const Case& each : {Case{"panel", "panel"}, Case{"", ""}, Case{"  ", ""},
+                             Case{"\xe2\x80\xaepanel", "\\u202Epanel"},
+                             Case{std::string(255, 'n') + "\xe6\xb0\xb4", std::string(255, 'n')}}) {
         INFO(each.shown);
         TestClient client = connect();
         auto request = client.create_request();

@@ -163,6 +163,35 @@ TEST_CASE_METHOD(ManagementFixture, "requests that end early are answered one by
     CHECK(use(client) == status::Good);
 }
 
+TEST_CASE_METHOD(ManagementFixture, "a text that is not UTF-8 gets nowhere", "[attack]")
+{
+    const String bad{"ok\xff\xfe\xed\xa0\x80"};
+    WriteRequest write;
+    write.nodes_to_write.resize(1);
+    write.nodes_to_write[0].node_id = NodeId{0, id::Server};
+    write.nodes_to_write[0].attribute_id = 13;
+    write.nodes_to_write[0].value.value = Variant{bad};
+    CHECK(client.status_of<WriteResponse>(write) == status::Bad_DecodingError);
+    write.nodes_to_write[0].value.value = Variant{1};
+    write.nodes_to_write[0].node_id = NodeId{1, bad};
+    CHECK(client.status_of<WriteResponse>(write) == status::Bad_DecodingError);
+    AddNodesRequest add;
+    add.nodes_to_add.resize(1);
+    add.nodes_to_add[0].browse_name = QualifiedName{1, bad};
+    CHECK(client.status_of<AddNodesResponse>(add) == status::Bad_DecodingError);
+    BrowseRequest browse;
+    browse.nodes_to_browse.resize(1);
+    browse.nodes_to_browse[0].node_id = NodeId{1, bad};
+    CHECK(client.status_of<BrowseResponse>(browse) == status::Bad_DecodingError);
+    TestClient stranger = connect();
+    CreateSessionRequest create = stranger.create_request();
+    create.session_name = bad;
+    CHECK(stranger.status_of<CreateSessionResponse>(create) == status::Bad_DecodingError);
+    // The same without it.
+    write.nodes_to_write[0].node_id = NodeId{1, "ok"};
+    CHECK(client.status_of<WriteResponse>(write) == status::Good);
+}
+
 TEST_CASE("a fault tells nothing but its status", "[attack]")
 {
     ServerFixture fixture;

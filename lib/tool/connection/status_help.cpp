@@ -146,7 +146,9 @@ constexpr std::array nodes{
     Row{status::Bad_ResponseTooLarge,
         {"the answer is larger than we accept or the server sends",
          "read a part with --range, or fewer nodes at once"}},
-    Row{status::Bad_DecodingError, {"the answer makes no sense", ""}},
+    Row{status::Bad_DecodingError,
+        {"a message could not be decoded",
+         "texts and names must be UTF-8; if they are, one of the two OPC UA stacks is at fault"}},
     Row{status::Bad_OutOfMemory, {"the other side has no memory left", ""}},
 };
 
