@@ -22,6 +22,22 @@ NodeSetLimits limited(std::size_t NodeSetLimits::*limit, std::size_t value)
 
 } // namespace
 
+TEST_CASE_METHOD(NodeSetFixture, "Bytes that are not UTF-8 are refused with their line")
+{
+    const std::string bad = "\xff\xfe";
+    const std::string reason = ": found bytes that are not UTF-8 (Part 6, 5.2.2.4); save the file "
+                               "as UTF-8 or name its encoding in the first line";
+    CHECK(error_of("<UAObject NodeId=\"ns=1;s=A" + bad + "\" BrowseName=\"1:A\"/>") ==
+          "t.xml:3" + reason);
+    CHECK(error_of("\n<UAObject NodeId=\"ns=1;s=A\" BrowseName=\"1:A\"><DisplayName>\xc3(" +
+                   std::string{"</DisplayName></UAObject>"}) == "t.xml:4" + reason);
+    // One that says what it is written in.
+    load(object("A", "", "") + "<!-- \xc3\xbc -->");
+    const std::string latin =
+        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + nodeset_text("<!-- \xfc -->");
+    load({{"latin.xml", latin}});
+}
+
 TEST_CASE_METHOD(NodeSetFixture, "Names of nodes that are none are refused")
 {
     const auto error = [&](const std::string& attributes) {

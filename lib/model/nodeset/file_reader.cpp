@@ -5,6 +5,7 @@
 
 #include <busbar/core/text.hpp>
 
+#include "core/utf8.hpp"
 #include "xml_text.hpp"
 
 namespace busbar::nodeset {
@@ -26,6 +27,32 @@ constexpr ClassName class_names[] = {
     {"UADataType", NodeClass::DataType},
     {"UAView", NodeClass::View},
 };
+
+/// Returns whether the XML declaration names Latin-1, the only other encoding of single bytes that
+/// the parser converts.
+bool is_latin1(std::string_view text)
+{
+    const std::string_view declaration = text.substr(0, text.substr(0, 200).find("?>"));
+    return text.starts_with("<?xml") && (declaration.find("8859-1\"") != std::string_view::npos ||
+                                         declaration.find("8859-1'") != std::string_view::npos ||
+                                         declaration.find("latin1") != std::string_view::npos);
+}
+
+/// Returns the number of the first line that is not UTF-8; 0 if there is none.
+std::uint32_t bad_line(std::string_view text)
+{
+    if (busbar::detail::is_utf8(text) || is_latin1(text)) {
+        return 0;
+    }
+    std::uint32_t number = 1;
+    for (;; ++number) { // a sequence never has the byte of a line's end
+        const std::size_t end = text.find('\n');
+        if (!busbar::detail::is_utf8(text.substr(0, end)) || end == std::string_view::npos) {
+            return number;
+        }
+        text.remove_prefix(end + 1);
+    }
+}
 
 } // namespace
 
@@ -59,6 +86,12 @@ bool FileReader::parse(std::string_view text)
 {
     for (std::size_t i = text.find('\n'); i != std::string_view::npos; i = text.find('\n', i + 1)) {
         line_ends_.push_back(static_cast<std::ptrdiff_t>(i));
+    }
+    if (const std::uint32_t line = bad_line(text); line != 0) {
+        errors_.push_back(problem_at(name_, line,
+                                     "found bytes that are not UTF-8 (Part 6, 5.2.2.4); save the "
+                                     "file as UTF-8 or name its encoding in the first line"));
+        return false;
     }
     // A text of only blanks is a value; a DOCTYPE is parsed in order to refuse it.
     const auto parsed =
