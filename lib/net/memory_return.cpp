@@ -1,6 +1,7 @@
 #include "memory_return.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 
 #include <unistd.h>
@@ -25,6 +26,20 @@ ProcessMemory process_memory()
 #endif
 #endif
     return memory;
+}
+
+void keep_free_memory()
+{
+#if defined(__GLIBC__)
+    // A user who chose something in the environment keeps it.
+    constexpr int most = 64 << 20;
+    if (std::getenv("MALLOC_MMAP_THRESHOLD_") == nullptr) {
+        ::mallopt(M_MMAP_THRESHOLD, most);
+    }
+    if (std::getenv("MALLOC_TRIM_THRESHOLD_") == nullptr) {
+        ::mallopt(M_TRIM_THRESHOLD, most);
+    }
+#endif
 }
 
 void return_free_memory()

@@ -14,6 +14,15 @@ namespace busbar::net {
 
 namespace {
 
+/// Returns the deadline, or the next full millisecond after it: intervals are in milliseconds, and
+/// deadlines of many Subscriptions that differ by less are handled in one turn of the loop, with
+/// one setting of the system's timer. Intervals of whole milliseconds stay as long as they are.
+TimePoint on_grid(TimePoint deadline)
+{
+    return deadline == no_deadline ? deadline
+                                   : std::chrono::ceil<std::chrono::milliseconds>(deadline);
+}
+
 /// Pause between attempts to get memory for waiting.
 constexpr std::chrono::milliseconds retry_pause{100};
 
@@ -22,6 +31,7 @@ constexpr std::chrono::milliseconds retry_pause{100};
 ServerLoop::Impl::Impl(LogSink& l)
     : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
 {
+    detail::keep_free_memory(); // memory_return returns it
     events.on_activity = [this] {
         memory_return.note_activity(detail::now());
         after_activity();
@@ -135,7 +145,7 @@ void ServerLoop::Impl::await_deadline()
     TimePoint deadline = memory_return.next_deadline();
     for_each(
         [&](ServedServer& each) { deadline = std::min(deadline, each.server().next_deadline()); });
-    timer.await(deadline, [this] {
+    timer.await(on_grid(deadline), [this] {
         const TimePoint now = detail::now();
         for_each([this, now](ServedServer& each) {
             if (each.server().next_deadline() <= now) {
