@@ -22,10 +22,11 @@ function(busbar_read_conformance file header rows)
   set(${rows} "${all}" PARENT_SCOPE)
 endfunction()
 
-# The NodeId of an ObjectType or VariableType of namespace 0.
+# The NodeId of an ObjectType or VariableType of namespace 0, or of the declaration of a Property
+# that any node may have: NodeVersion.
 function(busbar_type_id name place result)
   file(STRINGS ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/NodeIds.csv row
-    REGEX "^${name},[0-9]+,(Object|Variable)Type$")
+    REGEX "^${name},[0-9]+,((Object|Variable)Type|Variable)$")
   if(NOT row MATCHES ",([0-9]+),")
     busbar_conformance_error(${place} "instance: and a type that is in NodeIds.csv" "${name}")
   endif()

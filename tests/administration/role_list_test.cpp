@@ -81,7 +81,8 @@ struct Fixture {
 
 } // namespace
 
-TEST_CASE_METHOD(Fixture, "roles: the well-known ones are there, without rules of their own")
+TEST_CASE_METHOD(Fixture, "roles: the well-known ones are there, without rules of their own",
+                 "[unit:Security Role Well Known]")
 {
     CHECK(list.roles().size() == 9);
     CHECK(roles(pat()).empty());
@@ -89,7 +90,8 @@ TEST_CASE_METHOD(Fixture, "roles: the well-known ones are there, without rules o
     CHECK(list.roles_of({.user = pat()}).access_level_mask == 0);
 }
 
-TEST_CASE_METHOD(Fixture, "roles: each kind of rule (Part 18, 4.4.3 and 4.4.4)")
+TEST_CASE_METHOD(Fixture, "roles: each kind of rule (Part 18, 4.4.3 and 4.4.4)",
+                 "[unit:Security Role Server Base][unit:Security Role Server Base 2]")
 {
     const auto gives = [&](const IdentityMappingRuleType& wanted, const UserIdentity& user,
                            bool is_trusted = false) {

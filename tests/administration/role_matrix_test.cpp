@@ -363,7 +363,8 @@ const std::vector<Service>& services()
 
 } // namespace
 
-TEST_CASE("role matrix: a role may what its permissions say, by every bit and service")
+TEST_CASE("role matrix: a role may what its permissions say, by every bit and service",
+          "[unit:Security Role Server RolePermissions]")
 {
     Matrix matrix;
     std::size_t cells = 0;

@@ -33,7 +33,7 @@ TEST_CASE("what a configuration claims is printed, and what it lacks")
     CHECK(text.find("\nMethodClient") == std::string::npos);
     const std::string json = product::conformance_json(secure);
     CHECK(json.starts_with(R"({"profiles":[{"name":)"));
-    CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery"})") != std::string::npos);
+    CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery","works":false})") != std::string::npos);
     CHECK(json.find(R"("name":"MethodClient",)") != std::string::npos);
 }
 
@@ -79,8 +79,8 @@ password = ")" + *crypto::hash_password("engineer-secret", random) +
     for (const char* const profile :
          {"SecurityPolicyAes128Sha256RsaOaep", "SecurityPolicyNone", "UserTokenAnonymousServer",
           "UserTokenX509CertificateServer", "UserTokenUserNamePasswordServer",
-          "ReverseConnectServer", "Embedded2017Server", "Standard2017Server",
-          "Embedded2025Server"}) {
+          "ReverseConnectServer", "Embedded2017Server", "Standard2017Server", "Embedded2025Server",
+          "Standard2025Server"}) {
         INFO(profile);
         CHECK(all.find(profile)->is_claimed);
     }

@@ -35,7 +35,8 @@ ConformanceFacts everything()
     facts.subscriptions = facts.publish = facts.continuation_points = 10;
     facts.items = 500;
     facts.queue = 5;
-    facts.instance_types = {id::BaseDataVariableType, id::DataItemType, id::AnalogItemType};
+    facts.instance_types = {id::BaseDataVariableType, id::DataItemType, id::AnalogItemType,
+                            id::NodeVersion};
     std::sort(facts.instance_types.begin(), facts.instance_types.end());
     return facts;
 }
@@ -80,6 +81,7 @@ TEST_CASE("a server with everything claims the profiles up to Standard 2017")
                                       "ComplexTypes2017",
                                       "Methods",
                                       "NodeManagement",
+                                      "ModelChangeEvent",
                                       "TransportUaTcp",
                                       "SecurityPolicyNone",
                                       "SecurityPolicyBasic256Sha256",
@@ -100,6 +102,15 @@ TEST_CASE("what nobody has written is not claimed")
     CHECK(first_lack(everything(), "Auditing") == "Auditing Base: audit");
     CHECK_FALSE(is_claimed(everything(), "GlobalCertificateManagement"));
     CHECK_FALSE(is_claimed(everything(), "Standard2022Server"));
+    CHECK_FALSE(is_claimed(everything(), "Standard2025Server"));
+}
+
+TEST_CASE("without a NodeVersion nobody is told of changes of the model (Part 3, 9.32.2)")
+{
+    ConformanceFacts facts = everything();
+    std::erase(facts.instance_types, std::uint32_t{id::NodeVersion});
+    CHECK(first_lack(facts, "ModelChangeEvent") == "Base Info Model Change: instance:NodeVersion");
+    CHECK_FALSE(units_of(facts).contains("Base Info Model Change General"));
 }
 
 TEST_CASE("without users of certificates there is no Standard 2017")

@@ -57,11 +57,15 @@ void add_nodes(server::Server& server, const ControllerConfig& config, controlle
     load_models(server, config.nodesets, sources, log);
 }
 
+constexpr std::string_view no_test = "has no test";
+
 std::string lines_of(const server::ProfileAssessment& profile)
 {
     std::string text = std::string{profile.name} + (profile.is_claimed ? ": claimed\n" : ":\n");
     for (const server::UnitLack& lack : profile.lacks) {
-        text += "  " + std::string{lack.unit} + ": " + std::string{lack.need} + "\n";
+        const bool works = lack.need == no_test;
+        text += "  " + std::string{lack.unit} + ": " + (works ? "works, " : "") +
+                std::string{lack.need} + "\n";
     }
     return text;
 }
@@ -96,6 +100,9 @@ void add_profile(busbar::detail::JsonWriter& json, const server::ProfileAssessme
         json.begin_object();
         add("unit", lack.unit);
         add("need", lack.need);
+        // The server does it; what is missing is the proof.
+        json.name("works");
+        json.word(lack.need == no_test ? "true" : "false");
         json.end_object();
     }
     json.end_list();

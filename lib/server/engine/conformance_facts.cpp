@@ -137,9 +137,16 @@ std::vector<model::NodeIndex> types_in_use(const model::SpaceReader& space)
     return types;
 }
 
-std::vector<std::uint32_t> instance_types(const model::SpaceReader& space)
+/// NodeVersion, which is no type, stands for itself: without one on some node no change of the
+/// model is told (Part 3, 9.32.2).
+std::vector<std::uint32_t> instance_types(const model::AddressSpace& space)
 {
     std::vector<std::uint32_t> all;
+    space.journal().for_each_node_version([&](model::NodeIndex version) {
+        if (space.node_id(version).namespace_index() != 0 && all.empty()) {
+            all.push_back(id::NodeVersion);
+        }
+    });
     for (model::NodeIndex type : types_in_use(space)) {
         for (; type != model::no_node; type = space.supertype(type)) {
             const NodeId node = space.node_id(type);
