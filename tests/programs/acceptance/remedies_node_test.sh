@@ -16,10 +16,10 @@ project() {
     run "$wanted_of_project" project "$@"
 }
 press() { echo "nsu=http://press.example/Press;i=$1"; }
-# press_file LINES: the press, which needs the model of the cell in version $needs.
+# press_file LINES: the press, which needs the model of the cell in version $needs of $needs_day.
 press_file() {
     required="<RequiredModel ModelUri=\"http://cell.example/Cell\" Version=\"$needs\""
-    required="$required PublicationDate=\"2024-05-06T00:00:00Z\"/>"
+    required="$required PublicationDate=\"$needs_day\"/>"
     press_model "$1" | sed "s#00Z\"/></Models>#00Z\">$required</Model></Models>#"
 }
 load='  <UAVariable NodeId="ns=1;i=6" BrowseName="1:Load" DataType="i=4" AccessLevel="3">
@@ -29,7 +29,7 @@ load='  <UAVariable NodeId="ns=1;i=6" BrowseName="1:Load" DataType="i=4" AccessL
       <Reference ReferenceType="i=47" IsForward="false">i=85</Reference>
     </References>
   </UAVariable>'
-needs=1.0
+needs=1.0 needs_day=2024-05-06T00:00:00Z
 press_file '' > press.xml
 grep -q RequiredModel press.xml || fail "the press needs nothing"
 cell_program > line.st
@@ -49,11 +49,12 @@ says cell.example
 project 0 import line.busbar press.xml
 
 told 'warning M107'
-needs=1.1
+needs=1.1 needs_day=2025-06-07T00:00:00Z
 press_file '' > press.xml
 project 0 import line.busbar press.xml
 says 'M107'
-sed 's#\(ModelUri="http://cell.example/Cell" Version="\)1.0#\11.1#' "$here/cell.xml" > cell11.xml
+sed -e 's#\(ModelUri="http://cell.example/Cell" Version="\)1.0#\11.1#' \
+    -e "s#\(PublicationDate=\"\)2024-05-06T00:00:00Z#\1$needs_day#" "$here/cell.xml" > cell11.xml
 project 0 import line.busbar cell11.xml
 project 0 import line.busbar press.xml
 says_not 'M107'
