@@ -102,7 +102,7 @@ std::vector<std::string> split(const std::string& text, char separator)
     return parts;
 }
 
-/// Of a set that CLI11 prints, "{Sign,SignAndEncrypt}", or that values_name() made.
+/// Reads the values from a set that CLI11 prints, "{Sign,SignAndEncrypt}", or from values_name().
 std::vector<std::string> values_of(const CLI::Option& option)
 {
     const std::string& type = option.get_type_name();
@@ -152,7 +152,7 @@ std::vector<std::string> names_of_commands(const CLI::App& level)
     return names;
 }
 
-/// What of the word stays as it is: an option before its =, and elements before the last.
+/// Returns the part of the word that stays: an option before its =, and elements before the last.
 std::string kept_part(const CompletionPlace& place)
 {
     std::string kept;
@@ -177,7 +177,7 @@ std::vector<std::string> all_candidates(const CompletionPlace& place, const Comp
     return commands.empty() && completer ? completer(place) : commands;
 }
 
-/// How much of the word bash does not replace.
+/// Returns the size of the part of the word that bash does not replace.
 std::size_t size_before(const CompletionPlace& place, const std::string& breaks)
 {
     const std::size_t last =

@@ -14,7 +14,7 @@ class Option;
 /// is as new as the program, and knows what only a server can tell.
 namespace busbar::command_line {
 
-/// What the shell has when the user asks for completion.
+/// The command line at the moment at which the user asks for completion.
 struct CompletionPlace {
     /// The innermost command that was typed.
     const CLI::App* command;
@@ -24,7 +24,7 @@ struct CompletionPlace {
     /// arguments.
     std::vector<std::string> words{};
     std::vector<std::string> arguments{};
-    /// As far as it was typed, without quotes.
+    /// The word that is being typed, without quotes.
     std::string word{};
     /// Whether it begins with a quote.
     bool is_quoted{false};
@@ -33,7 +33,7 @@ struct CompletionPlace {
 /// Returns what may stand at a place that is neither a command nor an option with known values.
 using Completer = std::function<std::vector<std::string>(const CompletionPlace&)>;
 
-/// Has an option's values completed: pass it as the last argument of CLI::Option::check().
+/// Lists an option's values for completion: pass it as the last argument of CLI::Option::check().
 [[nodiscard]] std::string values_name(const std::vector<std::string>& values);
 
 /// Reads a line up to the cursor as a shell does.

@@ -28,8 +28,8 @@ using client::TreeNode;
 struct Forest {
     BrowsedTree tree;
     std::vector<std::vector<std::size_t>> children;
-    std::vector<DataValue> values;    // empty if they are not wanted
-    std::vector<VariableFacts> facts; // the same
+    std::vector<DataValue> values; // empty if they are not wanted
+    std::vector<ValueFacts> facts; // the same
     Types types;
 };
 

@@ -73,7 +73,7 @@ public:
         const std::string text = lower(name);
         return has_star_ ? matches(text, text_) : text.find(text_) != std::string::npos;
     }
-    /// Of a type all of the name is wanted: "Double" is no ContinuousDouble.
+    /// A type is named in full: "Double" does not find ContinuousDouble.
     [[nodiscard]] bool is_type(std::string_view name) const
     {
         const std::string text = lower(name);

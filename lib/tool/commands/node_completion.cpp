@@ -101,11 +101,11 @@ Words nodes_at(Connection& connection, const std::string& word)
     return nodes;
 }
 
-/// What may be written to the node: names of an enumeration, true and false.
+/// Returns texts that can be written to the node: names of an enumeration, true and false.
 Words values_of(Connection& connection, const std::string& node)
 {
     const auto nodes = find_nodes(connection, {node});
-    const VariableFacts facts = facts_of(connection, nodes, FactsWanted::DataType).front();
+    const ValueFacts facts = facts_of(connection, nodes, FactsWanted::DataType).front();
     if (facts.data_type == NodeId{0, static_cast<std::uint32_t>(BuiltInType::Boolean)}) {
         return {"true", "false"};
     }

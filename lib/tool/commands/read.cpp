@@ -35,7 +35,7 @@ Exit exit_of_all(const std::vector<DataValue>& values)
 
 void print_json(Output& out, const std::vector<NamedNode>& nodes,
                 const std::vector<DataValue>& values, const Types& types,
-                const std::vector<VariableFacts>& facts)
+                const std::vector<ValueFacts>& facts)
 {
     JsonLine json;
     json.open_array();
@@ -51,15 +51,15 @@ void print_json(Output& out, const std::vector<NamedNode>& nodes,
     out.line(json.close_array().document());
 }
 
-/// What helps to tell the values of an attribute of each node.
-std::vector<VariableFacts> facts_for(Connection& connection, const std::vector<NamedNode>& nodes,
-                                     AttributeId attribute)
+/// Returns the facts about the values of an attribute of each node.
+std::vector<ValueFacts> facts_for(Connection& connection, const std::vector<NamedNode>& nodes,
+                                  AttributeId attribute)
 {
     if (attribute == AttributeId::Value) {
         return facts_of(connection, nodes, FactsWanted::All);
     }
-    std::vector<VariableFacts> facts(nodes.size());
-    for (VariableFacts& fact : facts) {
+    std::vector<ValueFacts> facts(nodes.size());
+    for (ValueFacts& fact : facts) {
         fact.data_type = type_of(attribute);
     }
     return facts;
@@ -79,12 +79,12 @@ std::string with_unit(std::string text, const std::string& unit)
     return unit.empty() ? text : text + " " + unit;
 }
 
-/// What was read of several nodes.
+/// The results of a Read of several nodes.
 struct ReadNodes {
     const std::vector<NamedNode>& nodes;
     const std::vector<DataValue>& values;
     const Types& types;
-    const std::vector<VariableFacts>& facts;
+    const std::vector<ValueFacts>& facts;
 };
 
 void print(Context& context, Connection& connection, const ReadNodes& read, AttributeId attribute,
@@ -110,7 +110,7 @@ void print(Context& context, Connection& connection, const ReadNodes& read, Attr
 
 void print_rows(Context& context, const std::vector<NamedNode>& nodes,
                 const std::vector<DataValue>& values, const Types& types,
-                const std::vector<VariableFacts>& facts, const RowFormat& format)
+                const std::vector<ValueFacts>& facts, const RowFormat& format)
 {
     RowWriter writer{context.out, format};
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -122,7 +122,7 @@ std::unique_ptr<watch::Terminal> open_terminal(const Context& context,
     return watch::Terminal::open(context.out.has_colour());
 }
 
-/// What the table needs beside the names: what the server says of each, and shorter names.
+/// Adds to each node what the server says of it and a shorter name, and returns the settings.
 watch::ViewSettings settings_of(Connection& connection, const WatchArguments& arguments,
                                 Selection& selection)
 {

@@ -57,8 +57,8 @@ using Run = std::function<Exit(Context&)>;
 
 /// Adds the options to the program.
 void add_options(CLI::App& app, Options& options);
-/// What is wrong with the values of an option that another place than the command line has; empty
-/// if they are right.
+/// Checks values of an option that are not from the command line; returns what is wrong, empty if
+/// they are right.
 [[nodiscard]] std::string check_option(const std::string& name,
                                        const std::vector<std::string>& values);
 /// The command line as CLI11 wants it, last argument first. CLI11 would take "[1, 2]" for two

@@ -16,8 +16,8 @@ struct Options;
 /// The options of one server by their names, as a file of profiles has them.
 using Profile = std::map<std::string, std::vector<std::string>>;
 
-/// Where profiles are looked for: busbar/profiles.toml below XDG_CONFIG_HOME or ~/.config. Empty if
-/// neither is set.
+/// Returns the path of the file of profiles: busbar/profiles.toml below XDG_CONFIG_HOME or
+/// ~/.config. Empty if neither is set.
 [[nodiscard]] std::string profiles_file();
 /// The profiles in a text, by their names; `file` is for messages. Throws Failure for a key that is
 /// no option of a connection, and for a password: it must be in a file of its own.
@@ -31,8 +31,8 @@ using Profile = std::map<std::string, std::vector<std::string>>;
 /// Puts the profile of that name into the options that were not given. Throws Failure if there is
 /// none.
 void apply_profile(const std::string& name, Options& options);
-/// What is still missing after the command line: the profile of --profile or BUSBAR_PROFILE, then
-/// the URL of BUSBAR_URL or the usual one. Throws Failure.
+/// Adds what the command line did not say: the profile of --profile or BUSBAR_PROFILE, then the URL
+/// of BUSBAR_URL or the usual one. Throws Failure.
 void complete_options(Options& options);
 
 } // namespace busbar::tool

@@ -67,10 +67,10 @@ std::vector<std::string> type_names(Connection& connection, const std::vector<No
     return names;
 }
 
-std::vector<VariableFacts> facts_of(Connection& connection, const std::vector<NamedNode>& nodes,
-                                    FactsWanted wanted)
+std::vector<ValueFacts> facts_of(Connection& connection, const std::vector<NamedNode>& nodes,
+                                 FactsWanted wanted)
 {
-    std::vector<VariableFacts> facts(nodes.size());
+    std::vector<ValueFacts> facts(nodes.size());
     const auto values = read_nodes(connection, nodes, AttributeId::DataType);
     std::unordered_map<NodeId, std::string> known;
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -7,8 +7,8 @@
 
 namespace busbar::tool {
 
-/// What a server says of a Variable beside its value.
-struct VariableFacts {
+/// The attributes and properties of a Variable that help to tell its value.
+struct ValueFacts {
     /// Null if it is not known.
     NodeId data_type{};
     /// The DataType's BrowseName and the EngineeringUnits (Part 8, 5.6.3), both `safe`; may be
@@ -17,11 +17,11 @@ struct VariableFacts {
     std::string unit{};
 };
 
-/// What of it is asked for; each costs a request or two more.
+/// Selects what the server is asked for; each step costs a request or two more.
 enum class FactsWanted : std::uint8_t { DataType, TypeName, All };
 /// Asks for what is wanted of the nodes, and learns the DataTypes that name values. A node that was
 /// not found has none.
-[[nodiscard]] std::vector<VariableFacts>
+[[nodiscard]] std::vector<ValueFacts>
 facts_of(Connection& connection, const std::vector<NamedNode>& nodes, FactsWanted wanted);
 /// The name of each DataType, or the NodeId of one that has none; `safe`.
 [[nodiscard]] std::vector<std::string> type_names(Connection& connection,

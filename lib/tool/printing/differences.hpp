@@ -7,7 +7,7 @@
 
 namespace busbar::tool {
 
-/// What is different, and what each side has of it; empty if it has nothing.
+/// One thing that differs, with the text of each side; empty if a side does not have it.
 struct Difference {
     std::string what;
     std::string first;

@@ -10,7 +10,7 @@ class App;
 
 namespace busbar::tool {
 
-/// How values are written for scripts that do not read JSON.
+/// The form of values for scripts that do not read JSON.
 struct RowFormat {
     bool is_value{false};
     bool is_csv{false};

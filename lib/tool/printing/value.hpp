@@ -15,7 +15,7 @@ namespace busbar::tool {
 /// The types of structures that are known; may be null.
 using Types = std::shared_ptr<const binary::DynamicTypes>;
 
-/// What helps to tell a value.
+/// Hints for the text of a value.
 struct ValueHints {
     /// Names an enumeration's values and the times of a PLC; null if it is not known.
     NodeId data_type{};

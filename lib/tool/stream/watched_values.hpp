@@ -43,7 +43,7 @@ private:
     Printing printing_;
     RowFormat format_;
     RowWriter writer_;
-    std::vector<VariableFacts> facts_;
+    std::vector<ValueFacts> facts_;
     std::vector<ValueRow> rows_;
     NodeFeed feed_;
 };

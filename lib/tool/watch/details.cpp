@@ -21,7 +21,7 @@ std::string time_text(DateTime time)
 } // namespace
 
 std::vector<std::string> details_of(const Row& row, const std::string& node,
-                                    const VariableFacts& facts, const Types& types,
+                                    const ValueFacts& facts, const Types& types,
                                     std::size_t columns)
 {
     std::vector<std::string> lines{line_of("Node", safe(node))};

@@ -41,7 +41,7 @@ std::string without_namespaces(const std::string& path)
     return plain;
 }
 
-/// Where the last of the folders ends that all names begin with.
+/// Returns the size of the folders that all names begin with.
 std::size_t common_folder(const std::vector<std::string>& names)
 {
     const std::string& first = names.front();

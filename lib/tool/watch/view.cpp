@@ -144,7 +144,7 @@ void View::show_value(std::size_t row, const DataValue& value)
 std::string View::told(std::size_t row, const DataValue& value)
 {
     constexpr int digits = 6;
-    const VariableFacts& facts = nodes_[row].facts;
+    const ValueFacts& facts = nodes_[row].facts;
     const std::string text =
         text_of(value, connection_->types().types(), {facts.data_type, digits});
     return facts.unit.empty() || value.status.is_bad() ? text : text + " " + facts.unit;

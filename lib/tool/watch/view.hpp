@@ -15,7 +15,7 @@ struct Watched {
     FeedNode node;
     /// Its name in the table.
     std::string name;
-    VariableFacts facts{};
+    ValueFacts facts{};
 };
 
 struct ViewSettings {
