@@ -33,7 +33,8 @@ TEST_CASE("what a configuration claims is printed, and what it lacks")
     CHECK(text.find("\nMethodClient") == std::string::npos);
     const std::string json = product::conformance_json(secure);
     CHECK(json.starts_with(R"({"profiles":[{"name":)"));
-    CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery","works":false})") != std::string::npos);
+    CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery","works":false})") !=
+          std::string::npos);
     CHECK(json.find(R"("name":"MethodClient",)") != std::string::npos);
 }
 
