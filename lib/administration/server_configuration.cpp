@@ -28,7 +28,7 @@ constexpr std::uint32_t delete_certificate = 19345;
 constexpr std::uint32_t get_certificates = 32333;
 } // namespace instance
 
-/// Of Transaction::check_end.
+/// Explains a status of Transaction::check_end.
 const char* reason_of_end(StatusCode state)
 {
     return state == status::Bad_NothingToDo

@@ -22,7 +22,7 @@ struct GroupName {
     MemoryGroup group;
     std::string_view name;
 };
-/// Those that may be in a backup.
+/// Names of the groups that items of a backup belong to.
 constexpr std::array group_names{GroupName{MemoryGroup::ServerSettings, "settings"},
                                  GroupName{MemoryGroup::RetainedValues, "values"},
                                  GroupName{MemoryGroup::SecurityProfile, "security"},

@@ -16,7 +16,7 @@ namespace busbar::product {
 
 namespace {
 
-/// Which DataTypes variables have, if not those of the preset.
+/// Reads the DataTypes of variables, if they differ from the preset's.
 void read_types(const TomlTable& table, MachineConfig& machine)
 {
     controller::MachineTypeOptions& types = machine.types;
@@ -42,8 +42,8 @@ void read_types(const TomlTable& table, MachineConfig& machine)
     }
 #ifndef BUSBAR_HAS_PLCOPEN
     if (machine.has_plcopen && table.has("plcopen_model")) {
-        table.refuse("plcopen_model", "found true, expected false, as PLCopen is no part of this "
-                                      "build");
+        table.refuse("plcopen_model",
+                     "found true, expected false, as this build does not include PLCopen");
     }
 #endif
 }

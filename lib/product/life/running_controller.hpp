@@ -202,7 +202,7 @@ private:
     /// Checks what restart() would take up. The labels of its project may have been checked
     /// already, which takes long.
     [[nodiscard]] Configured<void> may_restart(bool are_labels_checked);
-    /// As what it runs with.
+    /// Stores what is running as the last good state.
     void keep();
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();

@@ -60,7 +60,7 @@ public:
     /// it all the same. Like publish() on any thread, one at a time.
     [[nodiscard]] Configured<void> check_labels(const backend::LabelBackend& plc,
                                                 bool isolates_failures) const;
-    /// What its transfers need; all must outlive the server.
+    /// The objects that its transfers use; all must outlive the server.
     struct TransferNeeds {
         const server::Server& server;
         std::string version;
@@ -81,7 +81,7 @@ private:
     controller::ProjectStore store_;
     Configured<void> recovered_;
     std::shared_ptr<const controller::Project> served_;
-    /// Of served_, once it was asked for.
+    /// File of served_, once it was requested.
     mutable std::shared_ptr<const std::string> document_;
     /// Another one is in the store than is served.
     bool is_other_due_{false};

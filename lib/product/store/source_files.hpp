@@ -54,8 +54,8 @@ public:
     /// Returns a copy without texts, so that all are read again; results are reused for texts that
     /// are still the same.
     [[nodiscard]] SourceFiles again() const;
-    /// Returns a copy like that of again(), with what was prepared from this file, if the file still
-    /// has that text.
+    /// Returns a copy like that of again(), with what was prepared from this file, if the file
+    /// still has that text.
     [[nodiscard]] SourceFiles again_with(const std::string& file, Prepared prepared) const;
     /// The texts read so far.
     [[nodiscard]] const Texts& texts() const { return texts_; }

@@ -177,7 +177,7 @@ Exit read_all(Context& context, Connection& connection, const std::string& text,
         throw Failure{values.front().status, text};
     }
     const Types types = connection.types_of(values, std::vector<NodeId>(values.size(), node));
-    const VariableFacts facts = facts_of(connection, {{text, node}}, FactsWanted::DataType).front();
+    const ValueFacts facts = facts_of(connection, {{text, node}}, FactsWanted::DataType).front();
     JsonLine json;
     json.open_object().member("node", text).key("attributes").open_object();
     Table table{{{"ATTRIBUTE"}, {"VALUE", 20}}};

@@ -180,12 +180,14 @@ void apply_profile(const std::string& name, Options& options)
     const auto found = profiles.find(name);
     if (found == profiles.end()) {
         std::vector<std::string> names;
+        names.reserve(profiles.size());
         for (const auto& [each, profile] : profiles) {
             names.push_back(each);
         }
         throw Failure{Exit::Usage, name + ": no profile of this name in " + file,
                       "there are " + joined(names)};
     }
+    const std::string place = file + ": " + name + ".";
     for (const ProfileKey& key : keys) {
         const auto values = found->second.find(key.name);
         if (values == found->second.end() || options.given.contains(key.name)) {
@@ -194,11 +196,12 @@ void apply_profile(const std::string& name, Options& options)
         try {
             key.put(values->second, options);
         } catch (const Failure& failure) {
-            throw Failure{Exit::Usage, file + ": " + name + "." + failure.what()};
+            throw Failure{Exit::Usage, std::string{place}.append(failure.what())};
         }
         const std::string problem = check_option(key.name, values->second);
         if (!problem.empty()) {
-            throw Failure{Exit::Usage, file + ": " + name + "." + key.name + ": " + problem};
+            throw Failure{Exit::Usage,
+                          std::string{place}.append(key.name).append(": ").append(problem)};
         }
     }
 }

@@ -24,8 +24,7 @@ namespace busbar::tool {
 
 /// That there is no command of this name below `level`, and which one was probably meant.
 [[nodiscard]] Failure unknown_command(const CLI::App& level, const std::string& word);
-/// What is wrong with a command line, for people: the word that nobody knows, and the one that was
-/// probably meant.
+/// Explains an error of the command line: the unknown word, and the one that was probably meant.
 [[nodiscard]] Failure usage_failure(const CLI::App& app, const CLI::ParseError& error);
 
 } // namespace busbar::tool

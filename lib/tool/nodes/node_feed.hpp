@@ -27,7 +27,7 @@ struct FeedNode {
 };
 /// Their texts.
 [[nodiscard]] std::vector<std::string> texts_of(const std::vector<FeedNode>& nodes);
-/// Throws Failure for a text that is no address.
+/// Throws Failure for a text that is not an address.
 [[nodiscard]] std::vector<FeedNode> parse_feed(const std::vector<std::string>& texts);
 
 /// Called in run() of the Stream, with the index of the node.

@@ -1,5 +1,7 @@
 #include "nodes.hpp"
 
+#include <utility>
+
 #include <busbar/client/attributes.hpp>
 #include <busbar/client/resolve_nodes.hpp>
 #include <busbar/types/ids.hpp>
@@ -29,7 +31,7 @@ client::NodeAddress parse_address(const std::string& text)
     if (!address) {
         Failure failure{address.error(), text};
         failure.exit = Exit::Usage;
-        throw failure;
+        throw Failure{std::move(failure)};
     }
     return *std::move(address);
 }

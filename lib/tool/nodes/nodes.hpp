@@ -23,7 +23,7 @@ struct NamedNode {
 /// Their NodeIds; null where there is none.
 [[nodiscard]] std::vector<NodeId> ids_of(const std::vector<NamedNode>& nodes);
 
-/// What the text says; throws Failure if it is no node id and no path.
+/// Parses an address; throws Failure if it is neither a node id nor a path.
 [[nodiscard]] client::NodeAddress parse_address(const std::string& text);
 /// Throws Failure for the first text that is neither, before a server is asked for anything.
 void check_addresses(const std::vector<std::string>& texts);

@@ -53,7 +53,7 @@ enum class Action : std::uint8_t {
 [[nodiscard]] Action action_of(const Key& key);
 /// "q quit  p pause ...": as many as there is room for.
 [[nodiscard]] std::string key_help(std::size_t columns);
-/// What each key does, a line each.
+/// Describes each key on a line.
 [[nodiscard]] std::vector<std::string> all_key_help();
 
 /// A line that the user edits at its end.

@@ -157,7 +157,7 @@ bool Model::move(Action action)
     const std::vector<std::size_t> shown = order();
     const auto found = std::ranges::find(shown, selected_);
     const auto at = found == shown.end() ? 0 : static_cast<std::size_t>(found - shown.begin());
-    std::size_t to = at;
+    std::size_t to = 0;
     switch (action) {
     case Action::Up:
         to = at - std::min<std::size_t>(at, 1);
@@ -172,7 +172,6 @@ bool Model::move(Action action)
         to = at + page_rows_;
         break;
     case Action::First:
-        to = 0;
         break;
     case Action::Last:
         to = shown.size();

@@ -19,7 +19,7 @@ struct Row {
     /// The value for people, on one line, with its unit.
     std::string text{"(waiting)"};
     DataValue value{};
-    /// Of the value, or of the monitored item if that is bad.
+    /// Status of the value, or of the monitored item if that is bad.
     StatusCode status{};
     StatusCode item{};
     /// To sort by; not NaN.
