@@ -141,7 +141,7 @@ describe("the address space", () => {
     assert.equal(await valueOf(id("Name")), "Press \u{1b}[31m4");
     const forPeople = busbar.startForPeople(["read", "--value", id("Name")]);
     assert.equal(await forPeople.end(), 0);
-    assert.deepEqual(forPeople.lines, ['"Press \\x1B[31m4"']);
+    assert.deepEqual(forPeople.lines, ["Press \\x1B[31m4"]);
   });
 
   test("the attributes of a node", async () => {
@@ -205,12 +205,10 @@ describe("the server's own types", () => {
   });
 
   test("people read the names of enumerations", async () => {
-    const program = busbar.startForPeople(["read", "--value", id("Part"), id("Blank")]);
+    const program = busbar.startForPeople(["read", id("Part"), id("Blank")]);
     assert.equal(await program.end(), 0, program.errors);
-    assert.deepEqual(program.lines, [
-      'Part {Serial: "P-4711", Grade: Good (1), Size: Size {Width: 2.5, Height: 4}, Holes: [3, 5, 8], Note: "drilled"}',
-      'Part {Serial: "P-4711", Grade: Scrap (0), Size: Size {Width: 2.5, Height: 4}, Holes: []}',
-    ]);
+    const grades = program.lines.filter((line) => /^ +Grade /.test(line));
+    assert.deepEqual(grades.map((line) => line.trim().replace(/ +/g, " ")), ["Grade Good (1)", "Grade Scrap (0)"]);
   });
 
   test("one is written", async () => {

@@ -47,8 +47,10 @@ foreach(program IN LISTS programs)
   if(EXISTS ${completions})
     run(bash -n ${completions})
     file(STRINGS ${completions} complete REGEX "^complete .* ${name}$")
-    file(STRINGS ${completions} words REGEX "--version")
-    if(NOT complete OR NOT words)
+    # The script asks the program.
+    execute_process(COMMAND ${prefix}/bin/${name} --complete "${name} --vers"
+      OUTPUT_VARIABLE words OUTPUT_STRIP_TRAILING_WHITESPACE)
+    if(NOT complete OR NOT words STREQUAL "--version")
       message(FATAL_ERROR "${completions} does not complete ${name} --version")
     endif()
   elseif(NOT name STREQUAL "busbar-generate")

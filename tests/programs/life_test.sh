@@ -206,7 +206,7 @@ await logged 'downloaded: program.st'
 sed -i 's/^use = .*/use = true/' machine.toml
 program 'Pace : INT := 10;'
 kill -HUP "$pid"
-await logged 'machine.use: changes with a restart .*; nothing was changed'
+await logged 'machine.use: takes effect only after a restart .*; nothing was changed'
 [ -z "$(listening)" ] || fail "a port is open before the restart"
 lived "${before% }" || fail "a server that is not used has a life: $(life)"
 kill "$pid"

@@ -227,7 +227,7 @@ TEST_CASE("pins are limited, and never stand in the task's way")
     CHECK_FALSE(f.image->pin());
     CHECK(f.read(f.speed).status == status::Bad_TooManyOperations);
     for (int i = 0; i < 10; ++i) {
-        f.scan();
+        f.scan([&](ImageMemory& memory) { ++memory.value<std::int16_t>(f.speed); });
     }
     for (std::size_t i = 0; i < pins.size(); ++i) {
         CHECK(pins[i].scan() == i + 1);

@@ -16,6 +16,7 @@ public:
     void start();
     /// Stops it and runs the world until that is done.
     void stop(Duration limit = std::chrono::minutes{1});
+    /// Registers the server again after stop().
     void start_again();
     [[nodiscard]] const client::Registration& registration() const { return registration_; }
     [[nodiscard]] bool is_registered() const { return registration_.is_registered(); }

@@ -66,8 +66,9 @@ public:
     [[nodiscard]] Result<void> register_with(DiscoveryRegistrationConfig config,
                                              const channel::ChannelEnvironment& environment);
     /// Unregisters the server while run() continues, as for a server that serves only
-    /// administrators; register_again() ends that. Call both on the loop's thread, during run().
+    /// administrators. Call it on the loop's thread, during run().
     void unregister();
+    /// Registers the server again after unregister(). Call it like that.
     void register_again();
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM. Calls `first` before, on the
     /// loop's thread, to save what must not be lost if the process is killed soon; it may be null.

@@ -22,12 +22,14 @@ commands() {
         is_here && is_code
         is_here && /^```sh$/ { is_code = 1 }' "$guide" | sed "s/4840/$port/g"
 }
-# script: the lines as commands that are checked, of which a text of several lines is one.
+# script: the lines as commands that are checked, of which a text of several lines is one. The process
+# that is killed has ended before the next command, as it has for a user, who types that.
 script() {
     awk '
         /<< .END.$/ { text = 1 }
         text { print; if ($0 == "END") { text = 0 } next }
         /[^&]&$/ || /^export / { print; next }
+        /^kill -9 \$!$/ { print; print "wait $!"; next }
         /# refused$/ { print "! " $0 " || { echo \"FAILED: taken: " NR "\"; exit 1; }"; next }
         { print; print "[ $? -eq 0 ] || { echo \"FAILED: command of line " NR "\"; exit 1; }" }'
 }

@@ -102,7 +102,8 @@ shows "ns=1;i=104"
 for attribute in 'NodeId  *ns=1;i=104' 'NodeClass  *Variable' 'BrowseName  *1:aInt16' \
     'DisplayName  *aInt16' 'Description  *A number' 'WriteMask  *0' 'UserWriteMask  *0' \
     'RolePermissions' 'DataType  *Int16' 'ValueRank  *-1 (Scalar)' 'ArrayDimensions' \
-    'AccessLevel  .*3' 'UserAccessLevel  .*3' 'MinimumSamplingInterval  *0' 'Historizing  *false' \
+    'AccessLevel  *CurrentRead | CurrentWrite (3)' \
+    'UserAccessLevel  *CurrentRead | CurrentWrite (3)' 'MinimumSamplingInterval  *0' 'Historizing  *false' \
     'Value  *417'; do
     says "^$attribute\$"
 done

@@ -80,7 +80,7 @@ printf 'VAR_GLOBAL\n    Speed : WRONG;\nEND_VAR\n' > wrong.st
 chief 1 admin program download "$url" wrong.st --yes
 refused 'wrong.st:2:'
 chief 1 admin restore "$url" wrong.st --yes
-refused 'backup: is not a backup file or is too large'
+refused 'backup: is cut or not a backup file: expected a tar'
 chief 1 admin shutdown "$url" --reason "$(printf '%300s' | tr ' ' x)" --yes
 refused 'a reason of 300 bytes, expected at most 256'
 

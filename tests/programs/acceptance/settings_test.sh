@@ -52,7 +52,7 @@ restart
 await is_running
 step_ends
 setting machine.execution_log_records 100
-[ -e medium/packages/OPCUA_Server/ExecutionLog/OPCUA_ExecutionLog.log ] || fail "there is no log"
+await [ -e medium/packages/OPCUA_Server/ExecutionLog/OPCUA_ExecutionLog.log ]
 chief 0 admin setting reset "$url" machine.execution_log_files machine.execution_log_records
 setting machine.execution_log_files 24
 setting machine.execution_log_records 12000

@@ -111,11 +111,11 @@ says_not 'silent'
 
 entry variables 6-2-1: controller folder
 chief 0 browse "$url" /Objects
-says ' 2:Press  *Object '
+says ' 4:Press  *Object '
 chief 0 browse "$url" "$(node Controller/)" --depth 2
 for name in DeviceState ErrorState Mode UnpublishedVariablesStatus NumberOfPublishedVariables \
     NumberOfValueAttributes GlobalVars; do
-    says "2:$name "
+    says "4:$name "
 done
 value Controller/DeviceState/ErrorState 'NoError'
 value Controller/DeviceState/Mode 'RUN'
@@ -125,7 +125,7 @@ value Controller/DeviceState/NumberOfValueAttributes 192
 
 entry variables 6-2-2: name, type, constant, publish
 attributes fixed
-says '^BrowseName  *"2:fixed"$'
+says '^BrowseName  *"4:fixed"$'
 says '^DisplayName  *"fixed"$'
 says '^DataType  *Int16 (i=4)$'
 says '^AccessLevel .*(1)$'
