@@ -35,7 +35,7 @@ std::vector<NodeId> types_named(const model::SpaceReader& space, std::string_vie
     return found;
 }
 
-NodeId type_of(const ModelSet& models, const std::string& text)
+NodeId type_named(const ModelSet& models, const std::string& text)
 {
     if (const NodeIndex node = controller::find_table_node(text, models.space());
         node != model::no_node) {
@@ -65,7 +65,7 @@ std::pair<std::string, NodeId> type_choice(const ModelSet& models, const std::st
         throw Failure{Exit::Usage, "--type " + safe(text) + " is not a choice of a type",
                       "expected PATH=TYPE, as Axis/Motor=ServoMotorType"};
     }
-    return {text.substr(0, end), type_of(models, text.substr(end + 1))};
+    return {text.substr(0, end), type_named(models, text.substr(end + 1))};
 }
 
 /// "PackMLBaseObject" of a PackMLBaseObjectType.
@@ -91,7 +91,7 @@ Exit add_one(Context& context, const ProjectArguments& arguments)
     }
     controller::NewInstance instance;
     instance.parent = models.space().node_id(parent);
-    instance.type = type_of(models, words[2]);
+    instance.type = type_named(models, words[2]);
     instance.name = words.size() > 3 ? words[3] : default_name(models.space(), instance.type);
     instance.uri = arguments.uri.empty() ? own_uri : arguments.uri;
     instance.optional = arguments.optional;

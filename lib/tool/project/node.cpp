@@ -187,7 +187,7 @@ std::optional<std::string> NodePage::attribute_text(AttributeId id) const
     }
     const auto* const browse_name = value->get_if<QualifiedName>();
     return browse_name != nullptr ? to_string(*browse_name)
-                                  : text_of(*value, types_, {type_of(id)});
+                                  : text_of(*value, types_, {tool::type_of(id)});
 }
 
 bool NodePage::has_value() const
