@@ -32,7 +32,7 @@ std::string without_namespaces(const std::string& path)
         }
         end = at;
         while (end < path.size() && path[end] != '/') {
-            end += path[end] == '&' ? 2 : 1;
+            end += path[end] == '&' ? 2U : 1U;
         }
         end = std::min(end + 1, path.size());
         plain += path.substr(at, end - at);
