@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/controller/backup.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller::detail {
 
@@ -34,8 +35,8 @@ struct SavedMemory {
 [[nodiscard]] std::vector<std::byte> write_backup(const SavedMemory& memory);
 /// Decodes a backup within the limits. Checks that names are valid in a storage and unique, but
 /// compares nothing with what a controller has. `created` is not parsed: it is for people.
-[[nodiscard]] Configured<SavedMemory> read_backup(std::span<const std::byte> file,
-                                                  const MemoryLimits& limits);
+[[nodiscard]] BUSBAR_API Configured<SavedMemory> read_backup(std::span<const std::byte> file,
+                                                             const MemoryLimits& limits);
 
 /// Tells whether a name survives a round trip through JSON.
 [[nodiscard]] bool is_saved_name(const std::string& name);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/node_id.hpp>
 #include <busbar/types/enumerations.hpp>
 
 namespace busbar::tool {
