@@ -185,6 +185,7 @@ await more_written
 # The end of its life (7-4-5), which a medium's own firmware knows.
 simulate 'medium worn'
 await logged 'event log: 00000005 Storage Medium Life Exceeded'
+await grep -q -s 00000005 state/events/events.log # a moment after the line
 chief 0 admin events "$url" --code 00000005
 says 'Storage Medium Life Exceeded'
 step_ends
