@@ -94,6 +94,7 @@ std::unordered_map<NodeId, std::string> definitions_in(Connection& connection,
         names.try_emplace(node.reference.type_definition.node_id);
     }
     std::vector<NodeId> definitions;
+    definitions.reserve(names.size());
     for (const auto& [definition, name] : names) {
         definitions.push_back(definition);
     }

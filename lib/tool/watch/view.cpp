@@ -35,6 +35,7 @@ std::size_t count_bad(const std::vector<StatusCode>& statuses)
 std::vector<FeedNode> feed_of(const std::vector<Watched>& nodes)
 {
     std::vector<FeedNode> feed;
+    feed.reserve(nodes.size());
     for (const Watched& watched : nodes) {
         feed.push_back(watched.node);
     }
