@@ -74,7 +74,7 @@ void name_data_type(Connection& connection, const DataValue& value, ValueText& t
     }
 }
 
-std::string with_unit(std::string text, const std::string& unit)
+std::string with_unit(const std::string& text, const std::string& unit)
 {
     return unit.empty() ? text : text + " " + unit;
 }

@@ -52,7 +52,7 @@ NodeId type_named(const ModelSet& models, const std::string& text)
         for (const NodeId& id : found) {
             failure.candidates.push_back(to_string(id));
         }
-        throw failure;
+        throw Failure{std::move(failure)};
     }
     return found.front();
 }
