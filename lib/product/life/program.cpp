@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
-#include <malloc.h>
 
 #include <busbar/net/system.hpp>
 #include <busbar/product/controller.hpp>
@@ -109,9 +108,6 @@ int run(int argc, char** argv, Runtime& runtime)
     if (const auto end = prints.run(configuration)) {
         return *end;
     }
-    // Messages of some 100 kB come and go all the time: keep their pages.
-    ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
-    ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     // The reader of the log may exit; the machine continues.
     std::signal(SIGPIPE, SIG_IGN);
     if (forgets_changes) {
