@@ -2,12 +2,16 @@
 
 #include <pthread.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -309,7 +313,15 @@ TEST_CASE("a NaN at any place of an array is a quiet one (Part 6, 5.2.2.3)")
                 REQUIRE(bytes);
                 constexpr std::size_t header = 5;
                 REQUIRE(bytes->size() == header + size * sizeof(T));
-                CHECK(std::memcmp(bytes->data() + header, values.data(), size * sizeof(T)) == 0);
+                std::vector<std::byte> wanted;
+                for (const T& value : values) {
+                    auto one = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+                    if constexpr (std::endian::native == std::endian::big) {
+                        std::ranges::reverse(one);
+                    }
+                    wanted.insert(wanted.end(), one.begin(), one.end());
+                }
+                CHECK(std::ranges::equal(std::span{*bytes}.subspan(header), wanted));
             }
         }
     };
