@@ -20,8 +20,11 @@ class BUSBAR_API CheckedProgram {
 
 public:
     /// Takes time in proportion to the program: some milliseconds for 10,000 variables. The problem
-    /// is that of ProgramTypes, or an initial value that does not fit its type.
-    [[nodiscard]] static Configured<std::shared_ptr<const CheckedProgram>> create(Program program);
+    /// is that of ProgramTypes, or an initial value that does not fit its type. With
+    /// Unserved::LeaveOut a declaration with such a problem goes to Program::left_out, with all
+    /// that use its type; the problem then is that there are too many types or variables.
+    [[nodiscard]] static Configured<std::shared_ptr<const CheckedProgram>>
+    create(Program program, Unserved unserved = Unserved::Refuse);
     CheckedProgram(Key, Program program) : program_{std::move(program)} {}
     CheckedProgram(const CheckedProgram&) = delete;
     CheckedProgram& operator=(const CheckedProgram&) = delete;

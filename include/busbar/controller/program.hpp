@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/problem.hpp>
 #include <busbar/core/variant.hpp>
 
 /// The declarations of a controller's program: data types and global variables as in IEC 61131-3.
@@ -170,12 +171,37 @@ struct ProgramInstance {
     std::string task{};
 };
 
+/// What a reader does with declarations that it cannot serve.
+enum class Unserved : std::uint8_t {
+    Refuse,   // the whole program
+    LeaveOut, // only the declaration
+};
+
+/// A declaration that is not served.
+struct LeftOut {
+    enum class Kind : std::uint8_t {
+        Part, // a passage without a name
+        Type,
+        /// A function block, a program or another unit with statements. Only a type to variables.
+        Unit,
+        Variable,
+    };
+
+    Kind kind{Kind::Part};
+    /// The declaration as far as it was understood: a name, a place and whether to publish it.
+    GlobalVariable declared{};
+    /// Why; `where` begins with line and column if they are known, without the file's name.
+    Problem problem{};
+};
+
 /// Everything that a program declares.
 struct Program {
     std::vector<DerivedType> types{};
     std::vector<GlobalVariable> variables{};
     std::vector<ProgramTask> tasks{};
     std::vector<ProgramInstance> instances{};
+    /// Declarations that the program has and that the lists above lack.
+    std::vector<LeftOut> left_out{};
 };
 
 } // namespace busbar::controller

@@ -16,6 +16,7 @@ namespace busbar::controller {
 
 namespace detail {
 class ProgramChecker;
+class ProgramSieve;
 } // namespace detail
 
 /// Limits of a program from any origin; they do not limit what is published.
@@ -80,6 +81,7 @@ public:
 
 private:
     friend class detail::ProgramChecker;
+    friend class detail::ProgramSieve;
     explicit ProgramTypes(const Program& program) : program_{&program} {}
 
     enum class Memory : std::uint8_t { Cpu, Image };

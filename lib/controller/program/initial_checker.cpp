@@ -23,22 +23,35 @@ bool is_list(const InitialValue& value)
 std::optional<Problem> InitialChecker::check()
 {
     for (std::size_t i = 0; i < program_->types.size(); ++i) {
-        root_ = place_in("types", i, program_->types[i].name);
-        if (auto found = check_type(program_->types[i])) {
+        if (auto found = check_type(i)) {
             return found;
         }
     }
     for (std::size_t i = 0; i < program_->variables.size(); ++i) {
-        const GlobalVariable& variable = program_->variables[i];
-        if (variable.initial.empty()) {
-            continue;
-        }
-        root_ = place_in("variables", i, variable.name);
-        if (auto found = check_use(variable.type, variable.initial, variable.place)) {
+        if (auto found = check_variable(i)) {
             return found;
         }
     }
     return {};
+}
+
+std::optional<Problem> InitialChecker::check_type(std::size_t index)
+{
+    const DerivedType& type = program_->types[index];
+    steps_.clear();
+    root_ = place_in("types", index, type.name);
+    return check_type(type);
+}
+
+std::optional<Problem> InitialChecker::check_variable(std::size_t index)
+{
+    const GlobalVariable& variable = program_->variables[index];
+    if (variable.initial.empty()) {
+        return {};
+    }
+    steps_.clear();
+    root_ = place_in("variables", index, variable.name);
+    return check_use(variable.type, variable.initial, variable.place);
 }
 
 std::optional<Problem> InitialChecker::check_type(const DerivedType& type)

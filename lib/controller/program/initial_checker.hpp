@@ -20,6 +20,9 @@ public:
 
     /// Returns the first problem.
     [[nodiscard]] std::optional<Problem> check();
+    /// Returns the first problem of one type or variable.
+    [[nodiscard]] std::optional<Problem> check_type(std::size_t index);
+    [[nodiscard]] std::optional<Problem> check_variable(std::size_t index);
 
 private:
     using Found = std::optional<Problem>;

@@ -173,12 +173,22 @@ std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
                       more_than(limits_->max_dimensions, "dimensions with those of its types"));
 }
 
-std::optional<Problem> ProgramChecker::check_nesting()
+void ProgramChecker::prepare_nesting()
 {
     depths_.assign(program_->types.size(), not_measured);
     types_->layouts_.assign(program_->types.size(), {});
+}
+
+std::optional<Problem> ProgramChecker::check_nesting_of(std::size_t index)
+{
+    return measure(index, 1);
+}
+
+std::optional<Problem> ProgramChecker::check_nesting()
+{
+    prepare_nesting();
     for (std::size_t i = 0; i < depths_.size(); ++i) {
-        if (auto found = measure(i, 1)) {
+        if (auto found = check_nesting_of(i)) {
             return found;
         }
     }
@@ -201,6 +211,7 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
         depths_[index] = being_measured;
         std::size_t below = 0;
         if (auto found = measure_inner(type, level, below)) {
+            depths_[index] = not_measured;
             return found;
         }
         depths_[index] = below + 1;
@@ -242,29 +253,37 @@ std::optional<Problem> ProgramChecker::check_variables() const
 {
     std::unordered_set<std::string> names;
     for (std::size_t i = 0; i < program_->variables.size(); ++i) {
-        const GlobalVariable& variable = program_->variables[i];
-        const std::string where = place_in("variables", i, variable.name);
-        if (auto found = check_name(variable.name, where, variable.place)) {
+        if (auto found = check_variable(i, names)) {
             return found;
         }
-        if (!names.insert(fold_name(variable.name)).second) {
-            return problem_at(where, variable.place, "is also the name of another variable");
-        }
-        if (auto found = check_use(variable.type, where, variable.place)) {
-            return found;
-        }
-        if (auto found = check_dimensions(variable.type, where, variable.place)) {
-            return found;
-        }
-        if (types_->size_of(variable.type) > limits_->max_variable_size) {
-            return problem_at(where, variable.place,
-                              more_than(limits_->max_variable_size, "bytes"));
-        }
-        if (types_->image_size_of(variable.type) > limits_->max_variable_size) {
-            return problem_at(where, variable.place,
-                              more_than(limits_->max_variable_size,
-                                        "bytes in a process image, which keeps one for each BOOL"));
-        }
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_variable(std::size_t index,
+                                                      std::unordered_set<std::string>& names) const
+{
+    const GlobalVariable& variable = program_->variables[index];
+    const std::string where = place_in("variables", index, variable.name);
+    if (auto found = check_name(variable.name, where, variable.place)) {
+        return found;
+    }
+    if (!names.insert(fold_name(variable.name)).second) {
+        return problem_at(where, variable.place, "is also the name of another variable");
+    }
+    if (auto found = check_use(variable.type, where, variable.place)) {
+        return found;
+    }
+    if (auto found = check_dimensions(variable.type, where, variable.place)) {
+        return found;
+    }
+    if (types_->size_of(variable.type) > limits_->max_variable_size) {
+        return problem_at(where, variable.place, more_than(limits_->max_variable_size, "bytes"));
+    }
+    if (types_->image_size_of(variable.type) > limits_->max_variable_size) {
+        return problem_at(where, variable.place,
+                          more_than(limits_->max_variable_size,
+                                    "bytes in a process image, which keeps one for each BOOL"));
     }
     return {};
 }

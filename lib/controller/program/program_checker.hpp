@@ -20,11 +20,21 @@ public:
     /// Returns the first problem.
     [[nodiscard]] std::optional<Problem> check();
 
-private:
     using Found = std::optional<Problem>;
 
-    [[nodiscard]] Found check_counts() const;
+    /// Checks a type by itself: names, and whether the types that it uses are declared.
     [[nodiscard]] Found check_type(std::size_t index) const;
+    /// Prepares check_nesting_of(); all types must have passed check_type().
+    void prepare_nesting();
+    /// Checks that the type does not contain itself, and notes its size.
+    [[nodiscard]] Found check_nesting_of(std::size_t index);
+    /// Checks a variable; all types must have passed the checks. `names` are the folded names of
+    /// variables before it, to which its own is added.
+    [[nodiscard]] Found check_variable(std::size_t index,
+                                       std::unordered_set<std::string>& names) const;
+
+private:
+    [[nodiscard]] Found check_counts() const;
     [[nodiscard]] Found check_members(const DerivedType& type, const std::string& where) const;
     [[nodiscard]] Found check_enumerators(const DerivedType& type, const std::string& where) const;
     [[nodiscard]] Found check_use(const TypeUse& use, const std::string& where,
@@ -33,7 +43,6 @@ private:
     /// checked.
     [[nodiscard]] Found check_dimensions(const TypeUse& use, const std::string& where,
                                          const ProgramPlace& place) const;
-    /// Checks that no type contains itself, and notes the size of each.
     [[nodiscard]] Found check_nesting();
     /// Measures a type that is nested in `level` types, itself included.
     [[nodiscard]] Found measure(std::size_t index, std::size_t level);
