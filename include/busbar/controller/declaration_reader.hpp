@@ -52,11 +52,16 @@ struct DeclarationLimits {
 /// expressions and names of constants, unnamed types other than arrays and subranges, and types of
 /// characters and of 64 bit times (LTIME, CHAR, WSTRING and others).
 ///
+/// With Unserved::LeaveOut the text may be a whole program: program organization units, INTERFACE,
+/// VAR_CONFIG, VAR_ACCESS and USING are skipped, NAMESPACE is read as if its declarations stood
+/// outside. A declaration that is not understood goes to Program::left_out, and reading continues
+/// after it. The program is refused only if it is too large, or if nothing is understood.
+///
 /// `file_name` is for problems, whose `where` is "machine.st:12:5", with columns counted in
 /// characters; only the first problem is reported. The meaning of names and values is not checked:
-/// ProgramTypes::create and check_initial_values do that.
+/// CheckedProgram does that.
 [[nodiscard]] BUSBAR_API Configured<Program>
 read_declarations(std::string_view text, std::string_view file_name,
-                  const DeclarationLimits& limits = {});
+                  const DeclarationLimits& limits = {}, Unserved unserved = Unserved::Refuse);
 
 } // namespace busbar::controller

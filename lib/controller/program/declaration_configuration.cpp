@@ -57,8 +57,8 @@ bool DeclarationParser::read_resource_part(bool& is_part)
     if (cursor_->skip_word("PROGRAM")) {
         return read_instance();
     }
-    is_part = false;
-    return false;
+    is_part = leaves_out_ && (cursor_->skip_word("VAR_ACCESS") || cursor_->skip_word("VAR_CONFIG"));
+    return is_part && skip_variables();
 }
 
 bool DeclarationParser::read_task()

@@ -111,8 +111,11 @@ bool DeclarationCursor::expect_name(std::string& name, std::string_view what)
 
 bool DeclarationCursor::keep(std::size_t bytes)
 {
-    return memory_->take(bytes) ||
-           fail_with(now_.offset, "takes more than " + std::to_string(limits_->max_memory) +
+    if (memory_->take(bytes)) {
+        return true;
+    }
+    is_exhausted_ = true;
+    return fail_with(now_.offset, "takes more than " + std::to_string(limits_->max_memory) +
                                       " bytes of memory up to here");
 }
 
@@ -133,11 +136,28 @@ bool DeclarationCursor::fail_at(const DeclarationToken& token, std::string_view 
 bool DeclarationCursor::fail_with(std::size_t offset, std::string text)
 {
     if (!problem_) {
+        problem_place_ = place_at(offset);
         problem_.emplace();
-        problem_->where = place_text(file_name_, place_at(offset));
+        problem_->where = place_text(file_name_, problem_place_);
         problem_->text = std::move(text);
     }
     return false;
+}
+
+std::pair<std::string, ProgramPlace> DeclarationCursor::recover()
+{
+    std::pair<std::string, ProgramPlace> told{std::move(problem_->text), problem_place_};
+    problem_.reset();
+    pass_wrong();
+    return told;
+}
+
+void DeclarationCursor::pass_wrong()
+{
+    while (now_.kind == DeclarationToken::Kind::Wrong) {
+        lexer_.resume(now_);
+        now_ = lexer_.next();
+    }
 }
 
 } // namespace busbar::controller::detail

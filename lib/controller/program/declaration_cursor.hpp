@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <busbar/controller/declaration_reader.hpp>
 
@@ -71,6 +72,13 @@ public:
     bool fail_with(std::size_t offset, std::string text);
     /// Returns the problem; call this only if there is one.
     [[nodiscard]] const Problem& problem() const { return *problem_; }
+    /// True if there is a problem after which reading can continue: any but exhausted memory.
+    [[nodiscard]] bool can_recover() const { return problem_ && !is_exhausted_; }
+    /// Forgets the problem, and passes a token that is wrong. Returns the text and the place of the
+    /// problem.
+    std::pair<std::string, ProgramPlace> recover();
+    /// Skips tokens that are wrong.
+    void pass_wrong();
 
 private:
     DeclarationLexer lexer_;
@@ -80,6 +88,8 @@ private:
     MemoryBudget* memory_;
     DeclarationToken now_{};
     std::optional<Problem> problem_{};
+    ProgramPlace problem_place_{};
+    bool is_exhausted_{false};
 };
 
 /// Writes a place: "machine.st:12:5", or the file name alone if line and column are unknown.

@@ -1,5 +1,7 @@
 #include "declaration_lexer.hpp"
 
+#include <algorithm>
+
 namespace busbar::controller::detail {
 
 namespace {
@@ -245,9 +247,33 @@ DeclarationToken DeclarationLexer::address()
     return take(DeclarationToken::Kind::Address, skip_while(at_ + 1, is_in_address));
 }
 
+void DeclarationLexer::resume(const DeclarationToken& wrong)
+{
+    const char first = at(wrong.offset);
+    const bool is_text = first == '\'' || first == '"';
+    at_ = is_text ? std::min(text_.find('\n', wrong.offset), text_.size()) : text_.size();
+}
+
+std::size_t DeclarationLexer::pragma_end() const
+{
+    char quote = '\0';
+    for (std::size_t i = at_ + 1; i < text_.size() && text_[i] != '\n'; ++i) {
+        const char c = text_[i];
+        if (quote != '\0') {
+            quote = c == quote ? '\0' : quote;
+        } else if (c == '}') {
+            return i;
+        } else if (c == '\'' || c == '"') {
+            quote = c;
+        }
+    }
+    // An apostrophe in prose, or a pragma of several lines.
+    return text_.find('}', at_);
+}
+
 DeclarationToken DeclarationLexer::pragma()
 {
-    const std::size_t end = text_.find('}', at_);
+    const std::size_t end = pragma_end();
     if (end == std::string_view::npos) {
         const std::size_t begin = at_;
         at_ = text_.size();

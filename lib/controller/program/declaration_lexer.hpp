@@ -44,6 +44,8 @@ public:
 
     /// Returns the next token; End for ever after the last one.
     [[nodiscard]] DeclarationToken next();
+    /// Continues after a Wrong token: a text ends with its line, anything else with the whole text.
+    void resume(const DeclarationToken& wrong);
     /// The first comment between the last two tokens, if it begins in the line in which the first
     /// of them ends; empty otherwise.
     [[nodiscard]] std::string_view comment() const { return comment_; }
@@ -60,6 +62,8 @@ private:
     [[nodiscard]] DeclarationToken quoted();
     [[nodiscard]] DeclarationToken address();
     [[nodiscard]] DeclarationToken pragma();
+    /// Finds the brace that ends the pragma here, which is in no text; npos if there is none.
+    [[nodiscard]] std::size_t pragma_end() const;
     [[nodiscard]] DeclarationToken symbol();
     /// Finds the end of the text whose first quote is at `at`; npos if there is none.
     [[nodiscard]] std::size_t quoted_end(std::size_t at) const;

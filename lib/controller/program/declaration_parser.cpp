@@ -9,7 +9,10 @@ bool DeclarationParser::read()
 {
     while (!cursor_->is_end()) {
         if (!read_block()) {
-            return false;
+            if (!leave_out(LeftOut::Kind::Part)) {
+                return false;
+            }
+            skip_to_block();
         }
     }
     return true;
@@ -33,8 +36,11 @@ bool DeclarationParser::read_block()
     if (cursor_->skip_word("RESOURCE")) {
         return read_resource();
     }
-    return cursor_->is_end() || cursor_->skip_symbol(";") ||
-           cursor_->fail("TYPE, VAR_GLOBAL, CONFIGURATION or RESOURCE");
+    bool is_part = false;
+    const bool is_read = read_beside(is_part);
+    return is_part ? is_read
+                   : cursor_->is_end() || cursor_->skip_symbol(";") ||
+                         cursor_->fail("TYPE, VAR_GLOBAL, CONFIGURATION or RESOURCE");
 }
 
 bool DeclarationParser::read_pragmas(std::optional<NetworkPublish>& publish)

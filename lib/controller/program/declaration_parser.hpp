@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include <busbar/controller/program.hpp>
@@ -14,7 +16,10 @@ namespace busbar::controller::detail {
 /// cursor.
 class DeclarationParser {
 public:
-    explicit DeclarationParser(DeclarationCursor& cursor) : cursor_{&cursor} {}
+    DeclarationParser(DeclarationCursor& cursor, Unserved unserved)
+        : cursor_{&cursor}, leaves_out_{unserved == Unserved::LeaveOut}
+    {
+    }
 
     [[nodiscard]] bool read();
     [[nodiscard]] Program& program() { return program_; }
@@ -72,8 +77,8 @@ private:
     [[nodiscard]] bool read_variables(NetworkPublish publish);
     [[nodiscard]] bool read_qualifiers(Block& block);
     [[nodiscard]] bool read_declaration(const Block& block);
-    [[nodiscard]] bool read_address(const std::vector<Name>& names, std::string& address);
-    [[nodiscard]] bool add_variables(std::vector<Name> names, const GlobalVariable& variable);
+    [[nodiscard]] bool read_address(std::string& address);
+    [[nodiscard]] bool add_variables(const GlobalVariable& variable);
 
     // declaration_configuration.cpp
     [[nodiscard]] bool read_configuration();
@@ -86,8 +91,43 @@ private:
     [[nodiscard]] bool read_instance();
     [[nodiscard]] bool skip_connections();
 
+    // declaration_recovery.cpp
+    /// After a problem: notes the declaration of `declaring_`, or a part, as left out and skips it.
+    /// False if reading has to end.
+    [[nodiscard]] bool leave_out(LeftOut::Kind kind);
+    [[nodiscard]] bool note(LeftOut::Kind kind, std::string name, const ProgramPlace& place,
+                            const std::string& text);
+    /// Skips the rest of a declaration within `depth_` structures: up to and including its
+    /// semicolon, or up to a word that begins or ends a block.
+    void skip_declaration();
+    void skip_to_block();
+    /// True at a word that begins a block, or at the end: the block before it has no end.
+    [[nodiscard]] bool is_after_block() const;
+    /// Parses what only a whole program has: units, namespaces, variables that are not global.
+    /// False without a problem if there is none.
+    [[nodiscard]] bool read_beside(bool& is_part);
+    /// Skips a unit whose first word is taken: up to its last word, or up to the next block.
+    [[nodiscard]] bool skip_unit(std::string_view last, std::string_view words);
+    /// Skips variables of another kind, whose first word is taken.
+    [[nodiscard]] bool skip_variables();
+    [[nodiscard]] bool enter_namespace();
+    void skip_semicolons();
+    /// Parses the name of a type, with those of its namespaces.
+    [[nodiscard]] bool read_qualified(TypeUse& use);
+
     DeclarationCursor* cursor_;
+    bool leaves_out_;
     Program program_{};
+    /// The names of the declaration that is being read, and whether to publish it.
+    std::vector<Name> declaring_{};
+    NetworkPublish declaring_publish_{};
+    /// Structures and unions around the current token.
+    std::size_t depth_{0};
+    /// The names of namespaces that were entered, folded.
+    std::unordered_set<std::string> namespaces_{};
 };
+
+/// Returns the first mistake in a text of which nothing was understood; null if something was.
+[[nodiscard]] const LeftOut* not_understood(const Program& program);
 
 } // namespace busbar::controller::detail

@@ -6,7 +6,7 @@
 namespace busbar::controller {
 
 Configured<Program> read_declarations(std::string_view text, std::string_view file_name,
-                                      const DeclarationLimits& limits)
+                                      const DeclarationLimits& limits, Unserved unserved)
 {
     if (text.size() > limits.max_text_size) {
         return misconfigured(detail::place_text(file_name, {}),
@@ -20,11 +20,16 @@ Configured<Program> read_declarations(std::string_view text, std::string_view fi
     }
     detail::MemoryBudget memory{limits.max_memory};
     detail::DeclarationCursor cursor{declarations, file_name, &places, limits, memory};
-    detail::DeclarationParser parser{cursor};
+    detail::DeclarationParser parser{cursor, unserved};
     if (!parser.read()) {
         return Unexpected<Problem>{cursor.problem()};
     }
-    return std::move(parser.program());
+    Program& program = parser.program();
+    if (const LeftOut* first = detail::not_understood(program)) {
+        return misconfigured(detail::place_text(file_name, first->declared.place),
+                             first->problem.text);
+    }
+    return std::move(program);
 }
 
 } // namespace busbar::controller

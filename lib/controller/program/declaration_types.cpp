@@ -10,7 +10,12 @@ bool DeclarationParser::read_types()
             return false;
         }
         if (!cursor_->is_word("END_TYPE") && !read_type()) {
-            return false;
+            if (!leave_out(LeftOut::Kind::Type)) {
+                return false;
+            }
+            if (is_after_block()) {
+                return true;
+            }
         }
     }
     cursor_->skip_symbol(";");
@@ -20,12 +25,19 @@ bool DeclarationParser::read_types()
 bool DeclarationParser::read_type()
 {
     DerivedType type{.name = {}, .place = cursor_->place()};
+    declaring_.clear();
+    declaring_publish_ = {};
     if (!cursor_->keep(sizeof type) ||
-        !cursor_->expect_name(type.name, "the name of a type or 'END_TYPE'") ||
-        !cursor_->expect_symbol(":") || !read_type_body(type)) {
+        !cursor_->expect_name(type.name, "the name of a type or 'END_TYPE'")) {
+        return false;
+    }
+    declaring_.push_back({type.name, type.place});
+    if (!cursor_->expect_symbol(":") || !read_type_body(type)) {
         return false;
     }
     program_.types.push_back(std::move(type));
+    declaring_.clear();
+    skip_semicolons();
     return true;
 }
 
@@ -53,6 +65,7 @@ bool DeclarationParser::read_type_body(DerivedType& type)
 
 bool DeclarationParser::read_members(DerivedType& type, std::string_view end_word)
 {
+    ++depth_;
     while (!cursor_->skip_word(end_word)) {
         std::optional<NetworkPublish> unused;
         if (!read_pragmas(unused)) {
@@ -61,7 +74,9 @@ bool DeclarationParser::read_members(DerivedType& type, std::string_view end_wor
         if (!cursor_->is_word(end_word) && !read_member(type)) {
             return false;
         }
+        skip_semicolons();
     }
+    --depth_;
     return true;
 }
 

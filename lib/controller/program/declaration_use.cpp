@@ -18,7 +18,14 @@ bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
     case WordKind::ElementaryType:
         return read_elementary(use, declared);
     case WordKind::Name:
-        return cursor_->expect_name(use.type_name, "a type");
+        return read_qualified(use);
+    case WordKind::UnknownType:
+        if (leaves_out_) {
+            return cursor_->fail_with(cursor_->now().offset, "is of the type " +
+                                                                 std::string{cursor_->now().text} +
+                                                                 ", which is not served");
+        }
+        [[fallthrough]];
     default:
         return cursor_->fail("a type that is known here");
     }

@@ -11,7 +11,12 @@ bool DeclarationParser::read_variables(NetworkPublish publish)
     }
     while (!cursor_->skip_word("END_VAR")) {
         if (!read_declaration(block)) {
-            return false;
+            if (!leave_out(LeftOut::Kind::Variable)) {
+                return false;
+            }
+            if (is_after_block()) {
+                return true;
+            }
         }
     }
     cursor_->skip_symbol(";");
@@ -37,16 +42,18 @@ bool DeclarationParser::read_qualifiers(Block& block)
 bool DeclarationParser::read_declaration(const Block& block)
 {
     std::optional<NetworkPublish> publish;
+    declaring_.clear();
     if (!read_pragmas(publish)) {
         return false;
     }
-    if (cursor_->is_word("END_VAR")) {
+    declaring_publish_ = publish.value_or(block.publish);
+    // A second semicolon is common.
+    if (cursor_->skip_symbol(";") || cursor_->is_word("END_VAR")) {
         return true;
     }
-    std::vector<Name> names;
     GlobalVariable variable;
-    if (!read_names(names, "the name of a variable or 'END_VAR'") ||
-        !read_address(names, variable.address) || !cursor_->expect_symbol(":") ||
+    if (!read_names(declaring_, "the name of a variable or 'END_VAR'") ||
+        !read_address(variable.address) || !cursor_->expect_symbol(":") ||
         !read_use(variable.type) || !read_initial(variable.initial) || !read_pragmas(publish) ||
         !read_end(variable.comment)) {
         return false;
@@ -54,15 +61,15 @@ bool DeclarationParser::read_declaration(const Block& block)
     variable.publish = publish.value_or(block.publish);
     variable.is_constant = block.is_constant;
     variable.is_retained = block.is_retained;
-    return add_variables(std::move(names), variable);
+    return add_variables(variable);
 }
 
-bool DeclarationParser::read_address(const std::vector<Name>& names, std::string& address)
+bool DeclarationParser::read_address(std::string& address)
 {
     if (!cursor_->is_word("AT")) {
         return true;
     }
-    if (names.size() > 1) {
+    if (declaring_.size() > 1) {
         return cursor_->fail("':', because an address is for one name");
     }
     cursor_->take();
@@ -75,12 +82,12 @@ bool DeclarationParser::read_address(const std::vector<Name>& names, std::string
     return true;
 }
 
-bool DeclarationParser::add_variables(std::vector<Name> names, const GlobalVariable& variable)
+bool DeclarationParser::add_variables(const GlobalVariable& variable)
 {
     const std::size_t memory = sizeof variable + memory_of(variable.type) +
                                memory_of(variable.initial) + variable.comment.size() +
                                variable.address.size();
-    for (Name& name : names) {
+    for (Name& name : declaring_) {
         if (!cursor_->keep(memory)) {
             return false;
         }
