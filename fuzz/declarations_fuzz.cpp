@@ -17,6 +17,8 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
     limits.max_memory = 16U << 20U;
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     check_program(controller::read_declarations(text, "fuzz.st", limits));
+    check_left_out(
+        controller::read_declarations(text, "fuzz.st", limits, controller::Unserved::LeaveOut));
     return 0;
 }
 

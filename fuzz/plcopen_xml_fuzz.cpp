@@ -16,6 +16,8 @@ int test_one_input(const std::uint8_t* data, std::size_t size)
     limits.max_memory = 16U << 20U;
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     check_program(controller::read_plcopen_xml(text, "fuzz.xml", limits));
+    check_left_out(
+        controller::read_plcopen_xml(text, "fuzz.xml", limits, controller::Unserved::LeaveOut));
     return 0;
 }
 

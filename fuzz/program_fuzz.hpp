@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdlib>
+#include <utility>
 
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/controller/program_initial.hpp>
 #include <busbar/core/text.hpp>
 
@@ -11,6 +13,24 @@ inline void check_problem(const busbar::Problem& problem)
     if (problem.where.empty() || problem.text.empty() ||
         busbar::printable(problem.text, problem.text.size() * 4) != problem.text) {
         std::abort();
+    }
+}
+
+/// A program that leaves out what it does not serve can be served: a fuzzed text is too small for
+/// too many types or variables.
+inline void check_left_out(busbar::Configured<busbar::controller::Program> program)
+{
+    using namespace busbar::controller;
+    if (!program) {
+        check_problem(program.error());
+        return;
+    }
+    const auto checked = CheckedProgram::create(std::move(*program), Unserved::LeaveOut);
+    if (!checked) {
+        std::abort();
+    }
+    for (const LeftOut& each : (*checked)->program().left_out) {
+        check_problem(each.problem);
     }
 }
 

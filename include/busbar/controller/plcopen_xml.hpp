@@ -30,9 +30,13 @@ inline constexpr std::string_view plcopen_publish_data = "urn:busbar:network-pub
 /// the XML count as memory too, and are nested as deep as aggregates may be. Problems are like
 /// those of read_declarations, with the place of their element: "machine.xml:12:5".
 ///
+/// With Unserved::LeaveOut a `<dataType>` or a `<variable>` that is not understood goes to
+/// Program::left_out.
+///
 /// In the target busbar::plcopen_xml, which needs pugixml.
 [[nodiscard]] BUSBAR_API Configured<Program> read_plcopen_xml(std::string_view text,
                                                               std::string_view file_name,
-                                                              const DeclarationLimits& limits = {});
+                                                              const DeclarationLimits& limits = {},
+                                                              Unserved unserved = Unserved::Refuse);
 
 } // namespace busbar::controller

@@ -45,20 +45,6 @@ bool is_at_one_of(const DeclarationCursor& cursor, const std::array<std::string_
                        [&](std::string_view word) { return cursor.is_word(word); });
 }
 
-std::string_view noun_of(LeftOut::Kind kind)
-{
-    switch (kind) {
-    case LeftOut::Kind::Type:
-        return "type ";
-    case LeftOut::Kind::Unit:
-        return "unit ";
-    case LeftOut::Kind::Variable:
-        return "variable ";
-    default:
-        return "text";
-    }
-}
-
 } // namespace
 
 bool DeclarationParser::leave_out(LeftOut::Kind kind)
@@ -93,12 +79,7 @@ bool DeclarationParser::note(LeftOut::Kind kind, std::string name, const Program
     if (!cursor_->keep(memory)) {
         return false;
     }
-    LeftOut& left_out = program_.left_out.emplace_back();
-    left_out.kind = kind;
-    left_out.problem = problem_at(std::string{noun_of(kind)} + quoted_name(name), place, text);
-    left_out.declared.name = std::move(name);
-    left_out.declared.place = place;
-    left_out.declared.publish = declaring_publish_;
+    program_.left_out.push_back(left_out(kind, std::move(name), declaring_publish_, place, text));
     return true;
 }
 

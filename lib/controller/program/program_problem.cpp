@@ -1,5 +1,7 @@
 #include "program_problem.hpp"
 
+#include <array>
+
 #include <busbar/core/text.hpp>
 
 namespace busbar::controller::detail {
@@ -21,6 +23,20 @@ Problem problem_at(std::string where, const ProgramPlace& place, std::string tex
         where = std::to_string(place.line) + ":" + std::to_string(place.column) + ": " + where;
     }
     return Problem{status::Bad_ConfigurationError, std::move(where), std::move(text)};
+}
+
+LeftOut left_out(LeftOut::Kind kind, std::string name, NetworkPublish publish,
+                 const ProgramPlace& place, const std::string& text)
+{
+    constexpr std::array<std::string_view, 4> nouns{"text", "type ", "unit ", "variable "};
+    LeftOut one;
+    one.kind = kind;
+    one.problem = problem_at(std::string{nouns[static_cast<std::size_t>(kind)]} + quoted_name(name),
+                             place, text);
+    one.declared.name = std::move(name);
+    one.declared.place = place;
+    one.declared.publish = publish;
+    return one;
 }
 
 } // namespace busbar::controller::detail

@@ -19,4 +19,9 @@ namespace busbar::controller::detail {
 /// Makes a problem with line and column if the place is known.
 [[nodiscard]] Problem problem_at(std::string where, const ProgramPlace& place, std::string text);
 
+/// Makes the note about a declaration that is left out because of a problem at this place. A Part
+/// has no name.
+[[nodiscard]] LeftOut left_out(LeftOut::Kind kind, std::string name, NetworkPublish publish,
+                               const ProgramPlace& place, const std::string& text);
+
 } // namespace busbar::controller::detail

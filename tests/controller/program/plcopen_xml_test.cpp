@@ -53,6 +53,32 @@ std::string variable(const std::string& type, const std::string& more = "")
 
 } // namespace
 
+TEST_CASE("A variable or a type of PLCopen XML that is not understood is left out")
+{
+    const std::string text = globals_in(
+        "<variable name=\"p\"><type><pointer><baseType><INT/></baseType></pointer></type>" +
+        published("input") + "</variable>" + variable("<INT/>"));
+    const auto program = read_plcopen_xml(text, "m.xml", {}, Unserved::LeaveOut);
+    REQUIRE(program);
+    CHECK(program->variables.size() == 1);
+    REQUIRE(program->left_out.size() == 1);
+    const LeftOut& pointer = program->left_out.front();
+    CHECK(pointer.kind == LeftOut::Kind::Variable);
+    CHECK(pointer.declared.name == "p");
+    CHECK(pointer.declared.publish == NetworkPublish::Input);
+    CHECK(busbar::text(pointer.problem) ==
+          "3:38: variable p: found <pointer>, expected a type that is known here");
+    CHECK_FALSE(read_plcopen_xml(text, "m.xml"));
+    const auto types =
+        read_plcopen_xml(types_in("<dataType name=\"W\"><baseType><wstring/></baseType></dataType>"
+                                  "<dataType name=\"T\"><baseType><INT/></baseType></dataType>"),
+                         "m.xml", {}, Unserved::LeaveOut);
+    REQUIRE(types);
+    CHECK(types->types.size() == 1);
+    REQUIRE(types->left_out.size() == 1);
+    CHECK(types->left_out.front().kind == LeftOut::Kind::Type);
+}
+
 TEST_CASE("Data types of PLCopen XML become types (6-2-2)")
 {
     const Program program = program_of(types_in(

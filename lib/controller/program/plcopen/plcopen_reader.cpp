@@ -52,9 +52,10 @@ std::string iec_interval(std::string_view text)
 } // namespace
 
 PlcopenReader::PlcopenReader(std::string_view text, std::string_view file_name,
-                             const TextPlaces& places, const DeclarationLimits& limits)
-    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits}, memory_{
-                                                                                  limits.max_memory}
+                             const TextPlaces& places, const DeclarationLimits& limits,
+                             Unserved unserved)
+    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits},
+      leaves_out_{unserved == Unserved::LeaveOut}, memory_{limits.max_memory}
 {
 }
 
@@ -121,7 +122,7 @@ bool PlcopenReader::read_part(const pugi::xml_node& xml, std::size_t depth)
         return read_container(xml, depth + 1);
     }
     if (name == "dataType" || name == "union") {
-        return read_type(xml);
+        return read_type(xml) || leave_out(xml, LeftOut::Kind::Type, {});
     }
     if (name == "globalVars") {
         return read_variables(xml);
@@ -189,7 +190,7 @@ bool PlcopenReader::read_instance(const pugi::xml_node& xml, const std::string& 
 namespace busbar::controller {
 
 Configured<Program> read_plcopen_xml(std::string_view text, std::string_view file_name,
-                                     const DeclarationLimits& limits)
+                                     const DeclarationLimits& limits, Unserved unserved)
 {
     if (text.size() > limits.max_text_size) {
         return misconfigured(detail::place_text(file_name, {}),
@@ -201,7 +202,7 @@ Configured<Program> read_plcopen_xml(std::string_view text, std::string_view fil
         return misconfigured(detail::place_text(file_name, places.at(*offset)),
                              "found a byte that is not UTF-8");
     }
-    detail::PlcopenReader reader{xml, file_name, places, limits};
+    detail::PlcopenReader reader{xml, file_name, places, limits, unserved};
     if (!reader.read()) {
         return Unexpected<Problem>{reader.problem()};
     }

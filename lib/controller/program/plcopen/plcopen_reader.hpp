@@ -18,7 +18,7 @@ class PlcopenReader {
 public:
     /// All arguments must outlive this object.
     PlcopenReader(std::string_view text, std::string_view file_name, const TextPlaces& places,
-                  const DeclarationLimits& limits);
+                  const DeclarationLimits& limits, Unserved unserved);
 
     [[nodiscard]] bool read();
     [[nodiscard]] Program& program() { return program_; }
@@ -53,6 +53,9 @@ private:
     // plcopen_variables.cpp
     [[nodiscard]] bool read_variables(const pugi::xml_node& xml);
     [[nodiscard]] bool read_variable(const pugi::xml_node& xml, GlobalVariable variable);
+    /// How a variable that is left out was to be published, as far as it says so.
+    [[nodiscard]] static NetworkPublish publish_of_variable(const pugi::xml_node& xml,
+                                                            NetworkPublish common);
     [[nodiscard]] bool read_publish(const pugi::xml_node& xml, NetworkPublish& publish);
     [[nodiscard]] bool read_flag(const pugi::xml_node& xml, const char* name, bool& flag);
     /// Reads the <initialValue>, if present.
@@ -72,6 +75,9 @@ private:
                                    std::int64_t& number);
     [[nodiscard]] bool keep(const pugi::xml_node& xml, std::size_t bytes);
     [[nodiscard]] ProgramPlace place_of(const pugi::xml_node& xml) const;
+    /// After a problem with a declaration: notes that it is left out. False if reading has to end.
+    [[nodiscard]] bool leave_out(const pugi::xml_node& xml, LeftOut::Kind kind,
+                                 NetworkPublish publish);
     /// Reports a problem; always returns false.
     bool fail(const pugi::xml_node& xml, std::string text);
     bool fail_at(std::size_t offset, std::string text);
@@ -80,10 +86,13 @@ private:
     std::string_view file_name_;
     const TextPlaces* places_;
     const DeclarationLimits* limits_;
+    bool leaves_out_;
     MemoryBudget memory_;
     pugi::xml_document document_{};
     Program program_{};
     std::optional<Problem> problem_{};
+    ProgramPlace problem_place_{};
+    bool is_exhausted_{false};
 };
 
 /// Returns the element's name without its prefix.

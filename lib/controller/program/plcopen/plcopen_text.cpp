@@ -3,6 +3,7 @@
 #include <busbar/core/text.hpp>
 
 #include "controller/program/initial_reader.hpp"
+#include "controller/program/program_problem.hpp"
 #include "plcopen_reader.hpp"
 
 namespace busbar::controller::detail {
@@ -61,8 +62,11 @@ bool PlcopenReader::read_number(const pugi::xml_node& xml, const char* attribute
 
 bool PlcopenReader::keep(const pugi::xml_node& xml, std::size_t bytes)
 {
-    return memory_.take(bytes) ||
-           fail(xml, "takes more than " + std::to_string(limits_->max_memory) +
+    if (memory_.take(bytes)) {
+        return true;
+    }
+    is_exhausted_ = true;
+    return fail(xml, "takes more than " + std::to_string(limits_->max_memory) +
                          " bytes of memory up to here");
 }
 
@@ -82,11 +86,27 @@ bool PlcopenReader::fail(const pugi::xml_node& xml, std::string text)
 bool PlcopenReader::fail_at(std::size_t offset, std::string text)
 {
     if (!problem_) {
+        problem_place_ = places_->at(offset);
         problem_.emplace();
-        problem_->where = place_text(file_name_, places_->at(offset));
+        problem_->where = place_text(file_name_, problem_place_);
         problem_->text = std::move(text);
     }
     return false;
+}
+
+bool PlcopenReader::leave_out(const pugi::xml_node& xml, LeftOut::Kind kind, NetworkPublish publish)
+{
+    if (!leaves_out_ || is_exhausted_) {
+        return false;
+    }
+    const std::string text = std::move(problem_->text);
+    problem_.reset();
+    const std::string_view name = xml.attribute("name").value();
+    if (!keep(xml, sizeof(LeftOut) + text.size() + 2 * name.size())) {
+        return false;
+    }
+    program_.left_out.push_back(left_out(kind, std::string{name}, publish, problem_place_, text));
+    return true;
 }
 
 } // namespace busbar::controller::detail

@@ -1,3 +1,7 @@
+#include <optional>
+#include <string_view>
+#include <vector>
+
 #include "controller/program/declaration_keywords.hpp"
 #include "controller/program/initial_reader.hpp"
 #include "controller/program/literal.hpp"
@@ -26,6 +30,23 @@ private:
     std::string text_{};
 };
 
+/// Returns each <data> that says how the element is published.
+std::vector<pugi::xml_node> publish_data_of(const pugi::xml_node& xml)
+{
+    std::vector<pugi::xml_node> all;
+    for (const pugi::xml_node& data : child_of(xml, "addData").children()) {
+        if (std::string_view{data.attribute("name").value()} == plcopen_publish_data) {
+            all.push_back(data);
+        }
+    }
+    return all;
+}
+
+std::optional<NetworkPublish> publish_in(const pugi::xml_node& data)
+{
+    return publish_of(trimmed_text(child_of(data, "publish").text().get()));
+}
+
 } // namespace
 
 bool PlcopenReader::read_variables(const pugi::xml_node& xml)
@@ -39,7 +60,9 @@ bool PlcopenReader::read_variables(const pugi::xml_node& xml)
     }
     common.is_retained = common.is_retained || is_persistent;
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) == "variable" && !read_variable(child, common)) {
+        if (local_name_of(child) == "variable" && !read_variable(child, common) &&
+            !leave_out(child, LeftOut::Kind::Variable,
+                       publish_of_variable(child, common.publish))) {
             return false;
         }
     }
@@ -64,14 +87,18 @@ bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable vari
     return true;
 }
 
+NetworkPublish PlcopenReader::publish_of_variable(const pugi::xml_node& xml, NetworkPublish common)
+{
+    for (const pugi::xml_node& data : publish_data_of(xml)) {
+        common = publish_in(data).value_or(common);
+    }
+    return common;
+}
+
 bool PlcopenReader::read_publish(const pugi::xml_node& xml, NetworkPublish& publish)
 {
-    for (const pugi::xml_node& data : child_of(xml, "addData").children()) {
-        if (std::string_view{data.attribute("name").value()} != plcopen_publish_data) {
-            continue;
-        }
-        const std::string_view words = trimmed_text(child_of(data, "publish").text().get());
-        const auto found = publish_of(words);
+    for (const pugi::xml_node& data : publish_data_of(xml)) {
+        const auto found = publish_in(data);
         if (!found) {
             return fail(data, "found a publish attribute that is not known, expected <publish> "
                               "with none, publish only, input or output");
