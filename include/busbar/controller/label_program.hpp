@@ -37,9 +37,10 @@ class BUSBAR_API LabelProgram {
 
 public:
     /// `program` is without label_types(); if it declares a type with one of those names, that is a
-    /// Problem.
+    /// Problem. With Unserved::LeaveOut a declaration with a problem, or a type with one of those
+    /// names, is left out; its variables are no labels.
     [[nodiscard]] static Configured<std::shared_ptr<LabelProgram>>
-    create(Program program,
+    create(Program program, Unserved unserved = Unserved::Refuse,
            const server::ImageOptions& options = {.max_pins = 1, .max_queued_scans = 1});
     LabelProgram(Key, Program program);
     LabelProgram(const LabelProgram&) = delete;

@@ -42,7 +42,8 @@ public:
     /// The program from creation, or one that it was edited to.
     using Edition = std::shared_ptr<const CheckedProgram>;
 
-    /// Publishes a program within these limits.
+    /// Publishes a program within these limits, and without unions, which have no place in an
+    /// image.
     [[nodiscard]] static std::unique_ptr<PublishedProgram> create(Edition program,
                                                                   const PublishingLimits& limits);
     /// Checks the program first. The problem is that of CheckedProgram.

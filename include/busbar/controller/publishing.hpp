@@ -47,13 +47,17 @@ enum class UnpublishedReason : std::uint8_t {
     MaxArrayElements,
     MaxMembers,
     MaxSize,
+    /// It was left out of the program, for example as an instance of a function block. The manual's
+    /// tool does not let such variables be published.
+    Unserved,
 };
 
 /// Returns the name used in logs, with the manual's spelling: "MultiDimensionalArray" for the first
 /// two, "NestedStructre", "Union", "SubscriptOfArray", "MaxArrayElements", "MaxMembers", "MaxSize"
-/// (W588, 7-1-6, code 0101).
+/// (W588, 7-1-6, code 0101), and "Unserved", which the manual does not have.
 [[nodiscard]] BUSBAR_API std::string_view name(UnpublishedReason reason);
-/// Returns the bit of the attached information of event 35D40000 (W588, 9-2-2).
+/// Returns the bit of the attached information of event 35D40000 (W588, 9-2-2); for Unserved bit 8,
+/// which the manual does not use.
 [[nodiscard]] BUSBAR_API std::uint16_t event_bit(UnpublishedReason reason);
 
 /// A variable that clients see.
@@ -75,10 +79,16 @@ struct PublishedVariable {
 struct UnpublishedVariable {
     const GlobalVariable* variable{nullptr};
     UnpublishedReason reason{};
+    /// 0 for Unserved.
     std::uint64_t size{0};
     /// The number of variables published before this one was checked.
     std::size_t position{0};
+    /// For Unserved: what says why. `variable` is its part.
+    const LeftOut* left_out{nullptr};
 };
+
+/// Says why: "is too large (4096 bytes)", or for Unserved the problem with its place.
+[[nodiscard]] BUSBAR_API std::string reason_text(const UnpublishedVariable& variable);
 
 /// The result for variables that were checked together. Numbers are positions in the lists of the
 /// Publication, to whose ends the group was appended.

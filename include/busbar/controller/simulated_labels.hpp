@@ -31,6 +31,8 @@ struct SimulatedLabelsOptions {
     bool can_sample{true};
     /// The points of one Sample request, which are rounded up to the next multiple of 8,192.
     std::uint32_t max_sampled_points{32'768};
+    /// What happens to declarations that cannot be labels.
+    Unserved unserved{Unserved::Refuse};
 
     friend bool operator==(const SimulatedLabelsOptions&, const SimulatedLabelsOptions&) = default;
 };

@@ -54,6 +54,8 @@ struct LabelExchange {
     /// Never locked in end_of_scan().
     std::mutex mutex{};
     std::shared_ptr<LabelProgram> program{};
+    /// See SimulatedLabelsOptions.
+    Unserved unserved{Unserved::Refuse};
     /// Number of the program; grows with each replacement.
     std::uint64_t generation{1};
     std::atomic<bool> is_halted{false};

@@ -1,6 +1,13 @@
 #include <busbar/controller/label_program.hpp>
 
+#include <algorithm>
 #include <utility>
+#include <vector>
+
+#include <busbar/controller/program_initial.hpp>
+
+#include "controller/program/leaving_out.hpp"
+#include "controller/program/program_problem.hpp"
 
 namespace busbar::controller {
 
@@ -41,17 +48,42 @@ private:
     std::unordered_map<const DerivedType*, bool> known_;
 };
 
+/// Leaves out the program's types that have the name of one of `own`.
+void leave_out_types_of(Program& program, const std::vector<DerivedType>& own)
+{
+    std::erase_if(program.types, [&](const DerivedType& type) {
+        const bool is_taken = std::any_of(own.begin(), own.end(), [&](const DerivedType& each) {
+            return fold_name(each.name) == fold_name(type.name);
+        });
+        if (is_taken) {
+            program.left_out.push_back(detail::left_out(LeftOut::Kind::Type, type.name, {},
+                                                        type.place,
+                                                        "has the name of a type of labels"));
+        }
+        return is_taken;
+    });
+}
+
 } // namespace
 
 LabelProgram::LabelProgram(Key, Program program) : program_{std::move(program)} {}
 LabelProgram::~LabelProgram() = default;
 
-Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program,
+Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program, Unserved unserved,
                                                                const server::ImageOptions& options)
 {
+    std::vector<DerivedType> own = label_types();
+    if (unserved == Unserved::LeaveOut) {
+        leave_out_types_of(program, own);
+    }
     // Append these after the program's own types, so that places in problems remain valid.
-    for (DerivedType& type : label_types()) {
+    for (DerivedType& type : own) {
         program.types.push_back(std::move(type));
+    }
+    if (unserved == Unserved::LeaveOut &&
+        !ProgramTypes::create(program).and_then(
+            [](const ProgramTypes& types) { return check_initial_values(types); })) {
+        detail::ProgramSieve{program, {}}.run();
     }
     auto made = std::make_shared<LabelProgram>(Key{}, std::move(program));
     if (auto problem = made->make(options)) {

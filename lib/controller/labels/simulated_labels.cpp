@@ -14,6 +14,7 @@ SimulatedLabels::SimulatedLabels(std::shared_ptr<LabelProgram> program,
     : exchange_{std::make_unique<detail::LabelExchange>()}
 {
     exchange_->program = std::move(program);
+    exchange_->unserved = options.unserved;
     server_ = std::make_unique<detail::LabelServerSide>(*exchange_, options);
     task_ = std::make_unique<detail::LabelTaskSide>(*exchange_, options);
 }
@@ -23,7 +24,7 @@ SimulatedLabels::~SimulatedLabels() = default;
 Configured<std::unique_ptr<SimulatedLabels>>
 SimulatedLabels::create(Program program, const SimulatedLabelsOptions& options)
 {
-    auto made = LabelProgram::create(std::move(program));
+    auto made = LabelProgram::create(std::move(program), options.unserved);
     if (!made) {
         return Unexpected<Problem>{std::move(made.error())};
     }
@@ -76,7 +77,7 @@ server::ImageMemory& SimulatedLabels::memory()
 
 Configured<void> SimulatedLabels::replace_program(Program program)
 {
-    auto made = LabelProgram::create(std::move(program));
+    auto made = LabelProgram::create(std::move(program), exchange_->unserved);
     if (!made) {
         return Unexpected<Problem>{std::move(made.error())};
     }

@@ -46,7 +46,7 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
 }
 
 /// Folded names of the variables of `before` that clients could see and that `edited` no longer
-/// publishes.
+/// publishes, and of those that `before` had left out, which are looked at again.
 std::unordered_set<std::string> unpublished_names(const Program& before,
                                                   const CheckedProgram& edited)
 {
@@ -56,6 +56,11 @@ std::unordered_set<std::string> unpublished_names(const Program& before,
         const GlobalVariable* const found = edited.variable(name);
         if (found == nullptr || found->publish == NetworkPublish::Hidden) {
             names.insert(std::move(name));
+        }
+    }
+    for (const LeftOut& each : before.left_out) {
+        if (each.kind == LeftOut::Kind::Variable) {
+            names.insert(fold_name(each.declared.name));
         }
     }
     return names;
@@ -122,7 +127,9 @@ PublishedProgram::create(std::shared_ptr<const CheckedProgram> program,
 {
     auto result = std::make_unique<PublishedProgram>(Key{});
     result->editions_.push_back(std::move(program));
-    result->publication_.emplace(result->types(), limits);
+    PublishingLimits of_image = limits;
+    of_image.allows_unions = false;
+    result->publication_.emplace(result->types(), of_image);
     const auto indices = variables_of_image(result->types(), result->publication_->published(), {});
     result->take(NewHandles{{}, result->program(), indices, *result->publication_}, 0);
     return result;

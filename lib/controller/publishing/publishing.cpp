@@ -52,6 +52,8 @@ std::optional<UnpublishedReason> reason_against(const PublishingLimits& limits,
 struct NamedVariable {
     std::u16string key;
     const GlobalVariable* variable;
+    /// Null if the program serves it.
+    const LeftOut* left_out;
 };
 
 /// Lists the program's variables that are not in `known`, and adds their names to it.
@@ -59,10 +61,18 @@ std::vector<NamedVariable> new_variables(const Program& program,
                                          std::unordered_set<std::string>& known)
 {
     std::vector<NamedVariable> group;
-    for (const GlobalVariable& variable : program.variables) {
+    const auto add = [&](const GlobalVariable& variable, const LeftOut* left_out) {
         if (variable.publish != NetworkPublish::Hidden &&
             known.insert(fold_name(variable.name)).second) {
-            group.push_back({detail::sorting_key(variable.name), &variable});
+            group.push_back({detail::sorting_key(variable.name), &variable, left_out});
+        }
+    };
+    for (const GlobalVariable& variable : program.variables) {
+        add(variable, nullptr);
+    }
+    for (const LeftOut& each : program.left_out) {
+        if (each.kind == LeftOut::Kind::Variable) {
+            add(each.declared, &each);
         }
     }
     std::sort(group.begin(), group.end(),
@@ -87,7 +97,13 @@ PublicationGroup Publication::add(const ProgramTypes& program)
     detail::TypeFactsTable facts{program};
     std::size_t looked_at = 0;
     while (looked_at < added.size() && !group.exceeded) {
-        look_at(*added[looked_at].variable, program, facts, group);
+        const NamedVariable& next = added[looked_at];
+        if (next.left_out != nullptr) {
+            unpublished_.push_back(
+                {next.variable, UnpublishedReason::Unserved, 0, published_.size(), next.left_out});
+        } else {
+            look_at(*next.variable, program, facts, group);
+        }
         looked_at += group.exceeded ? 0U : 1U;
     }
     left_out_ += added.size() - looked_at;

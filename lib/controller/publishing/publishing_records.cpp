@@ -30,8 +30,9 @@ constexpr std::array reason_rows{
     ReasonRow{"MaxArrayElements", 6, "has too many elements"},
     ReasonRow{"MaxMembers", 7, "is of a structure with too many members"},
     ReasonRow{"MaxSize", 5, "is too large"},
+    ReasonRow{"Unserved", 8, {}},
 };
-static_assert(reason_rows.size() == static_cast<std::size_t>(UnpublishedReason::MaxSize) + 1);
+static_assert(reason_rows.size() == static_cast<std::size_t>(UnpublishedReason::Unserved) + 1);
 
 const ReasonRow& row_of(UnpublishedReason reason)
 {
@@ -73,8 +74,8 @@ void tell_unpublished(LogSink& log, const UnpublishedVariable& one)
                                   {"Size", Variant{one.size}},
                                   {"ErrorDetails", Variant{event_bit(one.reason)}}};
     tell_record(log, RecordKind::VariableNotPublished, LogLevel::Warning,
-                printable(one.variable->name) + " is not published: it " + std::string{row.text} +
-                    " (" + std::to_string(one.size) + " bytes)",
+                printable(one.variable->name) + " is not published: " +
+                    (one.left_out == nullptr ? "it " : "") + reason_text(one),
                 fields);
 }
 
@@ -132,6 +133,13 @@ std::string_view name(UnpublishedReason reason)
 std::uint16_t event_bit(UnpublishedReason reason)
 {
     return static_cast<std::uint16_t>(1U << row_of(reason).event_bit);
+}
+
+std::string reason_text(const UnpublishedVariable& variable)
+{
+    return variable.left_out != nullptr ? std::string{text(variable.left_out->problem)}
+                                        : std::string{row_of(variable.reason).text} + " (" +
+                                              std::to_string(variable.size) + " bytes)";
 }
 
 void tell(LogSink& log, const Publication& publication)

@@ -131,6 +131,21 @@ TEST_CASE("What an online edit adds is published with the next scan (4-2-5)")
     CHECK(memory.structure(3, 2).value<std::int16_t>(0) == 0);
 }
 
+TEST_CASE("An online edit publishes a variable that was left out before (4-2-5)")
+{
+    Program before = first_program();
+    before.variables.push_back(variable("Timer", use("TON")));
+    auto program = PublishedProgram::create(
+        CheckedProgram::create(std::move(before), Unserved::LeaveOut).value(), nj501_publishing());
+    ProgramImage image = program->make_image(machine_namespace).value();
+    REQUIRE(program->publication().unpublished().size() == 1);
+    Program after = first_program();
+    after.variables.push_back(variable("Timer"));
+    REQUIRE(program->edit(std::move(after), machine_namespace, image));
+    CHECK(program->publication().unpublished().empty());
+    CHECK(program->publication().published().size() == 3);
+}
+
 TEST_CASE("An online edit follows another (4-2-5)")
 {
     EditedMachine machine;

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/controller/checked_program.hpp>
 #include <busbar/controller/publishing.hpp>
 #include <busbar/core/record.hpp>
 
@@ -100,6 +101,23 @@ TEST_CASE("Records of what is not published, where it was found (7-1-6, 0100 and
               std::vector<std::string>{"PublishingLimitExceeded Limit=MaxVariables",
                                        "VariablesCounted Variables=2 Values=2 DataTypes=0"});
     }
+}
+
+TEST_CASE("A variable that is left out of the program is not published, with its reason")
+{
+    Program program{.variables = {variable("A"), variable("T", use("TON")), variable("Z")}};
+    const auto checked = CheckedProgram::create(std::move(program), Unserved::LeaveOut).value();
+    RecordLines log;
+    const Publication publication{checked->types()};
+    tell(log, publication);
+    CHECK(log.lines == std::vector<std::string>{
+                           "VariablePublished Name=A Size=2 Values=1 Members=0",
+                           "VariableNotPublished Name=T Reason=Unserved Size=0 ErrorDetails=256",
+                           "VariablePublished Name=Z Size=2 Values=1 Members=0",
+                           "VariablesCounted Variables=2 Values=2 DataTypes=0"});
+    CHECK(log.text.find("T is not published: variables[1] (T): is of the type TON, which is not "
+                        "declared\n") == 0);
+    CHECK(publication.event_bits() == 256);
 }
 
 TEST_CASE("Each limit over all has its name (7-1-6, 0100)")
