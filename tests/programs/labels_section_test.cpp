@@ -85,7 +85,8 @@ TEST_CASE_METHOD(Fixture, "a mistake of the PLC behind a project has its place")
         CHECK_THAT(complaint(text), Catch::Contains(expected));
     }
     std::ofstream{path()} << "VAR_GLOBAL Handle : WORD;\nState : INTEGER; END_VAR\n";
-    CHECK_THAT(complaint(""), Catch::Contains("line.st:2:"));
+    CHECK_THAT(complaint("strict = true\n"), Catch::Contains("line.st:2:"));
+    CHECK(complaint("") == "nothing");
     std::filesystem::remove(path());
     CHECK_THAT(complaint(""), Catch::Contains("plant.toml:2: program: found"));
 }

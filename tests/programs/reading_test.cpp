@@ -135,7 +135,7 @@ TEST_CASE("reading: a change of a setting takes over no file that is another one
     declare("INT");
     std::filesystem::create_directory(folder.path / "pki");
     std::ofstream{file} << "certificates.folder = \"" << (folder.path / "pki").string()
-                        << "\"\nmachine.program = \"" << program << "\"\n";
+                        << "\"\nmachine.program = \"" << program << "\"\nmachine.strict = true\n";
     const auto reading = product::read_sources({.file = file});
     const auto text = *reading.config.machine.program_text;
     declare("NOTHING");

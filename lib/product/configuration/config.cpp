@@ -11,6 +11,7 @@
 #include "limit_keys.hpp"
 #include "memory_section.hpp"
 #include "product/configuration/default_config.hpp"
+#include "product/machine/program_file.hpp"
 #include "sections.hpp"
 #include "toml_text.hpp"
 
@@ -52,6 +53,24 @@ bool is_locale(const std::string& text)
     const std::size_t hyphen = all.find('-');
     return is_short(all.substr(0, hyphen)) &&
            (hyphen == std::string_view::npos || is_short(all.substr(hyphen + 1)));
+}
+
+/// Reads [plc]. A variable that it names may be missing because the program's file is not
+/// understood up to its end: then that is said first.
+void read_plc_of_program(const TomlTable& table, ControllerConfig& config)
+{
+    try {
+        read_plc(table, config);
+    } catch (const ConfigError& error) {
+        const MachineConfig& machine = config.machine;
+        const auto left_out = machine.program != nullptr
+                                  ? left_out_texts(machine.program->program(), machine.program_name)
+                                  : std::vector<std::string>{};
+        if (left_out.empty()) {
+            throw;
+        }
+        throw ConfigError{"", left_out.front() + "; " + error.what()};
+    }
 }
 
 } // namespace
@@ -176,7 +195,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_endpoints(root, config);
     read_machine(root.table("machine"), config);
     read_labels(root.table("labels"), config);
-    read_plc(root.table("plc"), config);
+    read_plc_of_program(root.table("plc"), config);
     check_memory(root.table("limits"), config);
     return config;
 }

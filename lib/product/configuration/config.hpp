@@ -111,6 +111,10 @@ struct MachineConfig {
     std::string program_name;
     /// Text of the program's file, for comparing; null without a program.
     std::shared_ptr<const std::string> program_text;
+    /// What happens to declarations of the program that cannot be served.
+    controller::Unserved unserved{controller::Unserved::LeaveOut};
+    /// True if another program may leave out what the one before it does not.
+    bool may_leave_out_more{false};
     /// Name of the folder that contains the machine's nodes; if empty, the server's name.
     std::string name;
     /// True if there is an OPC UA server for clients (W588, 3-2-2). Without one the program runs

@@ -101,7 +101,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
                  "execution_log_files", "execution_log_records", "retained_ms", "types",
-                 "simulated_hardware", "event_levels", "make_medium", "plcopen_model"});
+                 "simulated_hardware", "event_levels", "make_medium", "plcopen_model", "strict"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -126,6 +126,9 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     if (machine.program_file.empty()) {
         return;
     }
+    machine.unserved = read_unserved(table);
+    machine.may_leave_out_more =
+        table.has("strict") && machine.unserved == controller::Unserved::LeaveOut;
     auto file = read_machine_program(table, "program");
     machine.program_text = std::move(file.text);
     machine.program = std::move(file.program);

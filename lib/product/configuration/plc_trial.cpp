@@ -9,9 +9,9 @@
 namespace busbar::product {
 
 PlcTrial::PlcTrial(const ControllerConfig& config)
-    : program{config.machine.program}, publishing{config.machine.publishing},
-      elementary{config.machine.types.elementary}, labels{config.labels.program},
-      labels_file{config.labels.program_file},
+    : program{config.machine.program}, unserved{config.machine.unserved},
+      publishing{config.machine.publishing}, elementary{config.machine.types.elementary},
+      labels{config.labels.program}, labels_file{config.labels.program_file},
       label_options{config.labels.options}, plc{config.plc}, image{config.image}
 {
 }

@@ -29,6 +29,7 @@ struct PlcTrial {
 
     /// The program of a machine; may be null.
     std::shared_ptr<const controller::CheckedProgram> program;
+    controller::Unserved unserved;
     controller::PublishingLimits publishing;
     controller::ElementaryTypes elementary;
     /// The program of labels, which may be null, and its file.

@@ -57,6 +57,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
                               "found a project, and this PLC has no labels"};
         }
         labels_.emplace(config, clock_);
+        labels_->tell_left_out(log_, config.labels.program_file);
     }
     if (beginning.last && !beginning.last->project.empty()) {
         expect(check_labels(reading.project.get(), config, beginning.last->project));

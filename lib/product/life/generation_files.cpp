@@ -115,7 +115,7 @@ ProgramInForce Generation::program() const
 
 ProgramBase Generation::program_base() const
 {
-    return {plant_.program()->editions(), PlcTrial{config_}};
+    return {plant_.program()->editions(), PlcTrial{config_}, config_.machine.may_leave_out_more};
 }
 
 Configured<void> Generation::check_edit(const Reading& next,

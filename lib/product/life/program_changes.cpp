@@ -52,6 +52,17 @@ void RunningController::check_download(const ControllerConfig& next, const std::
     expect(check_listeners(next)); // which may have changed in the file since
 }
 
+void RunningController::check_left_out(const ControllerConfig& next) const
+{
+    const auto& before = current_->config().machine.program;
+    const auto& program = next.machine.program;
+    if (before != nullptr && program != nullptr && before != program &&
+        !next.machine.may_leave_out_more) {
+        expect(product::check_left_out(before->program(), program->program(),
+                                       next.machine.program_name));
+    }
+}
+
 void RunningController::read_again_soon()
 {
     when_free([this] {
@@ -80,6 +91,7 @@ bool RunningController::download(const std::optional<PreparedProgram>& program)
         tell_of_other_file();
         return false;
     }
+    check_left_out(reading.config);
     const std::string file = machine.program_name;
     const auto edited = current_->edit(reading, program);
     if (edited) {
@@ -138,6 +150,9 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
     }
     try {
         Reading next = reading_with(change);
+        if (!change.leaves_out) {
+            check_left_out(next.config);
+        }
         ProgramVerdict verdict;
         verdict.is_same =
             *next.config.machine.program_text == *current_->config().machine.program_text;
@@ -198,7 +213,8 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
                      pending_.ask(PendingChanges::By::Download,
                                   name + " was sent and refused: " + error.what());
                      expect(current_->keep_program(before));
-                 }},
+                 },
+             .leaves_out = change.leaves_out},
             std::move(unchanged));
     });
 }
@@ -213,6 +229,7 @@ void RunningController::download_labels()
         current_->use(next.settings->sources());
         keep();
         log_.write(LogLevel::Info, "controller", "downloaded: " + next.config.labels.program_file);
+        labels_->tell_left_out(log_, next.config.labels.program_file);
     }
 }
 

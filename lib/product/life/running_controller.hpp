@@ -141,6 +141,8 @@ private:
         /// Called when nothing has changed, for a reason that is logged. May be null.
         std::function<void(const ConfigError&)> refused{};
         int attempts{0};
+        /// See ProgramChange.
+        bool leaves_out{false};
     };
     struct Successor;
     /// Calls `act` soon on the thread of run(), when no generation is being created. Thread-safe.
@@ -150,6 +152,8 @@ private:
     /// a generation has to change, the controller ends and starts again. Call it only from
     /// when_free().
     void replace(Replacement wish, std::optional<Reading> reading = {});
+    /// Throws ConfigError if the program of `next` leaves out more than the one that runs.
+    void check_left_out(const ControllerConfig& next) const;
     /// See replace(). Throws ConfigError.
     void begin(Replacement wish, Reading reading);
     /// Does what takes long of a generation. Any thread, while no other one is made. Throws

@@ -15,7 +15,10 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "product/access/administered.hpp"
+#include "product/configuration/toml_reader.hpp"
 #include "product/configuration/toml_text.hpp"
+#include "product/machine/program_change.hpp"
+#include "product/machine/program_file.hpp"
 #include "product/store/received_program.hpp"
 #include "startup.hpp"
 
@@ -95,6 +98,25 @@ SourceFiles::Texts received_alone(const SourceFiles::Texts& files, Storage& fold
 {
     const auto received = files.find(folder.place(ReceivedProgram::file_name));
     return received != files.end() ? SourceFiles::Texts{*received} : SourceFiles::Texts{};
+}
+
+/// Throws ConfigError if the program of a file leaves out more than the one that ran last: the
+/// controller goes on with that one.
+void check_left_out(const ControllerConfig& config, const TakenOver& last)
+{
+    const MachineConfig& machine = config.machine;
+    const auto before = last.files.find(machine.program_file);
+    const bool is_file = machine.program != nullptr && machine.program_name == machine.program_file;
+    if (!is_file || machine.may_leave_out_more || machine.program->program().left_out.empty() ||
+        before == last.files.end() || *before->second == *machine.program_text) {
+        return;
+    }
+    const auto program =
+        read_program(*before->second, machine.program_name, controller::Unserved::LeaveOut);
+    if (program) {
+        expect(product::check_left_out((*program)->program(), machine.program->program(),
+                                       machine.program_name));
+    }
 }
 
 /// Replaces the present settings, which are kept beside the others. Without use() they are restored
@@ -269,7 +291,11 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
     try {
         return without_damaged(lists, [&](const std::string& damage) {
             Substitutes substitutes{.project = last ? last->project : std::string{}};
-            return make({read(configuration, std::move(substitutes)), last, {}, damage});
+            Reading reading = read(configuration, std::move(substitutes));
+            if (last) {
+                check_left_out(reading.config, *last);
+            }
+            return make({std::move(reading), last, {}, damage});
         });
     } catch (const ConfigError& error) {
         if (!last) {

@@ -68,6 +68,9 @@ void RunningController::try_for(const Replacement& wish, FunctionRef<void()> act
 
 void RunningController::begin(Replacement wish, Reading reading)
 {
+    if (!wish.leaves_out) {
+        check_left_out(reading.config);
+    }
     const bool has_fitting_machine =
         machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
     Standing standing = standing_of(reading.config);

@@ -260,8 +260,14 @@ void Machine::run(MachineProgram& program, const std::string& endpoint_url,
     if (life_->operating_status() != controller::OperatingStatus::Preparing) {
         return; // the server is not used, or out until a restart
     }
-    tell(log(), program.publication());
+    tell_program(program);
     life_->prepared(preparation_, endpoint_url);
+}
+
+void Machine::tell_program(const MachineProgram& program)
+{
+    program.tell_left_out(log());
+    tell(log(), program.publication());
 }
 
 void Machine::save_retained()
@@ -302,7 +308,7 @@ void Machine::changed(Change change, const MachineProgram& program, const std::s
     const std::uint32_t before = preparation_;
     (*life_.*change)();
     if (preparation_ != before) {
-        tell(log(), program.publication());
+        tell_program(program);
         life_->prepared(preparation_, endpoint_url);
     }
 }
@@ -325,6 +331,7 @@ Configured<void> Machine::edit(const MachineProgram& program, Adding add)
     }
     retained_->keep(*added);
     if (is_published) {
+        program.tell_left_out(log());
         tell(log(), program.publication(), added->group);
     }
     return {};

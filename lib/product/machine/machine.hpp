@@ -166,6 +166,8 @@ private:
     void medium_changed(bool is_in) override;
     void save_now() override;
 
+    /// Records what the program publishes, what not, and what is left out of it.
+    void tell_program(const MachineProgram& program);
     /// True if everything could be saved. Runs on the saver's thread.
     [[nodiscard]] bool save_pending();
     void look_for_log_files();

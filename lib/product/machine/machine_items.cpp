@@ -272,12 +272,14 @@ MemoryItem program_item(const Settings& settings, const NextProgram& next)
         return is_of_file ? Bytes{} : Bytes{own.begin(), own.end()};
     };
     item.part = std::move(part);
-    item.check = [next](std::string_view, std::span<const std::byte> bytes) {
+    item.check = [next, &settings](std::string_view, std::span<const std::byte> bytes) {
+        const auto unserved = settings.config().machine.unserved;
         return read_received(text_of(bytes), name_of_received())
             .and_then([&](const ReceivedProgram& program) {
                 return next->is_prepared(program.text)
                            ? Configured<void>{}
-                           : read_program(program.text, program.name).transform([](const auto&) {});
+                           : read_program(program.text, program.name, unserved)
+                                 .transform([](const auto&) {});
             });
     };
     return item;

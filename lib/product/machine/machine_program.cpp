@@ -9,6 +9,7 @@
 
 #include "product/configuration/sections.hpp"
 #include "product/configuration/toml_reader.hpp"
+#include "program_file.hpp"
 
 namespace busbar::product {
 
@@ -85,6 +86,12 @@ void MachineProgram::show_mode(server::Server& server, controller::MachineMode m
     nodes_->set_mode(server.address_space(), mode == controller::MachineMode::Run
                                                  ? controller::OperatingMode::Run
                                                  : controller::OperatingMode::Program);
+}
+
+void MachineProgram::tell_left_out(LogSink& log) const
+{
+    product::tell_left_out(log, program_->editions().back()->program(),
+                           config_.machine.program_name);
 }
 
 Configured<controller::ProgramAddition>

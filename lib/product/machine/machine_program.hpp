@@ -56,6 +56,8 @@ public:
     /// Shows the mode to clients; call it after publish().
     void show_mode(server::Server& server, controller::MachineMode mode) const;
 
+    /// Tells the log what is left out of the program.
+    void tell_left_out(LogSink& log) const;
     [[nodiscard]] const controller::Publication& publication() const
     {
         return program_->publication();

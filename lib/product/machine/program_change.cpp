@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include <busbar/controller/program_types.hpp>
@@ -209,21 +210,55 @@ Configured<void> check_edit(std::span<const controller::PublishedProgram::Editio
         .and_then([&] { return controller::PublishedProgram::check_edit(editions, edited); });
 }
 
+Configured<void> check_left_out(const controller::Program& before, const controller::Program& next,
+                                const std::string& file)
+{
+    using Kind = controller::LeftOut::Kind;
+    const auto key_of = [](const controller::LeftOut& one) {
+        return std::to_string(static_cast<int>(one.kind)) +
+               controller::fold_name(one.declared.name);
+    };
+    std::unordered_multiset<std::string> known;
+    for (const controller::LeftOut& each : before.left_out) {
+        known.insert(key_of(each));
+    }
+    for (const controller::LeftOut& each : next.left_out) {
+        const auto found = known.find(key_of(each));
+        if (found != known.end()) {
+            known.erase(found);
+        } else if (each.kind != Kind::Unit) {
+            return Unexpected{in_file(each.problem, file)};
+        }
+    }
+    return {};
+}
+
 Configured<PreparedProgram> prepare_program(const ProgramBase& base, std::string_view text,
                                             const std::string& name)
 {
-    return read_program(text, name).transform([&](SourceFiles::Program program) {
-        PlcTrial trial{base.trial};
-        trial.program = program;
-        const bool is_possible = trial.run().has_value();
-        return PreparedProgram{
-            .files = {.text = nullptr,
-                      .program = program,
-                      .tried = is_possible ? std::make_shared<const PlcTrial>(std::move(trial))
-                                           : nullptr},
-            .edition = base.editions.back(),
-            .may_edit = check_edit(base.editions, *program)};
-    });
+    return read_program(text, name, base.trial.unserved)
+        .and_then([&](SourceFiles::Program program) -> Configured<SourceFiles::Program> {
+            if (!base.may_leave_out_more) {
+                auto kept =
+                    check_left_out(base.editions.back()->program(), program->program(), name);
+                if (!kept) {
+                    return Unexpected{std::move(kept).error()};
+                }
+            }
+            return program;
+        })
+        .transform([&](SourceFiles::Program program) {
+            PlcTrial trial{base.trial};
+            trial.program = program;
+            const bool is_possible = trial.run().has_value();
+            return PreparedProgram{
+                .files = {.text = nullptr,
+                          .program = program,
+                          .tried = is_possible ? std::make_shared<const PlcTrial>(std::move(trial))
+                                               : nullptr},
+                .edition = base.editions.back(),
+                .may_edit = check_edit(base.editions, *program)};
+        });
 }
 
 } // namespace busbar::product

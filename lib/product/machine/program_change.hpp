@@ -21,6 +21,8 @@ struct ProgramBase {
     std::vector<controller::PublishedProgram::Edition> editions;
     /// Taken from the configuration in force.
     PlcTrial trial;
+    /// Whether the next program may leave out more than the last edition; see check_left_out().
+    bool may_leave_out_more{false};
 };
 
 /// Tells whether an online edit can change the last edition into this program (W588, 3-3-2).
@@ -28,6 +30,12 @@ struct ProgramBase {
 [[nodiscard]] Configured<void>
 check_edit(std::span<const controller::PublishedProgram::Edition> editions,
            const controller::CheckedProgram& edited);
+
+/// Refuses a program that leaves out a declaration which the one before it served or lacked: what
+/// clients see of a machine does not become less by a mistake in a file. Thread-safe.
+[[nodiscard]] Configured<void> check_left_out(const controller::Program& before,
+                                              const controller::Program& next,
+                                              const std::string& file);
 
 /// A program that was prepared on another thread.
 struct PreparedProgram {
@@ -37,7 +45,8 @@ struct PreparedProgram {
     Configured<void> may_edit;
 };
 
-/// Reads and checks the program, and tries its PLC. Fails like read_program(); an impossible PLC is
+/// Reads and checks the program, and tries its PLC. Fails like read_program() and, unless the base
+/// allows it, check_left_out(); an impossible PLC is
 /// reported by a caller that knows its name. Thread-safe.
 [[nodiscard]] Configured<PreparedProgram>
 prepare_program(const ProgramBase& base, std::string_view text, const std::string& name);

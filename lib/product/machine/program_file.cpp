@@ -17,20 +17,22 @@ constexpr std::string_view xml_ending = ".xml";
 using ReadProgram = std::shared_ptr<const controller::CheckedProgram>;
 
 /// Returns the program at this place: the remembered one, or a new reading.
-ReadProgram program_of(SourceFiles& sources, const std::string& place, std::string_view text,
+ReadProgram program_of(const TomlTable& table, const std::string& place, std::string_view text,
                        const std::string& name)
 {
+    SourceFiles& sources = table.sources();
     ReadProgram& program = sources.program(place);
     if (program == nullptr) {
-        program = expect(read_program(text, name));
+        program = expect(read_program(text, name, read_unserved(table)));
     }
     return program;
 }
 
-Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name)
+Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name,
+                                               controller::Unserved unserved)
 {
-    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name)
-                                      : controller::read_declarations(text, name);
+    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name, {}, unserved)
+                                      : controller::read_declarations(text, name, {}, unserved);
 }
 
 std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
@@ -48,10 +50,11 @@ std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const st
 
 } // namespace
 
-Configured<ReadProgram> read_program(std::string_view text, const std::string& name)
+Configured<ReadProgram> read_program(std::string_view text, const std::string& name,
+                                     controller::Unserved unserved)
 {
-    return read_unchecked(text, name).and_then([&](controller::Program read) {
-        return controller::CheckedProgram::create(std::move(read))
+    return read_unchecked(text, name, unserved).and_then([&](controller::Program read) {
+        return controller::CheckedProgram::create(std::move(read), unserved)
             .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
     });
 }
@@ -62,7 +65,8 @@ ProgramFile<controller::Program> read_labels_program(const TomlTable& table, con
     const std::string path = table.text(key);
     SourceFiles::Labels& labels = table.sources().labels(path);
     if (labels == nullptr) {
-        labels = std::make_shared<const controller::Program>(expect(read_unchecked(*text, path)));
+        labels = std::make_shared<const controller::Program>(
+            expect(read_unchecked(*text, path, read_unserved(table))));
     }
     return {std::move(text), labels, path};
 }
@@ -75,13 +79,49 @@ ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& ta
     if (!document) {
         auto text = text_of_file(table, key);
         const std::string path = table.text(key);
-        auto program = program_of(sources, path, *text, path);
+        auto program = program_of(table, path, *text, path);
         return {std::move(text), std::move(program), path};
     }
     auto received = expect(read_received(**document, sources.received_place()));
-    auto program = program_of(sources, sources.received_place(), received.text, received.name);
+    auto program = program_of(table, sources.received_place(), received.text, received.name);
     return {std::make_shared<const std::string>(std::move(received.text)), std::move(program),
             std::move(received.name)};
+}
+
+controller::Unserved read_unserved(const TomlTable& table)
+{
+    return table.flag("strict", false) ? controller::Unserved::Refuse
+                                       : controller::Unserved::LeaveOut;
+}
+
+std::vector<std::string> left_out_texts(const controller::Program& program, const std::string& file)
+{
+    std::vector<std::string> all;
+    for (const controller::LeftOut& each : program.left_out) {
+        if (each.kind != controller::LeftOut::Kind::Unit) {
+            all.emplace_back(text(in_file(each.problem, file)));
+        }
+    }
+    return all;
+}
+
+void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file)
+{
+    constexpr std::size_t most = 20;
+    std::size_t count = 0;
+    for (const controller::LeftOut& each : program.left_out) {
+        const bool is_told = each.declared.publish != controller::NetworkPublish::Hidden ||
+                             each.kind == controller::LeftOut::Kind::Unit;
+        if (!is_told && ++count <= most) {
+            log.write(LogLevel::Info, "program",
+                      "left out: " + std::string{text(in_file(each.problem, file))});
+        }
+    }
+    if (count > most) {
+        log.write(LogLevel::Info, "program",
+                  "left out: " + std::to_string(count - most) + " more of " + file +
+                      "; `busbar-controller --check` lists them all");
+    }
 }
 
 Problem in_file(Problem problem, const std::string& file)

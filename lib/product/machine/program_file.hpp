@@ -3,8 +3,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/controller/checked_program.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 
 #include "product/configuration/toml_reader.hpp"
@@ -25,9 +27,12 @@ struct ProgramFile {
 /// Reads and checks a program from a file of this name; problems have the file, and line and column
 /// if known. Thread-safe.
 [[nodiscard]] Configured<std::shared_ptr<const controller::CheckedProgram>>
-read_program(std::string_view text, const std::string& name);
-/// Reads the file of labels that the key names; SimulatedLabels checks its types, because it adds
-/// some of its own. Throws ConfigError, with name, line and column for a problem in the file.
+read_program(std::string_view text, const std::string& name, controller::Unserved unserved);
+/// Reads the key "strict" of a section with a program.
+[[nodiscard]] controller::Unserved read_unserved(const TomlTable& table);
+/// Reads the file of labels that the key names, with what read_unserved() says; SimulatedLabels
+/// checks its types, because it adds some of its own. Throws ConfigError, with name, line and
+/// column for a problem in the file.
 [[nodiscard]] ProgramFile<controller::Program> read_labels_program(const TomlTable& table,
                                                                    const std::string& key);
 /// The same for a machine, with its types checked; a ReceivedProgram replaces the file.
@@ -36,5 +41,11 @@ read_program(std::string_view text, const std::string& name);
 
 /// Adds the file's name to a problem of the whole program.
 [[nodiscard]] Problem in_file(Problem problem, const std::string& file);
+/// What is left out of a program, each with file, place and reason; without units, which are no
+/// variables.
+[[nodiscard]] std::vector<std::string> left_out_texts(const controller::Program& program,
+                                                      const std::string& file);
+/// Tells the log what is left out of a program, except for variables that were to be published.
+void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file);
 
 } // namespace busbar::product

@@ -68,7 +68,24 @@ std::string difference_report(const std::vector<ProgramDifference>& differences)
     return json.take();
 }
 
-std::string verdict_report(const ProgramVerdict& verdict)
+/// Lists what is left out of the program, as far as a person reads it.
+void write_left_out(detail::JsonWriter& json, const controller::Program& program,
+                    const std::string& file)
+{
+    constexpr std::size_t most = 100;
+    const std::vector<std::string> all = left_out_texts(program, file);
+    json.name("leftOutCount");
+    json.word(std::to_string(all.size()));
+    json.name("leftOut");
+    json.begin_list();
+    for (std::size_t i = 0; i < std::min(most, all.size()); ++i) {
+        json.string(all[i]);
+    }
+    json.end_list();
+}
+
+std::string verdict_report(const ProgramVerdict& verdict, const controller::Program& program,
+                           const std::string& file)
 {
     detail::JsonWriter json;
     json.begin_object();
@@ -76,6 +93,7 @@ std::string verdict_report(const ProgramVerdict& verdict)
     json.word(verdict.is_same ? "true" : "false");
     write_member(json, "edit", verdict.against_edit);
     write_member(json, "download", verdict.against_download);
+    write_left_out(json, program, file);
     json.end_object();
     return json.take();
 }
@@ -92,6 +110,7 @@ struct ProgramService::Wish {
     std::string_view verb;
     /// Name of a program, or of a mode.
     std::string_view name;
+    bool leaves_out{false};
 };
 
 std::optional<ProgramService::Wish> ProgramService::wish_of(const Variant& options)
@@ -108,14 +127,20 @@ std::optional<ProgramService::Wish> ProgramService::wish_of(const Variant& optio
     const std::string_view all = text != nullptr ? text->view() : std::string_view{};
     const std::size_t end = std::min(all.find(' '), all.size());
     const std::string_view name = all.substr(std::min(end + 1, all.size()));
+    std::string_view first = all.substr(0, end);
+    constexpr std::string_view leaving_out = "-leaving-out";
+    const bool leaves_out = first.ends_with(leaving_out);
+    first.remove_suffix(leaves_out ? leaving_out.size() : 0);
     for (const auto& [verb, task] : verbs) {
-        if (all.substr(0, end) != verb) {
+        const bool may_leave_out =
+            task == Task::Check || task == Task::Edit || task == Task::Download;
+        if (first != verb || (leaves_out && !may_leave_out)) {
             continue;
         }
         const bool is_right = task == Task::Restore ? name.empty() && end == all.size()
                               : task == Task::Mode  ? name == "RUN" || name == "PROGRAM"
                                                     : is_program_name(name);
-        return is_right ? std::optional{Wish{task, verb, name}} : std::nullopt;
+        return is_right ? std::optional{Wish{task, verb, name, leaves_out}} : std::nullopt;
     }
     return std::nullopt;
 }
@@ -194,13 +219,17 @@ std::function<void()> ProgramService::preparation(const TransferRequest& request
     prepared_ = misconfigured(std::string{wish->verb}, "was not prepared");
     if (wish->task == Wish::Task::Compare) {
         return [this, text, name = std::string{wish->name}, now = needs_.program().program] {
-            prepared_ = read_program(text, name).transform([&](const SourceFiles::Program& read) {
-                differences_ = difference_report(differences(read->program(), now->program()));
-                return PreparedProgram{};
-            });
+            prepared_ = read_program(text, name, controller::Unserved::LeaveOut)
+                            .transform([&](const SourceFiles::Program& read) {
+                                differences_ =
+                                    difference_report(differences(read->program(), now->program()));
+                                return PreparedProgram{};
+                            });
         };
     }
     auto base = needs_.base();
+    base.may_leave_out_more =
+        base.may_leave_out_more || wish->leaves_out || wish->task == Wish::Task::Restore;
     if (wish->task == Wish::Task::Restore) {
         return [this, base = std::move(base), file = needs_.program().file] {
             prepared_ = prepare_file(base, file);
@@ -255,11 +284,14 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
     const Step step = wish.task == Task::Check  ? Step::Check
                       : wish.task == Task::Edit ? Step::Edit
                                                 : Step::Download;
+    const SourceFiles::Program program = prepared_->files.program;
     const ProgramChange change{
-        step, document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}}),
+        step, wish.leaves_out,
+        document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}}),
         *std::move(prepared_)};
     return needs_.change(change).transform([&](const ProgramVerdict& verdict) {
-        return step == Step::Check  ? verdict_report(verdict)
+        return step == Step::Check
+                   ? verdict_report(verdict, program->program(), std::string{wish.name})
                : step == Step::Edit ? std::string{R"({"edited":true})"}
                                     : std::string{R"({"downloaded":true})"};
     });
@@ -276,7 +308,7 @@ Configured<std::string> ProgramService::restore()
     if (!prepared_) {
         return Unexpected{std::move(prepared_).error()};
     }
-    ProgramChange change{.prepared = *std::move(prepared_)};
+    ProgramChange change{.leaves_out = true, .prepared = *std::move(prepared_)};
     return needs_.change(change).and_then([&](const ProgramVerdict& verdict) {
         const bool is_edit = verdict.is_same || verdict.against_edit.empty();
         change.step = is_edit ? Step::Edit : Step::Download;

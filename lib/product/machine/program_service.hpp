@@ -43,6 +43,8 @@ struct ProgramChange {
     enum class Step : std::uint8_t { Check, Edit, Download };
 
     Step step{Step::Check};
+    /// Leaves out more than the program that runs, if need be; see check_left_out().
+    bool leaves_out{false};
     /// Document of a ReceivedProgram. Without one, the received program is removed and the file is
     /// used.
     std::optional<std::string> document{};
@@ -70,13 +72,17 @@ struct ProgramVerdict {
 ///                           "compare NAME"    the same
 ///                           "edit NAME"       the same: becomes the program by an online edit
 ///                           "download NAME"   the same: by a download, in PROGRAM mode
+///                           "check-leaving-out NAME", "edit-leaving-out NAME" and
+///                           "download-leaving-out NAME" also for a program that leaves out more
+///                                             than the one that runs
 ///                           "restore"         an empty file follows: the program of the
 ///                                             configuration's file, by an edit or a download
 ///                           "mode RUN"        an empty file follows
 ///                           "mode PROGRAM"    an empty file follows
 ///
 /// A report is JSON: {"problem": "press.st:4:5: ..."} for what was refused;
-/// {"same", "edit", "download"} for a check, the latter two with the reason against, or empty;
+/// {"same", "edit", "download", "leftOutCount", "leftOut"} for a check, "edit" and "download" with
+/// the reason against, or empty;
 /// {"differences": [{"what", "file", "controller"}]}; {"edited": true}; {"downloaded": true}: the
 /// program is kept and the server takes it up at once, which ends its sessions; {"mode": "RUN"}.
 /// A program that is refused only then, for example by the PLC's runtime, leaves a "refusal" in the

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "product/configuration/sections.hpp"
+#include "product/machine/program_file.hpp"
 
 namespace busbar::product {
 
@@ -47,6 +48,11 @@ LabelPlant::labels_with(const ControllerConfig& next) const
         return labels_;
     }
     return make_labels(next.labels);
+}
+
+void LabelPlant::tell_left_out(LogSink& log, const std::string& file) const
+{
+    product::tell_left_out(log, labels_->program()->types().program(), file);
 }
 
 bool LabelPlant::download(const ControllerConfig& next)

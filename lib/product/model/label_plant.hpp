@@ -37,6 +37,8 @@ public:
     [[nodiscard]] std::shared_ptr<const backend::LabelBackend>
     labels_with(const ControllerConfig& next) const;
 
+    /// Tells the log what is left out of the program.
+    void tell_left_out(LogSink& log, const std::string& file) const;
     /// Changes the program online, if the configuration has another one, and returns whether it
     /// has. Throws ConfigError, with nothing changed.
     bool download(const ControllerConfig& next);

@@ -117,6 +117,10 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) { return in_quotes(c.labels.program_file); }},
     FileKey{"labels.sampling",
             [](const ControllerConfig& c) { return flag_text(c.labels.options.can_sample); }},
+    FileKey{"labels.strict",
+            [](const ControllerConfig& c) {
+                return flag_text(c.labels.options.unserved == controller::Unserved::Refuse);
+            }},
     FileKey{"machine.event_levels",
             [](const ControllerConfig& c) {
                 std::vector<std::string> levels;
@@ -138,6 +142,10 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) { return flag_text(c.machine.simulates_hardware); }},
     FileKey{"machine.state",
             [](const ControllerConfig& c) { return in_quotes(c.machine.state_folder); }},
+    FileKey{"machine.strict",
+            [](const ControllerConfig& c) {
+                return flag_text(c.machine.unserved == controller::Unserved::Refuse);
+            }},
     FileKey{"machine.types",
             [](const ControllerConfig& c) {
                 return in_quotes(c.machine.types.elementary == controller::ElementaryTypes::BuiltIn

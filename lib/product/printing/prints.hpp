@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <busbar/net/system.hpp>
 
+#include "check_programs.hpp"
 #include "explain.hpp"
 #include "print_capacities.hpp"
 #include "print_conformance.hpp"
@@ -40,7 +42,12 @@ struct Prints {
                            "key or for \"all\", print a line for each")
                 ->expected(0, 1)
                 ->type_name("[KEY]");
-        app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
+        check = app.add_option("--check", checked,
+                               "print what of a program would be published, and why the rest would "
+                               "not; without a file for the program of the configuration")
+                    ->expected(0, -1)
+                    ->type_name("[FILE...]");
+        app.add_flag("--json", wants_json, "with --print-conformance or --check, as JSON");
     }
     /// Runs the chosen option and returns the exit code; nothing if none is chosen. `configuration`
     /// comes from the rest of the command line.
@@ -58,6 +65,16 @@ struct Prints {
             return print_conformance(of(conformance_file), wants_json, net::SystemWallClock{}.now(),
                                      net::is_clock_synchronized());
         }
+        if (wants_json && check->count() == 0 && conformance->count() == 0) {
+            throw ConfigError{"--json", "expected --print-conformance or --check with it"};
+        }
+        if (check->count() != 0) {
+            ControllerConfig config = read_config_or_default(file);
+            if (const Preset* const chosen = find_preset(configuration.preset)) {
+                chosen->take(config);
+            }
+            return check_programs(config, checked, wants_json);
+        }
         if (explanation->count() != 0) {
             return print_explanation(configuration, explained);
         }
@@ -68,6 +85,8 @@ struct Prints {
     CLI::Option* capacities{nullptr};
     CLI::Option* conformance{nullptr};
     CLI::Option* explanation{nullptr};
+    CLI::Option* check{nullptr};
+    std::vector<std::string> checked;
     std::string preset;
     std::string explained;
     std::string limits_file;

@@ -53,6 +53,8 @@ struct AdminArguments {
     bool is_sure{false};
     /// Uses a project although some of its labels cannot be used.
     bool despite_labels{false};
+    /// Takes a program that leaves out more than the one that runs.
+    bool leaves_out{false};
     std::string new_password_file;
     std::string description;
     bool must_change{false};

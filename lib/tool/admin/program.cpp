@@ -185,18 +185,55 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
     return Exit::Good;
 }
 
+std::vector<std::string> left_out_of(const Json& verdict)
+{
+    std::vector<std::string> all;
+    const Json* const list = verdict.find("leftOut");
+    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+        all.push_back(each.text);
+    }
+    return all;
+}
+
+/// Tells what the controller would leave out of the program in a file.
+void tell_left_out(Context& context, const Json& verdict)
+{
+    const std::vector<std::string> all = left_out_of(verdict);
+    for (const std::string& each : all) {
+        context.err.line("left out: " + safe(each));
+    }
+    const std::size_t count = std::stoul("0" + text_in(verdict, "leftOutCount"));
+    if (count > all.size()) {
+        context.err.line("left out: " + std::to_string(count - all.size()) + " more");
+    }
+}
+
+/// The verb for a program that may leave out more than the one that runs.
+std::string verb_of(const AdminArguments& arguments, std::string verb)
+{
+    return arguments.leaves_out ? verb + "-leaving-out" : verb;
+}
+
+/// Has the controller check the program in a file, and tells what it would leave out.
+Json checked(Context& context, RemoteTransfer& transfer, const AdminArguments& arguments)
+{
+    send_file(context, transfer, verb_of(arguments, "check"), arguments.words[0]);
+    Json verdict = answer_of(transfer, "report");
+    tell_left_out(context, verdict);
+    return verdict;
+}
+
 Exit check(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     RemoteTransfer transfer = transfer_of(connection);
-    send_file(context, transfer, "check", arguments.words[0]);
-    const Json verdict = answer_of(transfer, "report");
+    const Json verdict = checked(context, transfer, arguments);
     const std::string against_edit = text_in(verdict, "edit");
     const std::string against_download = text_in(verdict, "download");
     if (context.options.is_json) {
         JsonLine json;
         json.open_object().member("isSame", is_true(verdict, "same"));
         json.member("againstEdit", against_edit).member("againstDownload", against_download);
-        context.out.line(json.close_object().document());
+        context.out.line(json.key("leftOut").texts(left_out_of(verdict)).close_object().document());
         return Exit::Good;
     }
     const std::string file = safe(arguments.words[0]);
@@ -227,18 +264,24 @@ Exit compare(Context& context, Connection& connection, const AdminArguments& arg
 Exit edit(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     RemoteTransfer transfer = transfer_of(connection);
+    if (arguments.leaves_out) {
+        static_cast<void>(checked(context, transfer, arguments));
+    }
     make_sure(context, arguments, "Edit the program of the controller while it runs?");
-    send_file(context, transfer, "edit", arguments.words[0]);
+    send_file(context, transfer, verb_of(arguments, "edit"), arguments.words[0]);
     return report(context, "edited online: clients stay connected");
 }
 
 Exit download(Context& context, Connection& connection, const AdminArguments& arguments)
 {
     RemoteTransfer transfer = transfer_of(connection);
+    if (arguments.leaves_out) {
+        static_cast<void>(checked(context, transfer, arguments));
+    }
     make_sure(context, arguments,
               "Replace the program of the controller? Clients have to connect again.");
     const std::string file = read_file(arguments.words[0], max_program);
-    send_file(context, transfer, "download", arguments.words[0], file);
+    send_file(context, transfer, verb_of(arguments, "download"), arguments.words[0], file);
     const std::string wanted = controller::detail::checksum_text(file);
     const bool is_there = wait_for(context, connection, [&](const Json& status) {
         return text_in(status, "checksum") == wanted;
@@ -296,16 +339,24 @@ void add_program(CLI::App& admin, Run& run)
         command->add_flag("--yes", arguments.is_sure, "ask nothing");
         return command;
     };
+    const auto leaves_out = [&](CLI::App* command) {
+        command->add_flag(
+            "--leave-out", arguments.leaves_out,
+            "also if it has declarations that cannot be served or are wrong, and that "
+            "the program that runs has not: they are left out");
+        return command;
+    };
     asks(group.add("show", "Shows what runs, and where it is from.", 0, "URL", program::show))
         ->add_option("--save", arguments.save_to, "a file that the program is written to instead");
-    group.add("check", "Tells whether a controller would take a program, and how.", 1, "FILE",
-              program::check);
+    leaves_out(group.add("check", "Tells whether a controller would take a program, and how.", 1,
+                         "FILE", program::check));
     group.add("compare", "Lists what differs between a program and that of a controller.", 1,
               "FILE", program::compare);
-    asks(group.add("download", "Replaces the program, in PROGRAM mode, whole or not at all.", 1,
-                   "FILE", program::download));
-    asks(group.add("edit", "Adds and deletes variables while the program runs.", 1, "FILE",
-                   program::edit));
+    leaves_out(
+        asks(group.add("download", "Replaces the program, in PROGRAM mode, whole or not at all.", 1,
+                       "FILE", program::download)));
+    leaves_out(asks(group.add("edit", "Adds and deletes variables while the program runs.", 1,
+                              "FILE", program::edit)));
     asks(group.add("restore", "Goes back to the program of the controller's own file.", 0, "URL",
                    program::restore));
 }
