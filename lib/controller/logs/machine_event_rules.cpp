@@ -251,7 +251,9 @@ std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime
         note_not_published(record);
     } else if (record.kind == RecordKind::VariablesCounted && not_published_ != 0) {
         // One event for all variables (W588, 9-2-2).
-        all.push_back({unsupported_type, {hex_text(std::exchange(not_published_, 0), 2)}});
+        // The manual has eight bits; a further one is of this controller.
+        const std::uint32_t bits = std::exchange(not_published_, 0);
+        all.push_back({unsupported_type, {hex_text(bits, bits > 0xFFU ? 4 : 2)}});
     }
     std::vector<MachineEvent> events;
     for (Told& told : all) {
@@ -318,7 +320,7 @@ void MachineEventRules::end_one(std::uint32_t code)
 
 void MachineEventRules::note_not_published(const Record& record)
 {
-    not_published_ |= static_cast<unsigned>(number_field(record, "ErrorDetails") & 0xFFU);
+    not_published_ |= static_cast<unsigned>(number_field(record, "ErrorDetails") & 0xFFFFU);
 }
 
 /// Tells whether the same error is already present. Errors that end with a preparation are reported
