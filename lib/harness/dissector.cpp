@@ -26,17 +26,20 @@ bool is_none(std::span<const std::byte> open)
     return reader.ok() && uri.view() == crypto::policy_none().uri;
 }
 
+/// Returns the structure of namespace 0 with this binary encoding; null if it is unknown.
+const StructureType* type_of(const NodeId& encoding_id)
+{
+    static const binary::TypeRegistry types{binary::namespace0_types()};
+    return types.find(encoding_id);
+}
+
 /// Returns the name of the structure in a plain MSG chunk; empty if it is unknown.
 std::string_view structure_of(std::span<const std::byte> chunk)
 {
-    static const binary::TypeRegistry types{binary::namespace0_types()};
     constexpr std::size_t header =
         channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
-    binary::Reader reader{chunk, binary::Strings::Borrow};
-    reader.skip(header);
-    NodeId id;
-    decode(reader, id);
-    const StructureType* const type = reader.ok() ? types.find(id) : nullptr;
+    const StructureType* const type =
+        chunk.size() > header ? type_of(encoding_of(chunk.subspan(header))) : nullptr;
     return type != nullptr ? type->name : std::string_view{};
 }
 
@@ -114,6 +117,20 @@ void Dissector::describe(Stream& stream, DissectedFrame& frame)
                                     : std::string_view{};
     }
     frame.structure_name = stream.structure_name;
+}
+
+NodeId encoding_of(std::span<const std::byte> body)
+{
+    binary::Reader reader{body};
+    NodeId id;
+    decode(reader, id);
+    return reader.ok() ? id : NodeId{};
+}
+
+std::string encoding_name(const NodeId& encoding_id)
+{
+    const StructureType* const type = type_of(encoding_id);
+    return type != nullptr ? std::string{type->name} : to_string(encoding_id);
 }
 
 } // namespace busbar::harness::detail

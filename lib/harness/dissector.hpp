@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/node_id.hpp>
 #include <busbar/harness/link.hpp>
 
 #include "channel/frame.hpp"
@@ -53,5 +55,11 @@ private:
     Stream streams_[2];
     bool is_plain_{false};
 };
+
+/// Returns the NodeId at the begin of a message's body; null if there is none.
+[[nodiscard]] NodeId encoding_of(std::span<const std::byte> body);
+/// Returns the name of the structure of namespace 0 with this binary encoding; the id as text if it
+/// is unknown.
+[[nodiscard]] std::string encoding_name(const NodeId& encoding_id);
 
 } // namespace busbar::harness::detail

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "encoding_name.hpp"
+#include "dissector.hpp"
 
 namespace busbar::harness {
 

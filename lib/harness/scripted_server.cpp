@@ -6,7 +6,7 @@
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/types/session.hpp>
 
-#include "encoding_name.hpp"
+#include "dissector.hpp"
 
 namespace busbar::harness {
 

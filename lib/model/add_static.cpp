@@ -3,7 +3,7 @@
 #include <busbar/binary/codec.hpp>
 
 #include "graft.hpp"
-#include "structure_bodies.hpp"
+#include "namespace_map.hpp"
 
 namespace busbar::model {
 

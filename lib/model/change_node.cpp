@@ -2,7 +2,7 @@
 
 #include <busbar/model/address_space.hpp>
 
-#include "no_time.hpp"
+#include "record.hpp"
 #include "tables.hpp"
 
 namespace busbar::model {

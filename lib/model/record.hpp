@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/model/node.hpp>
 
 #include "index_table.hpp"
@@ -137,5 +138,9 @@ struct Overlay {
     std::uint8_t access_level{0};
     std::uint8_t user_access_level{0};
 };
+
+/// The source timestamp of a value that was set without one: null for everybody, and different from
+/// that of a value that came with its node and was never set.
+inline constexpr DateTime no_time{-1};
 
 } // namespace busbar::model::detail

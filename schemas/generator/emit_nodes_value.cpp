@@ -1,7 +1,7 @@
 #include "node_values.hpp"
 
 #include <busbar/binary/codec.hpp>
-#include <model/nodeset/definition.hpp>
+#include <model/nodeset/data_types.hpp>
 #include <model/nodeset/value_reader.hpp>
 
 namespace busbar::generator {

@@ -5,7 +5,6 @@
 #include "tool/admin/audit_line.hpp"
 #include "tool/admin/log_line.hpp"
 #include "tool/connection/failure.hpp"
-#include "tool/connection/status_help.hpp"
 #include "tool/connection/url.hpp"
 #include "tool/connection/usage.hpp"
 #include "tool/printing/display_text.hpp"

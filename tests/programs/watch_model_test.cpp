@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "tool/watch/details.hpp"
-#include "tool/watch/short_names.hpp"
+#include "tool/watch/model.hpp"
+#include "tool/watch/render.hpp"
 #include "watch_fixture.hpp"
 
 namespace watch_model_test {

@@ -5,8 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/controller/value_shape.hpp>
+
 #include "controller/conversion/shape_node.hpp"
-#include "controller/conversion/shape_types.hpp"
 
 namespace busbar::controller::detail {
 
@@ -45,5 +46,16 @@ private:
     std::size_t nodes_{0};
     std::vector<ShapeRefusal> kept_;
 };
+
+/// The type that a DataType is mapped as: a leaf, or a structure with its type.
+struct MappedType {
+    LeafType leaf{};
+    const binary::DynamicType* structure{nullptr};
+};
+
+/// Decides how a DataType is mapped by "Data types that can be assigned to other DataTypes" and
+/// "Subtype handling" (SH-082679, 8.2). A refusal has no path.
+[[nodiscard]] Expected<MappedType, ShapeRefusal>
+use_of(const model::SpaceReader& space, const binary::DynamicTypes& types, const NodeId& data_type);
 
 } // namespace busbar::controller::detail

@@ -1,4 +1,4 @@
-#include "controller/conversion/shape_types.hpp"
+#include "shape_builder.hpp"
 
 #include <algorithm>
 

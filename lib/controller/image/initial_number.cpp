@@ -1,4 +1,4 @@
-#include "initial_number.hpp"
+#include "initial_values.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -6,7 +6,6 @@
 #include <busbar/core/text.hpp>
 #include <busbar/server/image_structure.hpp>
 
-#include "initial_number.hpp"
 #include "server/image/image_types.hpp"
 
 namespace busbar::controller::detail {

@@ -6,7 +6,6 @@
 #include <busbar/backend/label_name.hpp>
 
 #include "core/ascii_case.hpp"
-#include "label_kinds.hpp"
 
 namespace busbar::controller::detail {
 

@@ -11,9 +11,15 @@
 #include <busbar/core/detail/hand_over.hpp>
 
 #include "label_sampler.hpp"
-#include "value_carry.hpp"
 
 namespace busbar::controller::detail {
+
+/// Memory of a variable that keeps its value when a program is replaced.
+struct CarriedValue {
+    const std::byte* from;
+    std::byte* to;
+    std::size_t size;
+};
 
 /// A job for the PLC's thread, which returns it so that its memory is freed elsewhere. It comes
 /// from the server's thread or from the thread that replaces a program, and contains all that the

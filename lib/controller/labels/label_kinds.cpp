@@ -1,4 +1,4 @@
-#include "label_kinds.hpp"
+#include "label_finder.hpp"
 
 #include <algorithm>
 #include <array>

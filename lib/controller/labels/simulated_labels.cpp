@@ -7,7 +7,37 @@
 #include "label_server_side.hpp"
 #include "label_task_side.hpp"
 
+#include "../retained/type_print.hpp"
+
 namespace busbar::controller {
+
+namespace {
+
+/// Lists what to copy when `next` replaces `now`: variables with the same name and with types that
+/// have the same values.
+std::vector<detail::CarriedValue> carried_values(const LabelProgram& now, const LabelProgram& next)
+{
+    detail::TypePrints prints_now{now.types()};
+    detail::TypePrints prints_next{next.types()};
+    std::vector<detail::CarriedValue> carried;
+    for (const GlobalVariable& variable : next.types().program().variables) {
+        const GlobalVariable* const before = now.variable(variable.name);
+        const auto to = next.handle_of(variable);
+        const auto from = before != nullptr ? now.handle_of(*before) : std::nullopt;
+        if (!from || !to || before->is_constant || variable.is_constant ||
+            prints_now.print(before->type) != prints_next.print(variable.type)) {
+            continue;
+        }
+        server::ImageMemory& source = now.memory();
+        server::ImageMemory& target = next.memory();
+        const server::ImagePlace& place = target.layout()[*to];
+        carried.push_back(
+            {source.bytes(source.layout()[*from]), target.bytes(place), place.bytes()});
+    }
+    return carried;
+}
+
+} // namespace
 
 SimulatedLabels::SimulatedLabels(std::shared_ptr<LabelProgram> program,
                                  const SimulatedLabelsOptions& options)
@@ -86,7 +116,7 @@ Configured<void> SimulatedLabels::replace_program(Program program)
     job->program = *made;
     const std::lock_guard one_at_a_time{exchange_->replacing};
     // Do this without the mutex, which the server's thread needs.
-    job->carried = detail::carried_values(*exchange_->program, **made);
+    job->carried = carried_values(*exchange_->program, **made);
     {
         const std::lock_guard lock{exchange_->mutex};
         job->generation = ++exchange_->generation;

@@ -1,4 +1,4 @@
-#include "model_header.hpp"
+#include "model_state.hpp"
 
 #include <fstream>
 #include <optional>

@@ -6,7 +6,6 @@
 
 #include <busbar/core/text.hpp>
 
-#include "plc_initial.hpp"
 #include "plc_watch.hpp"
 
 namespace busbar::controller {

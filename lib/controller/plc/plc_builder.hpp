@@ -1,13 +1,23 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_config.hpp>
 #include <busbar/core/problem.hpp>
 
 #include "plc_names.hpp"
 #include "plc_step.hpp"
+
+namespace busbar::controller::detail {
+
+/// Returns the variable's initial value with its type and dimensions; nothing if `variable.initial`
+/// cannot be converted.
+[[nodiscard]] std::optional<Variant> initial_value(const PlcVariable& variable);
+
+} // namespace busbar::controller::detail
 
 namespace busbar::controller {
 

@@ -1,4 +1,4 @@
-#include "plc_initial.hpp"
+#include "plc_builder.hpp"
 
 #include <cmath>
 #include <limits>

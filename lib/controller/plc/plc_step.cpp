@@ -9,7 +9,7 @@
 
 #include <busbar/controller/machine_event_log.hpp>
 
-#include "visit_number.hpp"
+#include "plc_target.hpp"
 
 namespace busbar::controller::detail {
 

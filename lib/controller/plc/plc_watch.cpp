@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "visit_number.hpp"
+#include "plc_target.hpp"
 
 namespace busbar::controller::detail {
 

@@ -3,7 +3,6 @@
 #include <busbar/controller/program_initial.hpp>
 
 #include "core/ascii_case.hpp"
-#include "initial_scalar.hpp"
 #include "program_problem.hpp"
 
 namespace busbar::controller::detail {

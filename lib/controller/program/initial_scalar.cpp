@@ -1,4 +1,4 @@
-#include "initial_scalar.hpp"
+#include "initial_checker.hpp"
 
 #include <cmath>
 #include <cstdio>

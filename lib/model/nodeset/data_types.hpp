@@ -9,8 +9,13 @@
 
 #include <busbar/core/built_in_type.hpp>
 #include <busbar/core/detail/basic_ids.hpp>
+#include <busbar/core/types.hpp>
 
 #include "document.hpp"
+
+namespace busbar::model {
+class SpaceReader;
+}
 
 namespace busbar::nodeset {
 
@@ -93,5 +98,15 @@ private:
     std::unordered_map<NodeId, NodeId> encoded_;
     std::unordered_map<std::string, NodeId> names_;
 };
+
+/// The DataTypeDefinition attribute of a DataType (Part 3, 5.8.3): a StructureDefinition or an
+/// EnumDefinition with a binary body; null if the DataType has none.
+[[nodiscard]] ExtensionObject definition_of(const DataTypeTable& types, const DataType& type);
+
+/// Adds the DataTypes of an AddressSpace by their attributes and references.
+void add_data_types(const model::SpaceReader& space, DataTypeTable& types);
+
+/// Returns the Definition for a DataTypeDefinition attribute, with the fields of supertypes.
+[[nodiscard]] std::optional<Definition> definition_from(const ExtensionObject& attribute);
 
 } // namespace busbar::nodeset

@@ -1,4 +1,4 @@
-#include "definition.hpp"
+#include "data_types.hpp"
 
 #include <algorithm>
 

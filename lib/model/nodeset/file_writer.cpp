@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "data_types.hpp"
 #include "node_writer.hpp"
-#include "space_types.hpp"
 
 namespace busbar::nodeset {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/model/nodeset.hpp>
+#include <busbar/model/space_reader.hpp>
 
 #include "document.hpp"
 
@@ -69,5 +70,10 @@ private:
     std::unordered_map<NodeId, bool> is_hierarchical_;
     std::unordered_map<NodeId, bool> is_has_child_;
 };
+
+/// Returns the models that a Document requires and that neither it nor the AddressSpace has, or
+/// only in an older version (Part 6, F.5).
+[[nodiscard]] std::vector<Problem> missing_models(const Document& document,
+                                                  const model::SpaceReader& space);
 
 } // namespace busbar::nodeset

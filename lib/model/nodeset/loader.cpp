@@ -3,11 +3,9 @@
 #include <busbar/model/nodeset.hpp>
 #include <model/graft.hpp>
 
-#include "definition.hpp"
+#include "data_types.hpp"
 #include "load_plan.hpp"
-#include "model_check.hpp"
 #include "node_flags.hpp"
-#include "space_types.hpp"
 #include "value_reader.hpp"
 
 namespace busbar::nodeset {

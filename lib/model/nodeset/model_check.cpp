@@ -1,4 +1,4 @@
-#include "model_check.hpp"
+#include "load_plan.hpp"
 
 #include <algorithm>
 #include <array>

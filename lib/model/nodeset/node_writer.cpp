@@ -4,7 +4,7 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "space_types.hpp"
+#include "data_types.hpp"
 
 namespace busbar::nodeset {
 

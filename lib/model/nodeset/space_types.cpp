@@ -1,4 +1,4 @@
-#include "space_types.hpp"
+#include "data_types.hpp"
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/data_types.hpp>

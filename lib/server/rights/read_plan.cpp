@@ -5,7 +5,7 @@
 
 #include "live_values.hpp"
 #include "method_lookup.hpp"
-#include "model/no_time.hpp"
+#include "model/record.hpp"
 #include "write_mask.hpp"
 
 namespace busbar::server::detail {

@@ -1,4 +1,4 @@
-#include "claims.hpp"
+#include "commands.hpp"
 
 #include <algorithm>
 #include <string>

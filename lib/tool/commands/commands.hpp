@@ -1,7 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
+#include "command_line/completion.hpp"
 #include "tool/connection/context.hpp"
 
 namespace busbar::tool {
@@ -33,5 +36,13 @@ void add_project(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
 void add_help(CLI::App& app, Run& run);
+
+/// Returns what may stand at a place of the command line: names of profiles and, by asking the
+/// server that the line names, nodes, methods and values. Empty where the server does not answer.
+[[nodiscard]] std::vector<std::string> complete(const command_line::CompletionPlace& place);
+
+/// Shows a server's claims (Part 5, 6.3.2): the profiles that it claims and, for the others, the
+/// conformance units that it does not name. Throws Failure.
+[[nodiscard]] Exit show_claims(Context& context);
 
 } // namespace busbar::tool

@@ -5,7 +5,6 @@
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/types/discovery.hpp>
 
-#include "claims.hpp"
 #include "commands.hpp"
 #include "tool/connection/discovery.hpp"
 #include "tool/printing/display_text.hpp"

@@ -1,4 +1,3 @@
-#include "node_completion.hpp"
 
 #include <algorithm>
 #include <map>

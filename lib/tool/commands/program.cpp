@@ -7,7 +7,6 @@
 
 #include "command_line/program_options.hpp"
 #include "commands.hpp"
-#include "node_completion.hpp"
 #include "tool/connection/profile.hpp"
 #include "tool/connection/usage.hpp"
 

@@ -12,7 +12,7 @@
 #include "tool/printing/event_fields.hpp"
 #include "tool/printing/value.hpp"
 #include "tool/stream/watched_values.hpp"
-#include "tool/watch/short_names.hpp"
+#include "tool/watch/model.hpp"
 #include "tool/watch/view.hpp"
 
 namespace busbar::tool {

@@ -8,7 +8,6 @@
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 
-#include "status_help.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 

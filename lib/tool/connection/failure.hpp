@@ -69,4 +69,13 @@ public:
 /// {"error": {...}} for scripts.
 [[nodiscard]] std::string json_of(const Failure& failure);
 
+/// A StatusCode in plain words; both are empty for one that has none here.
+struct StatusHelp {
+    std::string_view meaning;
+    /// Advice for the user; may be empty.
+    std::string_view hint;
+};
+
+[[nodiscard]] StatusHelp help_for(StatusCode status);
+
 } // namespace busbar::tool

@@ -1,4 +1,4 @@
-#include "status_help.hpp"
+#include "failure.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "value_parts.hpp"
+#include "value_lines.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "details.hpp"
+#include "render.hpp"
 
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/value_lines.hpp"

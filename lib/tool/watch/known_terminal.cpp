@@ -1,4 +1,4 @@
-#include "known_terminal.hpp"
+#include "terminal.hpp"
 
 #include <curses.h>
 #include <term.h>
@@ -6,6 +6,7 @@
 
 namespace busbar::tool::watch {
 
+// In a file of its own, because <term.h> has macros with names like "tab" and "columns".
 bool is_known_terminal()
 {
     int error = 0;

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "model.hpp"
 #include "screen.hpp"
+#include "tool/nodes/variable_facts.hpp"
 
 namespace busbar::tool::watch {
 
@@ -32,5 +36,11 @@ struct Layout {
 /// The picture of a model that was fit() to the layout's table_rows. `has_unicode`: whether the
 /// terminal shows characters beyond ASCII.
 [[nodiscard]] Screen render(const Model& model, Size size, const Now& now, bool has_unicode);
+
+/// All that is known of a row, for a screen of so many columns: the whole value, its type, status
+/// and times. `node` is the node as the server knows it.
+[[nodiscard]] std::vector<std::string> details_of(const Row& row, const std::string& node,
+                                                  const ValueFacts& facts, const Types& types,
+                                                  std::size_t columns);
 
 } // namespace busbar::tool::watch

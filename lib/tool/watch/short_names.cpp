@@ -1,4 +1,4 @@
-#include "short_names.hpp"
+#include "model.hpp"
 
 #include <algorithm>
 #include <set>

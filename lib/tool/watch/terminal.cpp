@@ -12,8 +12,6 @@
 #define NCURSES_WIDECHAR 1
 #include <curses.h>
 
-#include "known_terminal.hpp"
-
 namespace busbar::tool::watch {
 
 namespace {

@@ -38,4 +38,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// Tells whether terminfo knows the TERM. newterm() would tell, too, but leaks memory for an
+/// unknown one.
+[[nodiscard]] bool is_known_terminal();
+
 } // namespace busbar::tool::watch

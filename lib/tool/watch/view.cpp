@@ -7,9 +7,8 @@
 #include <busbar/net/system.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "details.hpp"
 #include "render.hpp"
-#include "tool/connection/status_help.hpp"
+#include "tool/connection/failure.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/event_fields.hpp"
 

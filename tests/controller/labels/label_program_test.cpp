@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "controller/labels/label_kinds.hpp"
+#include "controller/labels/label_finder.hpp"
 #include "label_bench.hpp"
 
 namespace label_program_test {
