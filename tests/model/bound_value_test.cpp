@@ -1,5 +1,11 @@
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
 #include "model_fixture.hpp"
 
 namespace busbar::model::bound_value_test {
@@ -88,6 +94,50 @@ TEST_CASE_METHOD(BoundFixture, "A Variable has the shape of its value")
         state.data_type = NodeId{0, id::ServerState};
         CHECK(added(state).data_type == space.find(id::ServerState));
     }
+}
+
+TEST_CASE_METHOD(BoundFixture, "A Variable has the value of a text or container of C++")
+{
+    const auto kept = [&](const BoundValue& value) {
+        return space.value(space.add_variable(objects, {ns, "v"}, value).value());
+    };
+    SECTION("a std::string")
+    {
+        CHECK(kept(std::string{"BB-0001"}) == Variant{"BB-0001"});
+        CHECK(space.variable(find("v")).data_type == space.find(id::String));
+    }
+    SECTION("a part of a text")
+    {
+        CHECK(kept(std::string_view{"BB-0001"}.substr(3)) == Variant{"0001"});
+    }
+    SECTION("a std::vector of numbers")
+    {
+        CHECK(kept(std::vector<double>{10, 20, 35.5}) == Variant{Array<double>{10, 20, 35.5}});
+        CHECK(space.variable(find("v")).value_rank == 1);
+    }
+    SECTION("a std::vector<bool>")
+    {
+        CHECK(kept(std::vector<bool>{true, false}) == Variant{Array<bool>{true, false}});
+    }
+    SECTION("a std::vector of texts")
+    {
+        CHECK(kept(std::vector<std::string>{"a", ""}) == Variant{Array<String>{"a", ""}});
+    }
+    SECTION("a std::array and a std::span")
+    {
+        const std::array<std::int16_t, 2> numbers{1, 2};
+        CHECK(kept(numbers) == Variant{Array<std::int16_t>{1, 2}});
+        CHECK(BoundValue{std::span{numbers}}.value == Variant{Array<std::int16_t>{1, 2}});
+    }
+    SECTION("an empty std::vector, which is an empty array, not null")
+    {
+        const BoundValue none{std::vector<float>{}};
+        REQUIRE(none.value.array_if<float>() != nullptr);
+        CHECK_FALSE(none.value.array_if<float>()->is_null());
+        CHECK(none.value.array_if<float>()->empty());
+    }
+    STATIC_REQUIRE_FALSE(std::is_constructible_v<BoundValue, std::vector<void*>>);
+    STATIC_REQUIRE_FALSE(std::is_constructible_v<BoundValue, std::vector<std::vector<double>>>);
 }
 
 TEST_CASE_METHOD(BoundFixture, "A value without source stays in the address space, read only")

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <utility>
 
 #include <busbar/core/types.hpp>
+#include <busbar/core/value_like.hpp>
 #include <busbar/model/node.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -75,7 +75,7 @@ struct NewVariable {
 /// (server::DataSource::variable); if it is made of a value alone, the AddressSpace keeps it.
 struct BoundValue {
     template <typename T>
-    requires std::convertible_to<T, Variant> BoundValue(T of) : value{std::move(of)} {}
+    requires ValueLike<T> BoundValue(T of) : value{busbar::detail::variant_of(std::move(of))} {}
     BoundValue(Variant like, std::uint32_t of_source, std::uint64_t of_handle)
         : value{std::move(like)}, source{of_source}, handle{of_handle}
     {
