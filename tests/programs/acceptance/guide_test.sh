@@ -45,7 +45,7 @@ day() {
     mkdir "$2"
     [ -d "$nodesets" ] && cp "$nodesets/Opc.Ua.Di.NodeSet2.xml" "$2/DI.xml" &&
         cp "$nodesets/Opc.Ua.PackML.NodeSet2.xml" "$2/PackML.xml"
-    (cd "$2" && XDG_DATA_HOME=$PWD/data timeout 120 sh ../day.sh > out 2>&1) || {
+    (cd "$2" && XDG_DATA_HOME=$PWD/data timeout 280 sh ../day.sh > out 2>&1) || {
         cp "$2/out" out
         cp "$2/controller.log" log 2> /dev/null
         fail "$1"
