@@ -1,4 +1,4 @@
-// A server with one variable, behind the security that a server has by default.
+// A server with one variable and the security that a server has by default.
 // usage: FIRST_SERVER_PASSWORD=... first-server [PORT]
 #include <cstdlib>
 

@@ -26,7 +26,7 @@ volatile std::sig_atomic_t is_to_stop = 0;
 
 constexpr const char* application_uri = "urn:example:poll-server";
 
-/// What every machine has: a clock, and somewhere to write to.
+/// A clock, which every machine has.
 class Clock final : public WallClock {
 public:
     [[nodiscard]] DateTime now() const override

@@ -11,7 +11,7 @@ using namespace busbar;
 
 namespace {
 
-/// What the address space has of the press.
+/// The nodes of the press in the address space.
 struct Nodes {
     NodeId press;
     NodeId stroke_done; // the type of its events

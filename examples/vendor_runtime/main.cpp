@@ -71,8 +71,8 @@ public:
             task_.join();
         }
     }
-    /// What clients wrote is in the tank's memory when this begins; clients see what is there when
-    /// it ends.
+    /// The memory of the tank has the values that clients wrote before this begins; clients see
+    /// its values when this ends.
     void scan(DateTime, Duration elapsed) override
     {
         const double seconds = std::chrono::duration<double>(elapsed).count();

@@ -69,7 +69,7 @@ private:
     std::string_view text_;
 };
 
-/// "1.5"; nothing behind the end of its digits.
+/// Reads "1.5"; nothing may follow the digits.
 std::optional<double> decimal(std::string_view text)
 {
     const auto plain = without_underscores(text);
@@ -130,7 +130,7 @@ std::optional<std::int64_t> day_of(TimeText& text)
     return std::chrono::sys_days{date}.time_since_epoch().count();
 }
 
-/// Of a day, in 100 ns; digits of a fraction behind the seventh say nothing.
+/// Reads a time of day in units of 100 ns; ignores digits of a fraction after the seventh.
 std::optional<std::int64_t> ticks_of_day(TimeText& text)
 {
     const auto hour = text.number(23);
@@ -191,7 +191,7 @@ std::optional<double> read_duration(std::string_view text)
             return {};
         }
         sum += *part;
-        // T#1h_30m is allowed; what is behind the last part is not.
+        // T#1h_30m is allowed, an underscore after the last part is not.
         if (rest.skip('_') && rest.empty()) {
             return {};
         }

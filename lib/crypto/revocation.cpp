@@ -68,8 +68,8 @@ const Certificate* issuer_of(const Validation& validation, std::size_t index)
 
 } // namespace
 
-/// The newest list counts. A delta or partial one is not skipped in favour of an older one: whoever
-/// installed it relies on it.
+/// The newest list counts. A delta or partial one is not skipped in favour of an older one, because
+/// the administrator who installed it relies on it.
 std::optional<Finding> find_revocation_list(const Validation& validation, std::size_t index)
 {
     const Certificate* const issuer = issuer_of(validation, index);

@@ -40,7 +40,7 @@ private:
         std::string path; // in the storage
         FolderFile file;
     };
-    /// By thumbprint.
+    /// Records by thumbprint.
     using KnownList = std::map<std::string, Known, std::less<>>;
 
     [[nodiscard]] KnownList& known(StoreList list)

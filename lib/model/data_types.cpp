@@ -140,8 +140,8 @@ NamesProperty names_property(bool is_enumeration, const Array<EnumField>& fields
     return {"EnumValues", id::EnumValueType, enum_values(fields)};
 }
 
-/// A field is a scalar, or an array of so many dimensions (Part 3, 8.51). That of a StructureField
-/// whose ValueRank was not set is 0, which no decoder takes.
+/// Tells whether the ValueRank is that of a scalar or an array (Part 3, 8.51). A StructureField
+/// whose ValueRank was not set has 0, which no decoder accepts.
 bool has_rank(const StructureField& field)
 {
     return field.value_rank == -1 || field.value_rank > 0;

@@ -58,7 +58,7 @@ private:
 };
 
 /// Ends a wait in an io_context, once for each call of arm(), when a descriptor is readable. It
-/// uses an epoll of its own: asio would make the descriptor non-blocking, for all who share it.
+/// uses a separate epoll: asio would make the descriptor non-blocking for other processes, too.
 class InputWatch {
 public:
     explicit InputWatch(asio::io_context& context) : epoll_{context} {}

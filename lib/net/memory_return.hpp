@@ -17,8 +17,8 @@ struct ProcessMemory {
 /// Returns zeros if the C library or the system does not provide them.
 [[nodiscard]] ProcessMemory process_memory();
 /// Makes malloc keep what is freed, up to 64 MB, instead of returning and taking the same pages
-/// with each large request: the 10,000 lists of a Browse took 2,000 page faults. For whoever calls
-/// return_free_memory() once the process is idle. What the environment says of it counts.
+/// with each large request: the 10,000 lists of a Browse took 2,000 page faults. The caller must
+/// also call return_free_memory() when the process is idle. Settings of the environment win.
 void keep_free_memory();
 /// Makes malloc return all unused pages to the system; does nothing if it cannot. Takes some
 /// milliseconds for many pages.

@@ -78,7 +78,7 @@ void NameLookup::run_thread()
         if (shared->owner == nullptr) {
             return;
         }
-        // As long as the owner exists its executor does too.
+        // The executor exists as long as the owner.
         asio::post(shared->owner->executor_, [shared, host, found = std::move(addresses)] {
             if (shared->owner != nullptr) { // only its own thread, this one, changes it
                 shared->owner->is_running_ = false;

@@ -23,7 +23,7 @@ using nodeset::NodeClass;
 constexpr std::uint32_t has_modelling_rule = basic_id::HasModellingRule;
 constexpr std::uint32_t has_type_definition = basic_id::HasTypeDefinition;
 
-/// The id of the built-in type of a DataType; those of Number, Integer and UInteger stand behind.
+/// Returns the id of the built-in type of a DataType; Number, Integer and UInteger have 26 to 28.
 std::uint8_t built_in_id(const Hierarchy& hierarchy, const Node& node)
 {
     if (node.node_class != NodeClass::DataType) {
@@ -135,7 +135,7 @@ Expected<void, Failure> NodeTableBuilder::select()
     return {};
 }
 
-/// What is left out without the features and not with them.
+/// Selects the nodes that are left out without the features but not with them.
 Expected<void, Failure> NodeTableBuilder::select_addition(std::set<NodeId> others)
 {
     Options without = options_;

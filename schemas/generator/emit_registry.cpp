@@ -6,7 +6,7 @@ namespace busbar::generator {
 
 namespace {
 
-/// Where the function that returns the table is declared: namespace and name.
+/// The namespace and name of the function that returns the table.
 struct TableName {
     std::string in_namespace;
     std::string function;

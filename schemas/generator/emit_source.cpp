@@ -117,8 +117,8 @@ std::string decode_union(const Type& type)
            "        reader.fail(busbar::status::Bad_DecodingError);\n        break;\n    }\n";
 }
 
-/// The whole of a request is its header and then its parameters, which whoever has read the header
-/// already reads alone.
+/// Emits a decoder for a whole request, which is its header and then its parameters, and one for
+/// the parameters alone, for code that has already read the header.
 std::string request_decoder(const Type& type)
 {
     return "void decode(binary::Reader& reader, " + type.name +

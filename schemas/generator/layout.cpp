@@ -19,7 +19,7 @@ public:
 
     /// A type that arrays lead back to itself gets is_recursive.
     void find_recursion();
-    /// All structures, each behind those that it needs.
+    /// Returns all structures, each after those that it needs.
     [[nodiscard]] std::vector<const Type*> order();
 
 private:

@@ -9,7 +9,7 @@ namespace busbar::generator {
 /// "RequestedMaxReferencesPerNode" to "requested_max_references_per_node", never a keyword.
 [[nodiscard]] std::string field_name(std::string_view name);
 
-/// A name as it is but for what C++ cannot spell: "3DFrame" is ThreeDFrame, "default" default_.
+/// Returns the name, changed if C++ does not allow it: ThreeDFrame for "3DFrame", default_.
 [[nodiscard]] std::string type_name(std::string_view name);
 
 /// `text` as a C++ string literal.

@@ -76,7 +76,7 @@ private:
     /// The node's index, or past the last node that of an external.
     [[nodiscard]] std::uint32_t index(const NodeId& id);
     [[nodiscard]] bool is_emitted(const NodeId& id) const { return indices_.count(id) != 0; }
-    /// Left out of a small namespace: references to it go, too.
+    /// Tells whether a small namespace leaves the node and references to it out.
     [[nodiscard]] bool is_left_out(const NodeId& id) const;
     void fill_slots();
 
@@ -86,7 +86,7 @@ private:
     NodeValues values_;
     std::uint16_t namespace_{0};
     std::unordered_map<NodeId, const nodeset::Node*> selected_;
-    /// Of an addition: what belongs to features that are not emitted.
+    /// The nodes of an addition that belong to features which are not emitted.
     std::set<NodeId> others_;
     std::unordered_map<NodeId, std::vector<const nodeset::Node*>> subtypes_;
     std::vector<const nodeset::Node*> ordered_;

@@ -114,7 +114,7 @@ Options::Dependency dependency(const std::string& text)
     return result;
 }
 
-/// What did not change is left as it is, so that nobody compiles it again.
+/// Tells whether the file has this text: it is not written then, so that nothing is rebuilt.
 bool has_text(const std::filesystem::path& path, const std::string& text)
 {
     std::ifstream file{path, std::ios::binary};

@@ -9,7 +9,7 @@
 
 namespace busbar::generator {
 
-/// What the command line asks for.
+/// The options of the command line.
 struct Options {
     /// NodeSet2 files to generate from.
     std::vector<std::string> inputs;
@@ -38,8 +38,8 @@ struct Options {
     bool definitions{false};
     /// With `nodes`: a file with one NodeId a line ('#' starts a comment); only those are emitted.
     std::string node_list;
-    /// With `nodes`: a CSV of "feature,number" rows; of what is below these nodes only that of
-    /// `features` is emitted.
+    /// With `nodes`: a CSV of rows "feature,number". Of the nodes below these only those of
+    /// `features` are emitted.
     std::string features_file;
     std::vector<std::string> features;
     /// The nodes of `features` alone; all others are external.

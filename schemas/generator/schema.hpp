@@ -16,7 +16,7 @@ namespace busbar::generator {
 
 struct Type;
 
-/// What a field is in C++ and on the wire.
+/// The type of a field in C++ and on the wire.
 struct FieldType {
     /// The type of one element, qualified as the generated namespace needs it.
     std::string cpp;
@@ -48,7 +48,7 @@ struct Type {
     std::string name;
     /// All fields in wire order: those of the supertypes first.
     std::vector<StructureField> fields;
-    /// Of enumerations and option sets; also the bits of a structure that is an option set.
+    /// Values of an enumeration, or bits of an option set, which may be a structure.
     std::vector<Enumerator> enumerators;
     /// "std::int32_t", or the option set's unsigned type.
     std::string underlying;
@@ -77,7 +77,7 @@ struct Type {
 struct Schema {
     std::string namespace_uri;
     std::uint16_t namespace_index{0};
-    /// What stands before names of Busbar: "" or "busbar::".
+    /// The prefix of Busbar's names: "" or "busbar::".
     std::string prefix;
     std::deque<Type> types;
     /// The groups, each with its structures in an order in which C++ can declare them.

@@ -47,7 +47,7 @@ struct SettingAuthor {
     friend bool operator==(const SettingAuthor&, const SettingAuthor&) = default;
 };
 
-/// By names of changed settings; changes of older files have no author.
+/// Authors by the names of changed settings; changes of older files have no author.
 using SettingAuthors = std::map<std::string, SettingAuthor, std::less<>>;
 
 /// One change of a set. Null: the setting has its value without online changes again.

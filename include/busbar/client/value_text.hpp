@@ -38,9 +38,9 @@ struct ValueType {
     std::int32_t value_rank{-1};
     /// The names of an enumeration, or the fields of a structure; null for a built-in type.
     const binary::DynamicType* type{nullptr};
-    /// For structures that name their type, in the form of to_json, and for `base`.
+    /// Needed for structures that name their type, in the form of to_json, and for `base`.
     const binary::DynamicTypes* types{nullptr};
-    /// A structure of this type whose fields count where the text does not name them; without it,
+    /// A structure of this type, whose fields are used if the text does not name them; without it,
     /// a text that leaves out a field that is not optional is refused.
     const Variant* base{nullptr};
 };

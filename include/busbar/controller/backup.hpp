@@ -24,7 +24,7 @@ namespace detail {
 struct SavedMemory;
 } // namespace detail
 
-/// How data is treated (W588, 3-2-9). Data in none of these groups, such as the
+/// The treatment of data (W588, 3-2-9). Data in none of these groups, such as the
 /// execution log, is neither saved nor cleared.
 enum class MemoryGroup : std::uint8_t {
     ServerSettings,    // saved, restored, cleared

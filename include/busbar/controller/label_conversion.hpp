@@ -11,7 +11,7 @@
 #include <busbar/core/result.hpp>
 #include <busbar/core/variant.hpp>
 
-/// Which types of labels can hold a node's value, and how it is converted (manual of model mode,
+/// The types of labels that can hold a node's value, and the conversion (manual of model mode,
 /// 8.2).
 namespace busbar::controller {
 

@@ -13,7 +13,7 @@ namespace busbar::controller {
 
 /// A part of a node that can have a label, or has one (SH-082679, 9.4 and 9.5).
 struct MappablePart {
-    /// As in the column Part of a mapping table: empty for a scalar, ".A", "[0].A", "Quality",
+    /// The text in column Part of a mapping table: empty for a scalar, ".A", "[0].A", "Quality",
     /// "Handle", "Done", "Input[0]", "Output[0]".
     std::string path{};
     /// The type of its value: "Int16", "Enumeration"; empty if the part cannot have a label but has

@@ -39,7 +39,7 @@ struct MappedVariable {
     std::vector<std::string> labels{};
     /// A value of the shape; if null, or of another shape: zeros.
     Variant initial{};
-    /// Has CurrentRead. A Variable without it is not sampled in each scan.
+    /// True with CurrentRead. A Variable without it is not sampled in each scan.
     bool is_readable{true};
     /// The label of its quality, like DataMapping::quality. There is no value while it is bad.
     std::string quality{};

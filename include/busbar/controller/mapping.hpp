@@ -60,7 +60,7 @@ struct MappedPart {
     friend bool operator==(const MappedPart&, const MappedPart&) = default;
 };
 
-/// How numbers of labels become those of a Variable: linearly, `raw_low` as `low` and `raw_high` as
+/// Converts numbers of labels to those of a Variable: linearly, `raw_low` to `low`, `raw_high` to
 /// `high`, and likewise beyond these.
 struct Scaling {
     double raw_low{0};
@@ -83,8 +83,8 @@ struct Scaling {
 /// The mapping of a Variable.
 struct DataMapping {
     MappedPart value{};
-    /// As in the file; empty if it had none. Changes of the value leave it as it is: it is computed
-    /// again when the mapping is written.
+    /// The sign in the file; empty if it had none. Changing the mapping does not change it: it is
+    /// computed again when the mapping is written.
     std::string sign{};
     /// A label that says how good the value is: 0 is Good, anything else of 16 bits or less
     /// Bad_DeviceFailure, and of 32 bits a StatusCode. Empty: it is as good as the label's own.

@@ -18,7 +18,7 @@ namespace busbar::controller {
 
 class ModelSet;
 
-/// Why a node cannot be mapped (SH-082679, 9.5), by its place. A node in several places
+/// The reason why a node cannot be mapped (SH-082679, 9.5), by its place. A node in several places
 /// can be mapped only if each of them allows it.
 enum class NodePlace : std::uint8_t {
     Mappable,

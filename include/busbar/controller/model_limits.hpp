@@ -95,7 +95,7 @@ struct StatusBar {
 [[nodiscard]] BUSBAR_API StatusBar status_bar(const ModelCounters& counters,
                                               const ModelLimits& limits);
 
-/// As in the status bar: words in units of 1,024, rounded up.
+/// Returns the words in units of 1,024, rounded up, as the status bar shows them.
 [[nodiscard]] constexpr std::uint64_t kilo_words(std::uint64_t words)
 {
     return words / 1024U + (words % 1024U == 0 ? 0U : 1U);

@@ -121,7 +121,7 @@ struct ModelReport {
     NodeId node{};
     /// File, line, node and part as far as they are known: "cell.xml: ns=1;i=5: [2].Speed".
     std::string where{};
-    /// What was found. Printable, since it may contain text of a file.
+    /// The finding. Printable, since it may contain text of a file.
     std::string found{};
 
     friend bool operator==(const ModelReport&, const ModelReport&) = default;

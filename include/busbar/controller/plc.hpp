@@ -112,7 +112,7 @@ private:
     std::vector<std::uint32_t> event_handles_;
     /// One for each event.
     std::vector<detail::PlcWatch> watches_;
-    /// Has room for all events.
+    /// Reserved for all events.
     std::vector<std::uint32_t> occurrences_;
     std::shared_ptr<server::ProcessImage> image_;
     std::atomic<bool> is_reset_requested_{false};

@@ -159,7 +159,7 @@ struct GlobalVariable {
 struct ProgramTask {
     std::string name;
     std::uint32_t priority{0};
-    /// As in IEC 61131-3: "T#10ms".
+    /// A literal of IEC 61131-3: "T#10ms".
     std::string interval{};
 };
 

@@ -113,7 +113,7 @@ private:
 [[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
 /// The DataTypes of elementary types.
 enum class ElementaryTypes : std::uint8_t {
-    /// Those of OPC 30000, version 1.02, for the types that it defines: BYTE, WORD, DWORD, LWORD,
+    /// DataTypes of OPC 30000, version 1.02, if it defines the type: BYTE, WORD, DWORD, LWORD,
     /// TIME (Int64), DATE, TIME_OF_DAY (UInt32), DATE_AND_TIME and STRING.
     Plcopen,
     /// Only those of OPC UA itself, as in W588, 6-2-2: TIME is Double,

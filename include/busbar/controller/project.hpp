@@ -97,9 +97,9 @@ struct ProjectCertificate {
     friend bool operator==(const ProjectCertificate&, const ProjectCertificate&) = default;
 };
 
-/// Where the server registers (SH-082679, 9.11).
+/// The discovery server that the server registers with (SH-082679, 9.11).
 struct ProjectDiscovery {
-    /// Empty: nowhere.
+    /// If empty, the server does not register.
     std::string url;
     std::uint32_t interval{300}; // in seconds
 

@@ -133,7 +133,7 @@ public:
 
     /// In the order of the checks; one group after another.
     [[nodiscard]] const std::vector<PublishedVariable>& published() const { return published_; }
-    /// Those excluded by a rule for single variables.
+    /// The variables that a rule for single variables excludes.
     [[nodiscard]] const std::vector<UnpublishedVariable>& unpublished() const
     {
         return unpublished_;

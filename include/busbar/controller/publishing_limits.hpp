@@ -7,7 +7,7 @@
 
 namespace busbar::controller {
 
-/// Which of the variables that a program publishes are visible to clients. By default all of them;
+/// Limits the published variables of a program that are visible to clients. By default all are;
 /// an empty value means no limit.
 struct PublishingLimits {
     // Limits of all variables together.

@@ -68,7 +68,7 @@ struct ShapeRefusal {
 /// The assumed rank and dimensions of an array whose declaration leaves them open ("mapping array
 /// specification", 9.5: Rank, Dim1 to Dim3).
 struct MappingArray {
-    /// As in leaf paths, but that of the array: empty, ".Samples", "[2].Samples".
+    /// The path of the array, written like leaf paths: empty, ".Samples", "[2].Samples".
     std::string path;
     /// -1 or 1 to 3. Used with ValueRank -3, -2 and 0 only; any other value, and one that the
     /// ValueRank forbids, counts as 1.

@@ -12,7 +12,7 @@
 
 namespace busbar::crypto {
 
-/// A finding about a certificate in use that an operator should know.
+/// A finding about a certificate in use that an operator should know about.
 struct CertificateNotice {
     /// The matter that an administrator should know of.
     enum class Kind : std::uint8_t { NotYetValid, ExpiresSoon, Expired, HostNotNamed };

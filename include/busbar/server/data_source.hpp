@@ -143,7 +143,7 @@ struct Monitoring {
     friend bool operator==(const Monitoring&, const Monitoring&) = default;
 };
 
-/// What a source can do and what the server may request from it; copied when it is added.
+/// The abilities of a source, and the requests that it accepts; copied when it is added.
 struct DataSourceOptions {
     /// The source returns the part that ReadItem::range names.
     bool reads_ranges{false};

@@ -11,7 +11,7 @@ struct CheckContext {
     bool limits_arrays{true};
 };
 
-/// As check_dynamic, but arrays in fields may be longer than these allow.
+/// Checks like check_dynamic, but accepts arrays that are longer than their fields allow.
 [[nodiscard]] BUSBAR_API StatusCode check_dynamic_of_any_length(const Variant& value,
                                                                 const DynamicTypes& types,
                                                                 const DecodeLimits& limits);

@@ -32,8 +32,8 @@ constexpr std::array names{
     IecName{"LDT", {IecKind::DateAndTime, millisecond}},
 };
 
-/// What follows the # of a literal of this kind, or all of a text without one; nothing for a
-/// literal of another kind.
+/// Returns the part of a literal of this kind after its #, or all of a text without one; nothing
+/// for a literal of another kind.
 std::optional<std::string_view> body_of(IecKind kind, std::string_view text)
 {
     const std::size_t hash = text.find('#');

@@ -15,14 +15,14 @@ enum class IecKind : std::uint8_t { Duration, TimeOfDay, Date, DateAndTime };
 
 struct IecType {
     IecKind kind;
-    /// What a value that is a number counts.
+    /// The unit of a value that is a number.
     std::int64_t nanoseconds;
 };
 
 /// Returns nothing for a type, which may be null, that is not TIME, TOD, DATE, DT or one of the
 /// long forms.
 [[nodiscard]] BUSBAR_API std::optional<IecType> iec_type(const DynamicType* type);
-/// Returns "T#1s500ms" or "TOD#06:00:00"; empty for a number that is no time of this type.
+/// Returns "T#1s500ms" or "TOD#06:00:00"; empty if the number is not a time of this type.
 [[nodiscard]] BUSBAR_API std::string iec_text(const IecType& type, std::int64_t number);
 /// Returns "D#2026-11-29", "DT#2026-11-29-06:00:00" or "TOD#06:00:00"; empty for other kinds and
 /// for no time.

@@ -141,7 +141,7 @@ private:
             }
         }
     }
-    /// Returns false, with nothing added, if it is no time of IEC 61131-3.
+    /// Returns false, with nothing added, if it is not a time of IEC 61131-3.
     template <typename T>
     [[nodiscard]] bool add_iec(const DynamicType* type, T value)
     {
@@ -154,7 +154,7 @@ private:
     {
         const int digits = limits_.max_digits;
         const double size = std::abs(value);
-        // Of larger and smaller numbers the exponent says more than their digits.
+        // Larger and smaller numbers are easier to read with an exponent.
         const bool is_plain = size == 0 || (size >= 1e-4 && size < 1e15);
         char text[64];
         const int before =

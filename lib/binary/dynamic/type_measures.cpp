@@ -26,7 +26,7 @@ constexpr std::size_t count_size = 4;
 
 } // namespace
 
-/// A type that needs one that is left out is left out, too.
+/// Leaves out all types that need a type which is left out.
 void TypeCompiler::refuse_users_of_wrong_types()
 {
     std::vector<std::vector<std::size_t>> users(entries_.size());

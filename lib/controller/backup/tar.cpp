@@ -141,7 +141,7 @@ bool has_right_sum(std::span<const std::byte> header)
            octal(field.substr(0, 6)) == sum_of(header);
 }
 
-/// Nothing if there is something after its end.
+/// Returns the text of a field; nothing if other bytes than zeros follow its end.
 std::optional<std::string_view> ended_text(std::string_view field)
 {
     const std::size_t end = std::min(field.find('\0'), field.size());
@@ -158,7 +158,7 @@ std::optional<std::string> name_in(std::span<const std::byte> header)
     return prefix->empty() ? std::string{*name} : std::string{*prefix}.append("/").append(*name);
 }
 
-/// The path in an extended header that has nothing else.
+/// Returns the path of an extended header; nothing if it has other records as well.
 std::optional<std::string> path_in(std::string_view records)
 {
     const std::size_t begin = std::min(records.find('='), records.size());

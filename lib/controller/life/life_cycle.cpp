@@ -60,7 +60,7 @@ LifeCycle::LifeCycle(ServerOperator& server, const WallClock& clock, LogSink& lo
 {
 }
 
-// Of the machine.
+// The machine.
 
 void LifeCycle::power_on()
 {
@@ -107,7 +107,7 @@ void LifeCycle::watchdog()
     handle(LifeEvent::Watchdog, "the controller's processor failed");
 }
 
-// Of its program and settings.
+// The program and settings of the machine.
 
 void LifeCycle::download_begins()
 {
@@ -263,7 +263,7 @@ void LifeCycle::stopped()
     }
 }
 
-// What there is.
+// The present state.
 
 OperatingStatus LifeCycle::operating_status() const
 {

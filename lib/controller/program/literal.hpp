@@ -29,8 +29,8 @@ using LiteralResult = Expected<Literal, std::string>;
 /// A text with its quotes, as String.
 [[nodiscard]] LiteralResult read_text_literal(std::string_view text);
 
-/// "INT#5", "T#5s", "STRING#'a'"; nothing if what stands before the `#` is no type known here, so
-/// perhaps an enumeration.
+/// Reads "INT#5", "T#5s" or "STRING#'a'"; nothing if the name before the `#` is not a type that is
+/// known here: it may be an enumeration.
 [[nodiscard]] BUSBAR_API std::optional<LiteralResult> read_typed_literal(std::string_view text);
 
 } // namespace busbar::controller::detail

@@ -64,7 +64,7 @@ private:
     const model::SpaceReader& space_;
     std::vector<Problem> errors_;
     std::vector<Problem> notes_;
-    /// By position of the node; null until it is known.
+    /// Supertypes by position of the node; null until known.
     std::vector<NodeId> supertypes_;
     std::vector<NodeId> type_definitions_;
     std::unordered_map<NodeId, bool> is_hierarchical_;

@@ -70,7 +70,7 @@ private:
     Graft graft_;
     DataTypeTable types_;
     std::size_t fields_left_{document_.limits().max_value_fields};
-    /// By position in the document.
+    /// Indices by position in the document.
     std::vector<NodeIndex> indices_;
 };
 

@@ -73,7 +73,7 @@ private:
     void read(const Element& xml, Variant& value, unsigned depth);
     [[nodiscard]] std::uint16_t mapped(const Element& xml, std::uint16_t namespace_index);
 
-    /// What is asked of a DataType again with each structure.
+    /// The facts about a DataType that each of its structures needs.
     struct Structure {
         Kind kind{Kind::Unknown};
         bool is_union{false};

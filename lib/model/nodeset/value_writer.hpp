@@ -111,8 +111,8 @@ private:
     FileNamespaces& namespaces_;
     XmlOut& out_;
     unsigned depth_{0};
-    /// For the outermost structure; types may be nested so that few bytes stand for very many
-    /// fields.
+    /// Counts for the outermost structure: types may be nested so that few bytes stand for very
+    /// many fields.
     std::size_t fields_left_{0};
 };
 

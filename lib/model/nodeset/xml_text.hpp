@@ -24,7 +24,7 @@ namespace busbar::nodeset {
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// For messages.
+/// Quotes a text for messages.
 [[nodiscard]] inline std::string quoted(std::string_view text)
 {
     return '"' + printable(text, 80) + '"';

@@ -44,7 +44,7 @@ ReadRequest request_for(const std::vector<NodeId>& nodes)
     return request;
 }
 
-/// Keeps so many Read requests in progress for so long.
+/// Keeps a number of Read requests in progress for a time.
 class ReadLoad {
 public:
     ReadLoad(Connection& connection, const std::vector<NodeId>& nodes)

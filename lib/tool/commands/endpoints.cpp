@@ -57,7 +57,7 @@ std::string tokens_of(const EndpointDescription& endpoint)
     return tokens.empty() ? "-" : tokens;
 }
 
-/// The leaf of what an endpoint gives.
+/// Returns the leaf of the certificates that an endpoint gives.
 std::optional<crypto::Certificate> certificate_of(const EndpointDescription& endpoint)
 {
     auto chain = crypto::parse_chain(endpoint.server_certificate.span());

@@ -53,7 +53,7 @@ model::NodeSetModel model_of(const std::vector<RemoteNode>& nodes,
         }
         required.insert(node.get<NodeId>(AttributeId::DataType).namespace_index());
         for (const ReferenceDescription& reference : node.references) {
-            // What only refers to us requires us.
+            // A namespace that only refers to this one is not required by it, but requires it.
             if (reference.is_forward || reference.reference_type_id.namespace_index() != 0) {
                 required.insert(reference.node_id.node_id.namespace_index());
             }

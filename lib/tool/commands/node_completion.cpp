@@ -26,7 +26,7 @@ bool is_one_of(const std::string& word, std::initializer_list<const char*> words
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// The options on the line so far; what is wrong with it may get right by what is still typed.
+/// Reads the options on the line so far; ignores errors, which further typing may correct.
 Options options_of_line(const CompletionPlace& place)
 {
     Options options;

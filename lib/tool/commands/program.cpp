@@ -23,8 +23,8 @@ void report(Context& context, const Failure& failure)
     }
 }
 
-/// The text that was asked for, with --help or --version, goes out as any other; what is wrong with
-/// the command line is told as any other failure.
+/// Prints the text that --help or --version requested like any other output, and an error in the
+/// command line like any other failure.
 int end_early(Context& context, const CLI::App& app, const CLI::ParseError& error)
 {
     std::ostringstream text;

@@ -41,7 +41,7 @@ public:
         for (const std::string& line : lines) {
             picture += "\x1b[2K" + line + "\n";
         }
-        // What the last picture had more, if the terminal became smaller meanwhile.
+        // Erases the rest of the last picture, in case the terminal has become smaller.
         out_->write(picture + "\x1b[J");
         shown_ = lines.size();
     }

@@ -113,7 +113,7 @@ std::unique_ptr<watch::Terminal> open_terminal(const Context& context,
 {
     const char* const type = std::getenv("TERM");
     const bool is_simple = type == nullptr || std::string_view{type} == "dumb";
-    // What --verbose tells would stand across the picture.
+    // Lines of --verbose would be printed across the picture.
     const bool is_disturbed = context.options.is_verbose && context.err.is_terminal();
     if (arguments.wants_lines || context.options.is_json || arguments.format.is_set() ||
         is_simple || is_disturbed || !context.out.is_terminal() || ::isatty(STDIN_FILENO) != 1) {

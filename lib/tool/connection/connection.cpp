@@ -156,7 +156,7 @@ client::ClientConfig Connection::config(Endurance endurance)
     config.session_name = "busbar";
     config.request_timeout = seconds(options.timeout);
     config.connect_timeout = seconds(options.timeout);
-    // Whatever fits into a message is shown.
+    // Arrays may be as long as a message has room for.
     config.decode.max_array_length = config.transport.max_message_size;
     config.decode.max_string_length = config.transport.max_message_size;
     config.decode.max_byte_string_length = config.transport.max_message_size;

@@ -37,7 +37,7 @@ std::vector<std::string> policy_names()
     return names;
 }
 
-/// Empty if it is one, as CLI11 has it.
+/// A check for CLI11: returns an empty text if it is a step.
 std::string check_step(const std::string& text)
 {
     const auto names = ignorable_steps();

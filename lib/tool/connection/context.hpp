@@ -61,9 +61,9 @@ void add_options(CLI::App& app, Options& options);
 /// they are right.
 [[nodiscard]] std::string check_option(const std::string& name,
                                        const std::vector<std::string>& values);
-/// The command line as CLI11 wants it, last argument first. CLI11 would take "[1, 2]" for two
-/// arguments, and knows no -- before what is no option: a mark before such arguments keeps them as
-/// they are, which unmark() removes.
+/// Returns the command line as CLI11 expects it, last argument first. CLI11 would take "[1, 2]" for
+/// two arguments and does not know -- before positional ones: a mark before such arguments protects
+/// them, and unmark() removes it.
 [[nodiscard]] std::vector<std::string> protected_arguments(int count, char** arguments);
 void unmark(std::string& argument);
 /// Takes the URL, or the @NAME of a profile, off the front of a command's arguments if there is one

@@ -13,7 +13,7 @@
 
 namespace busbar::tool {
 
-/// Digits that name a certificate by its thumbprint, if no other begins like this.
+/// Digits of a thumbprint that suffice to name a certificate if no other begins with them.
 inline constexpr std::size_t min_thumbprint_digits = 4;
 
 /// The folder of certificates: ours, those of servers that we trust, those that we do not.
@@ -27,7 +27,7 @@ public:
     [[nodiscard]] crypto::CertificateStore& store() { return store_; }
     /// Our certificate and key, created at the first use, which takes a second; throws Failure.
     [[nodiscard]] channel::ApplicationIdentity identity();
-    /// Nothing if there is none yet.
+    /// Returns our own certificate; nothing if there is none yet.
     [[nodiscard]] std::optional<crypto::OwnCertificate> own();
     /// A new certificate and key instead of what is there.
     crypto::OwnCertificate replace_own(std::uint32_t valid_days);

@@ -19,8 +19,8 @@ using Profile = std::map<std::string, std::vector<std::string>>;
 /// Returns the path of the file of profiles: busbar/profiles.toml below XDG_CONFIG_HOME or
 /// ~/.config. Empty if neither is set.
 [[nodiscard]] std::string profiles_file();
-/// The profiles in a text, by their names; `file` is for messages. Throws Failure for a key that is
-/// no option of a connection, and for a password: it must be in a file of its own.
+/// Returns the profiles in a text by their names; `file` is for messages. Throws Failure for a key
+/// that is not an option of a connection, and for a password, which must be in a separate file.
 [[nodiscard]] std::map<std::string, Profile> parse_profiles(const std::string& text,
                                                             const std::string& file);
 /// The names in profiles_file(); none if there is no such file or it is wrong.

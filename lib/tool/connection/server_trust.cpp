@@ -46,7 +46,7 @@ void ServerTrust::warn_of_suppressed()
 
 bool ServerTrust::reconsider(Context& context)
 {
-    // Whatever else is wrong with a certificate is not mended by trusting it.
+    // Trusting a certificate does not mend anything else that is wrong with it.
     if (!refused_ || refused_->why.status != status::Bad_CertificateUntrusted) {
         return false;
     }

@@ -29,7 +29,7 @@ public:
     /// True if the last attempt to connect failed because of the certificate.
     [[nodiscard]] bool has_refused() const { return refused_.has_value(); }
     /// Trusts the refused certificate if the options, or the user after a question on a terminal,
-    /// say so. True if another attempt makes sense.
+    /// say so. True if the connection should be tried again.
     [[nodiscard]] bool reconsider(Context& context);
     /// Explains the refusal and how to trust the certificate.
     [[nodiscard]] Failure failure() const;

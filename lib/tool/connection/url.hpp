@@ -9,8 +9,8 @@ namespace busbar::tool {
 /// scheme, or host:4840.
 [[nodiscard]] bool is_url(std::string_view text);
 
-/// The URL as the library takes it, with the scheme if that was left out. Throws Failure for what
-/// is none, which says what is wrong with it.
+/// Returns the URL in the form that the library takes, with the scheme if that was left out. Throws
+/// a Failure, which says what is wrong, for a text that is not a URL.
 [[nodiscard]] std::string complete_url(const std::string& text);
 
 /// The host of a complete URL.

@@ -14,7 +14,7 @@ namespace busbar::tool {
 
 namespace {
 
-/// The terminal shows nothing of what is typed while this lives.
+/// Keeps the terminal from showing typed characters as long as this object exists.
 class SilentTerminal {
 public:
     SilentTerminal()

@@ -11,7 +11,7 @@
 
 namespace busbar::tool {
 
-/// A node as a server has it.
+/// A node of a server.
 struct RemoteNode {
     NodeId id;
     NodeClass node_class{NodeClass::Unspecified};

@@ -194,7 +194,7 @@ void SpaceBuilder::add_references(const RemoteNode& node)
         if (there == no_node || !reference.node_id.is_local()) {
             continue;
         }
-        // What came with the node is refused, being there.
+        // A reference that was added with the node exists already; adding it again is refused.
         static_cast<void>(reference.is_forward
                               ? space_.add_reference(here, reference.reference_type_id, there)
                               : space_.add_reference(there, reference.reference_type_id, here));

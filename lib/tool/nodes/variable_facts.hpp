@@ -19,8 +19,8 @@ struct ValueFacts {
 
 /// Selects what the server is asked for; each step costs a request or two more.
 enum class FactsWanted : std::uint8_t { DataType, TypeName, All };
-/// Asks for what is wanted of the nodes, and learns the DataTypes that name values. A node that was
-/// not found has none.
+/// Requests the wanted facts about the nodes, and reads the DataTypes that name values. A node that
+/// was not found has no facts.
 [[nodiscard]] std::vector<ValueFacts>
 facts_of(Connection& connection, const std::vector<NamedNode>& nodes, FactsWanted wanted);
 /// The name of each DataType, or the NodeId of one that has none; `safe`.

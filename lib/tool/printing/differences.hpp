@@ -19,7 +19,7 @@ struct DifferenceTitles {
     const char* what;
     const char* first;
     const char* second;
-    /// Stands in the table for what a side does not have.
+    /// Text in the table where a side does not have the row.
     const char* nothing{""};
 };
 

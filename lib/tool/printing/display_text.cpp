@@ -27,7 +27,7 @@ constexpr std::array combining{
     Range{0x0300, 0x036F}, Range{0x200B, 0x200D}, Range{0x20D0, 0x20FF},
     Range{0xFE00, 0xFE0F}, Range{0xFEFF, 0xFEFF},
 };
-// What makes a terminal write backwards (Unicode Standard Annex 9), and line separators.
+// Characters that make a terminal write backwards (Unicode Annex 9), and line separators.
 constexpr std::array hidden{
     Range{0x061C, 0x061C},
     Range{0x200E, 0x200F},

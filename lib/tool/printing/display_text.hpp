@@ -6,8 +6,8 @@
 
 namespace busbar::tool {
 
-/// `text` of a server as a terminal may have it: one line, no control characters, nothing that
-/// changes the direction of writing. What is replaced shows as \x1B or \u202E.
+/// Makes the text of a server safe for a terminal: one line, no control characters, nothing that
+/// changes the direction of writing. Such characters are replaced by \x1B or \u202E.
 [[nodiscard]] std::string safe(std::string_view text);
 
 /// Columns that `safe` text takes: two for wide East Asian characters, none for combining ones.

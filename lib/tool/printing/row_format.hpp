@@ -47,7 +47,7 @@ private:
 
 /// The text in a field of CSV (RFC 4180).
 [[nodiscard]] std::string csv_field(const std::string& text);
-/// Empty if the pattern is right, else what is wrong, as CLI11 has it.
+/// A check for CLI11: returns what is wrong with the pattern; empty if nothing is.
 [[nodiscard]] std::string check_pattern(const std::string& pattern);
 /// The record by the pattern, without the end of the line.
 [[nodiscard]] std::string formatted(const std::string& pattern, const ValueRecord& record,

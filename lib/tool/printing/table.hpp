@@ -31,7 +31,7 @@ public:
 
     /// Adds a row with as many cells as there are columns.
     void add(std::vector<Cell> row) { rows_.push_back({std::move(row), {}}); }
-    /// The same with lines below it, as they are.
+    /// Adds a row with lines below it, which are printed unchanged.
     void add(std::vector<Cell> row, std::vector<std::string> below)
     {
         rows_.push_back({std::move(row), std::move(below)});
@@ -39,7 +39,7 @@ public:
     [[nodiscard]] std::size_t row_count() const { return rows_.size(); }
     /// The title and the rows.
     void print(Output& out) const;
-    /// The same as lines without ends, for an output of so many columns.
+    /// Returns the table as lines without line ends, for an output with this number of columns.
     [[nodiscard]] std::vector<std::string> lines(const Output& out, std::size_t columns) const;
 
 private:

@@ -28,7 +28,7 @@ std::string names_of_bits(std::uint64_t bits, const binary::DynamicType& type)
     return bits == 0 ? names : std::string{};
 }
 
-/// A number's name; empty if it has none, as a value that is no enumeration.
+/// Returns the name of a number; empty if it has none, for example without an enumeration.
 std::string name_of_number(const Variant& value, const binary::DynamicType* type)
 {
     const bool is_integer =

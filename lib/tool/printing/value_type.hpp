@@ -20,7 +20,7 @@ struct TypeOfValue {
 /// types that are not built in.
 [[nodiscard]] TypeOfValue value_type(Connection& connection, const NodeId& data_type,
                                      std::int32_t value_rank);
-/// The same with the types that are known; Variant for what is not among them.
+/// The same with the types that are known; Variant for any other type.
 [[nodiscard]] TypeOfValue value_type(Types types, const NodeId& data_type, std::int32_t value_rank);
 /// A built-in type by its name; throws Failure. `value_rank` as above.
 [[nodiscard]] TypeOfValue value_type(const std::string& name, std::int32_t value_rank);

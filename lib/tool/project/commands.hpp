@@ -47,8 +47,8 @@ struct ProjectArguments {
 /// Carries a subcommand out; throws Failure.
 using Action = Exit (*)(Context&, const ProjectArguments&);
 
-/// Adds a subcommand that works with a file; it wants at least `least` words and at most `most`,
-/// which are called: "FILE NAME [VALUE]".
+/// Adds a subcommand that works with a file. It takes at least `least` words and at most `most`;
+/// `word_names` is for the help: "FILE NAME [VALUE]".
 CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char* text,
                       std::size_t least, std::size_t most, const char* word_names, Action action,
                       const std::shared_ptr<ProjectArguments>& arguments);
@@ -56,8 +56,8 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
 Exit show_tree(Context& context, const ProjectArguments& arguments);
 /// Lists the declarations of labels, and the DataTypes of nodes that can be mapped to them.
 Exit list_label_types(Context& context, const ProjectArguments& arguments);
-/// All that a model says of one node, and what of it can be mapped to what (SH-082679, 9.4). `text`
-/// is a NodeId or a path from the Root.
+/// Prints all that a model says about one node, and which parts can be mapped to which labels
+/// (SH-082679, 9.4). `text` is a NodeId or a path from the Root.
 Exit show_node(Context& context, const controller::Project& project, const std::string& text);
 
 void add_settings(CLI::App& project, Run& run);

@@ -21,7 +21,7 @@ using controller::MappedPart;
 using controller::Mapping;
 using controller::ModelSet;
 
-/// A field of a table as RFC 4180 has it.
+/// Quotes a field of a table as RFC 4180 requires.
 std::string quoted(const std::string& text)
 {
     std::string field = "\"";
@@ -246,8 +246,8 @@ void make_sure_of_loss(Context& context, const ProjectArguments& arguments, cons
     }
 }
 
-/// The table on standard output, or into the project: beside what is mapped, or in the place of
-/// all mapping.
+/// Writes the table to standard output, or reads it into the project: in addition to the mapping
+/// there, or in its place.
 Exit table_of(Context& context, const ProjectArguments& arguments)
 {
     const std::string& path = arguments.words[0];

@@ -160,7 +160,7 @@ private:
     std::string why_not_mapped_;
 };
 
-/// Nothing if nodes of the class have none such; an attribute that is not set is empty.
+/// Returns nothing if the NodeClass does not have the attribute; empty if it is not set.
 std::optional<std::string> NodePage::attribute_text(AttributeId id) const
 {
     if (!model::SpaceReader::has_attribute(space_.node_class(node_), id)) {

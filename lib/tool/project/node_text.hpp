@@ -30,7 +30,7 @@ struct NamedArgument {
     std::string place;
     Argument argument;
 };
-/// In the order of their numbers, those of InputArguments first; none of any other node.
+/// Returns the Arguments of a Method by number, those of InputArguments first.
 [[nodiscard]] std::vector<NamedArgument> arguments_of(const model::SpaceReader& space,
                                                       model::NodeIndex method);
 

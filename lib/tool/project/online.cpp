@@ -76,7 +76,7 @@ std::string document_in(const std::string& path)
     return read_file(path, controller::ProjectLimits{}.max_file_size);
 }
 
-/// Throws Failure for a project that a server could not serve as it is (SH-082679, 8.3).
+/// Throws Failure for a project that a server could not serve (SH-082679, 8.3).
 void refuse_errors(Context& context, const std::string& path)
 {
     const auto check = check_project_models(open_project(path));

@@ -16,7 +16,7 @@ namespace busbar::tool::project {
 
 namespace {
 
-/// A change of values that makes no sense is not kept; models are another matter.
+/// Saves the project unless its values contradict each other. Does not check its models.
 void check_and_save(const std::string& path, const controller::Project& project)
 {
     if (const auto checked = controller::check(project); !checked) {
@@ -77,7 +77,7 @@ Exit show(Context& context, const ProjectArguments& arguments)
     return Exit::Good;
 }
 
-/// Any number of values at once, so that some make sense only together.
+/// Sets any number of values at once, because some are valid only together.
 Exit set(Context& context, const ProjectArguments& arguments)
 {
     const auto& words = arguments.words;

@@ -28,7 +28,7 @@ using EventFields = Array<Variant>;
 void follow_events(Context& context, Connection& connection, const EventStream& events,
                    const std::function<void(const EventFields&)>& show);
 
-/// `text` in exactly so many columns.
+/// Fits `text` into exactly this number of columns.
 [[nodiscard]] std::string padded(std::string_view text, std::size_t columns);
 /// Width for the last part of a line of which so much is `used`; never less than a word.
 [[nodiscard]] std::size_t columns_left(std::size_t columns, std::size_t used);

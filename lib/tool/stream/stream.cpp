@@ -107,7 +107,7 @@ bool Stream::count()
 
 void Stream::wake_on(int descriptor)
 {
-    // Where it cannot be waited for, run() looks now and then.
+    // If waiting for it is impossible, run() looks now and then.
     if (connection_->blocking().wake_on(descriptor)) {
         input_ = descriptor;
     }

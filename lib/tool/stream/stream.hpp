@@ -50,8 +50,8 @@ private:
     Context* context_;
 };
 
-/// Waits for what a Subscription delivers. Handlers put into a Stream what is to be done, which may
-/// throw, and run() does it outside of them.
+/// Waits for the notifications of a Subscription. Handlers only add work, which may throw, to a
+/// Stream, and run() does the work outside of them.
 class Stream {
 public:
     Stream(Context& context, Connection& connection, const StreamEnd& end);
@@ -64,7 +64,7 @@ public:
     ~Stream() { connection_->close(); }
 
     void push(std::function<void()> work) { work_.push_back(std::move(work)); }
-    /// One more of what StreamEnd counts; false if that is enough already.
+    /// Counts one value or event more; false if StreamEnd does not allow more.
     bool count();
     /// run() ends after what happens now.
     void stop() { is_stopped_ = true; }

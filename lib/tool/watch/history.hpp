@@ -27,7 +27,7 @@ private:
     std::deque<double> numbers_;
 };
 
-/// The number that a value is; none for Boolean, for arrays and for anything else.
+/// Returns the value as a number; nothing for a Boolean, an array or any other type.
 [[nodiscard]] std::optional<double> number_of(const Variant& value);
 
 } // namespace busbar::tool::watch

@@ -10,7 +10,7 @@
 
 namespace busbar::tool::watch {
 
-/// This moment, for what is measured and for what is shown.
+/// The present moment by the clock for durations and by the clock for display.
 struct Now {
     TimePoint steady;
     DateTime wall;

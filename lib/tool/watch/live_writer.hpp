@@ -9,8 +9,8 @@
 
 namespace busbar::tool::watch {
 
-/// Writes one value after the other without waiting, so that the view goes on meanwhile. Handlers
-/// are called in run() of the Stream; one that is not called yet when the next begins never is.
+/// Writes one value after another without waiting, so that the view stays live. Handlers are called
+/// in run() of the Stream; a handler that was not called before the next write never is.
 class LiveWriter {
 public:
     LiveWriter(Connection& connection, Stream& stream) : connection_{&connection}, stream_{&stream}

@@ -56,7 +56,7 @@ public:
 
     explicit Model(std::string title) : title_{std::move(title)} {}
 
-    // What happened.
+    // Report what happened.
 
     void add_row(std::string name);
     /// The age follows from the server's two timestamps and from how long ago `now` is: clocks that
@@ -75,17 +75,17 @@ public:
     /// Shown until the next key.
     void tell(std::string message, Style style = Style::Plain);
 
-    // What the user wants.
+    // Carry out the user's wishes.
 
     /// Actions that concern the view alone; false for the others.
     bool apply(Action action, const Now& now);
     void open_prompt(Prompt prompt);
     [[nodiscard]] std::optional<Prompt>& prompt() { return prompt_; }
     void set_filter(std::string text);
-    /// The table has room for so many rows: the selected one is among them from now on.
+    /// Sets the number of rows that the table has room for, and scrolls to the selected one.
     void fit(std::size_t page_rows);
 
-    // What is seen.
+    // Tell what to draw.
 
     [[nodiscard]] const std::string& title() const { return title_; }
     [[nodiscard]] const LinkLine& link() const { return link_; }
@@ -102,14 +102,14 @@ public:
     [[nodiscard]] SortBy sort() const { return sort_; }
     [[nodiscard]] bool is_reversed() const { return is_reversed_; }
     [[nodiscard]] bool is_paused() const { return paused_.has_value(); }
-    /// The rows as they are, or as they were when the view was paused.
+    /// Returns the present rows or, if the view is paused, those of the moment when it was.
     [[nodiscard]] const std::vector<Row>& rows() const;
     [[nodiscard]] const std::deque<EventRow>& events() const; // newest first
     /// The time that ages are counted to.
     [[nodiscard]] TimePoint shown_time(const Now& now) const;
     /// Indices of rows that pass the filter, sorted.
     [[nodiscard]] std::vector<std::size_t> order() const;
-    /// The row that the user is at; none if the filter leaves none.
+    /// Returns the selected row; nothing if the filter hides all rows.
     [[nodiscard]] std::optional<std::size_t> selected() const;
     /// Position of the first visible row in order().
     [[nodiscard]] std::size_t top() const { return top_; }
@@ -153,7 +153,7 @@ struct ShortNames {
 };
 
 /// Leaves the numbers of namespaces out of paths, "2:Press/2:Speed", if no two of them become the
-/// same, and then the folders that are the same in all. A name that is no path stays as it is.
+/// same, and then the folders that are the same in all. A name that is not a path stays unchanged.
 [[nodiscard]] ShortNames short_names(const std::vector<std::string>& names);
 
 } // namespace busbar::tool::watch

@@ -27,7 +27,7 @@ struct Layout {
     bool has_header;
     bool has_bottom;
     std::size_t table_rows;
-    /// With their title.
+    /// Number of rows for events, including their title.
     std::size_t event_rows;
 };
 
@@ -37,8 +37,8 @@ struct Layout {
 /// terminal shows characters beyond ASCII.
 [[nodiscard]] Screen render(const Model& model, Size size, const Now& now, bool has_unicode);
 
-/// All that is known of a row, for a screen of so many columns: the whole value, its type, status
-/// and times. `node` is the node as the server knows it.
+/// Returns all that is known of a row as lines of at most `columns`: the whole value, its type,
+/// status and times. `node` is the NodeId that the server uses.
 [[nodiscard]] std::vector<std::string> details_of(const Row& row, const std::string& node,
                                                   const ValueFacts& facts, const Types& types,
                                                   std::size_t columns);

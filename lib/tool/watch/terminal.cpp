@@ -131,7 +131,7 @@ std::optional<Key> character_key(wint_t code)
     return is_printable ? std::optional{Key{Key::Kind::Character, {bytes, size}}} : std::nullopt;
 }
 
-/// The glyph as ncurses wants it; a question mark for what the locale does not have.
+/// Returns the glyph in the form of ncurses; a question mark if the locale does not have it.
 cchar_t cell_of(const Screen::Glyph& glyph, bool has_colour)
 {
     wchar_t wide[CCHARW_MAX + 1] = {};
@@ -218,7 +218,7 @@ std::optional<Key> Terminal::next_key()
         reset_prog_mode(); // it was stopped, perhaps by SIGSTOP, which ncurses does not see
         return Key{Key::Kind::Redraw};
     }
-    // What has no meaning here is passed over.
+    // Keys without a meaning here are ignored.
     for (;;) {
         wint_t code = 0;
         const int kind = get_wch(&code);

@@ -16,8 +16,8 @@ namespace busbar::tool::watch {
 /// maintains it in its base system. Ctrl+Z gives the terminal back at the next next_key().
 class Terminal {
 public:
-    /// Null if there is no such terminal: TERM is not known. Without colour styles are told by
-    /// brightness alone.
+    /// Null if TERM is not a known terminal. Without colour, styles differ only in
+    /// brightness.
     [[nodiscard]] static std::unique_ptr<Terminal> open(bool has_colour);
     Terminal(const Terminal&) = delete;
     Terminal& operator=(const Terminal&) = delete;
