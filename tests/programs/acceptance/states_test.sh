@@ -11,8 +11,15 @@ log_text() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | 
 # count NAME: how many records of SERVER have it.
 count() { log_text | grep -c " SERVER [0-9]* $1 "; }
 counted() { [ "$(count "$1")" -ge "$2" ]; }
-# settled: records are written by and by; all are there once the last one says that the server runs.
-settled() { log_text | sort -n | grep ' SERVER ' | tail -n 1 | grep -q ' SERVER [0-9]* Run '; }
+# settled: records are written by and by, in their order: all of those so far are there once that of
+# a login is there that is refused now.
+settled() {
+    refusals=$(count_refusals)
+    run 4 --user nobody --password-file password --trust read "$url" i=2259
+    await has_refused_more
+}
+count_refusals() { log_text | grep -c ' AUTH 0002 .*nobody'; }
+has_refused_more() { [ "$(count_refusals)" -gt "$refusals" ]; }
 status_is() {
     chief 0 admin status "$url"
     says "^Server operating status: *$1\$"
@@ -183,19 +190,19 @@ value Controller/DeviceState/Mode 'PROGRAM'
 chief 0 admin backup "$url" whole.backup
 value Speed 17
 one_step
-await settled
+settled
 runs=$(count Run) prepares=$(count Prepare)
 program 18 'Kind : REAL;'
 hang_up 'downloaded: press.st'
 await counted Run $((runs + 1))
-await settled
+settled
 [ "$(count Prepare)" -eq $((prepares + 1)) ] || fail "it was not stopped for the download"
 step_ends
 value Speed 18
 chief 0 admin mode "$url" run --yes
 value Controller/DeviceState/Mode 'RUN'
 one_step
-await settled
+settled
 runs=$(count Run)
 program 18 'Kind : REAL; Added : INT := 3;'
 hang_up 'edited online: press.st'
@@ -231,13 +238,13 @@ entry variables 4-2-5: triggers
 once() {
     await counted Run $((runs + 1))
     await is_running
-    await settled
+    settled
     [ "$(count Prepare)" -eq $((prepares + 1)) ] ||
         fail "$1: $(($(count Prepare) - prepares)) times instead of once"
     runs=$(count Run) prepares=$(count Prepare)
 }
 one_step
-await settled
+settled
 runs=$(count Run) prepares=$(count Prepare)
 program 19 'Kind : DINT;'
 hang_up 'downloaded: press.st'
