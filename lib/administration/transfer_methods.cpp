@@ -133,8 +133,8 @@ void TransferNodes::close_and_commit(MethodCall& call)
         const StatusCode taken = may.is_bad() ? may : transfer_.owner->take(request, *file->bytes);
         return end_taking(call, file, taken, std::move(outputs), transfer_.owner->why_refused());
     }
-    // The session, and with it the file, may end during the work, and the right to send it may be
-    // lost.
+    // The session, and with it the file, may end during the work, the right to send it may be lost,
+    // and a client that was answered, as by a shutdown, must find that nothing has changed.
     const auto kept = std::make_shared<MethodCall>(std::move(call));
     const auto work = [bytes = file->bytes, prepare = std::move(preparation)] { prepare(); };
     const auto end = [this, kept, holder = holder_of(server_, *kept), outputs = std::move(outputs),
@@ -145,6 +145,9 @@ void TransferNodes::close_and_commit(MethodCall& call)
         TransferFile* const prepared = files_.find(handle);
         if (prepared != nullptr) {
             prepared->is_being_taken = false;
+        }
+        if (done.is_good() && kept->is_abandoned()) {
+            done = status::Bad_Timeout;
         }
         if (done.is_good()) {
             done = check_still(server_, holder, kept->object_id(), kept->method_id());

@@ -466,4 +466,18 @@ TEST_CASE_METHOD(SlowTransfer, "transfer nodes: a file is not taken if its sessi
     CHECK(fixture.transfers.prepared[0].size() == 9);
 }
 
+TEST_CASE_METHOD(SlowTransfer, "transfer nodes: a file is not taken once its client was told that "
+                               "the server stops")
+{
+    begin();
+    fixture.server.begin_shutdown(fixture.now, "another one takes its place");
+    const auto response = client.take<CallResponse>(sent);
+    REQUIRE_FALSE(response);
+    CHECK(name(response.error()) == "Bad_Shutdown");
+    worker.work();
+    fixture.complete();
+    CHECK(fixture.transfers.prepared.size() == 1);
+    CHECK(fixture.transfers.taken.empty());
+}
+
 } // namespace transfer_nodes_test
