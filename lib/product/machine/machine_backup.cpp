@@ -61,7 +61,7 @@ std::string report_of(const std::vector<controller::VerifiedItem>& items)
 }
 
 /// Records the replaced parts for audit events, one record for each kind that OPC UA knows.
-void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security, bool is_clear)
+void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security)
 {
     Record record{.source = source};
     record.actor.session_id = &request.session;
@@ -75,9 +75,6 @@ void tell_replaced(LogSink& log, const TransferRequest& request, bool with_secur
         tell_of(RecordKind::UsersChanged);
         tell_of(RecordKind::RolesChanged);
         tell_of(RecordKind::TrustListUpdated);
-    }
-    if (with_security && is_clear) {
-        tell_of(RecordKind::CertificateUpdated);
     }
 }
 
@@ -196,7 +193,7 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     auto wish = wish_of(request.options);
     const auto done = carry_out(*wish, bytes);
     if (done && wish->task != Wish::Task::Verify) {
-        tell_replaced(needs_.log, request, wish->with_security, wish->task == Wish::Task::Clear);
+        tell_replaced(needs_.log, request, wish->with_security);
     }
     const std::string_view options = request.options.get_if<String>()->view();
     return report(request, done, options.substr(0, options.find('\n')));

@@ -169,6 +169,8 @@ grep -q "$own" out && fail "the certificate of the server was not cleared"
 as pat 4 read --value "$url" i=2259
 chief 0 admin events "$url" --code 95D40000
 says '95D40000 OPC UA Server Certificate and Security Profile Cleared'
+made=$(sed -n '/95D40000/,$p' second/state/events/events.log | grep -c 95D20000)
+[ "$made" -eq 1 ] || fail "$made events of a new certificate after a clear"
 step_ends
 shut_down
 finish
