@@ -139,8 +139,9 @@ void check_certificates(const Additions& additions, const TrustRows& rows, const
     }
 }
 
-/// Adds a revocation list beside its issuer, replacing an older one of that issuer.
-void add_revocations(const std::string& file, const crypto::RevocationList& added,
+/// Adds a revocation list beside its issuer, replacing an older one of that issuer: among the
+/// trusted ones if the issuer is in both lists, unless --issuer is given.
+void add_revocations(const std::string& file, const crypto::RevocationList& added, bool are_issuers,
                      TrustListDataType& lists)
 {
     const auto has_issuer = [&](const Array<ByteString>& ders) {
@@ -148,8 +149,9 @@ void add_revocations(const std::string& file, const crypto::RevocationList& adde
         return std::any_of(certificates.begin(), certificates.end(),
                            [&](const auto& each) { return added.names_issuer(each); });
     };
-    const bool is_trusted = has_issuer(lists.trusted_certificates);
-    if (!is_trusted && !has_issuer(lists.issuer_certificates)) {
+    const bool is_issuer = has_issuer(lists.issuer_certificates);
+    const bool is_trusted = has_issuer(lists.trusted_certificates) && !(are_issuers && is_issuer);
+    if (!is_trusted && !is_issuer) {
         throw Failure{Exit::Failed,
                       file + ": the server does not have the issuer of the revocation list, " +
                           safe(added.issuer()),
@@ -220,7 +222,7 @@ std::vector<crypto::Certificate> add_together(Connection& connection, const Trus
     add_certificates(additions, are_issuers, lists);
     std::vector<crypto::Certificate> revoked;
     for (const auto& [file, revocations] : additions.revocations) {
-        add_revocations(file, revocations, lists);
+        add_revocations(file, revocations, are_issuers, lists);
         std::ranges::move(take_out_revoked(revocations, lists), std::back_inserter(revoked));
     }
     write_trust_list(connection, nodes, lists, "adding to the trust list");

@@ -183,6 +183,11 @@ chief 0 admin trust remove "$url" "$crl" --yes
 await has_records 'CERT 0201 Delete_Crl deep .*crl deep .* CLIENT ISSUER$' 1
 chief 0 admin trust remove "$url" "$(thumbprint_of deep.pem)" --yes
 await has_records 'CERT 0101 Delete deep .* CLIENT ISSUER$' 1
+# Among the issuers though it is trusted, too.
+chief 0 admin trust add "$url" --issuer works.pem works.crl
+await has_records 'CERT 0200 Add_Crl works .*crl works .* CLIENT ISSUER$' 1
+chief 0 admin trust list "$url"
+says '^issuers crl  *O=Works, CN=works '
 shut_down
 
 entry variables 5-1-1: application authentication
