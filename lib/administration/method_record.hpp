@@ -57,7 +57,7 @@ inline std::optional<Refusal> refusal_of(const std::function<Configured<void>()>
     const auto may = may_change ? may_change() : Configured<void>{};
     return may ? std::nullopt
                : std::optional{
-                     Refusal{may.error().status, "users and roles", text(may.error()), {}, {}}};
+                     Refusal{may.error().status, "users and roles", may.error().text, {}, {}}};
 }
 
 } // namespace busbar::administration::detail
