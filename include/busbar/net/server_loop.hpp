@@ -37,7 +37,9 @@ struct Handover {
 ///
 /// Create it before the Server, which gets waker(); then call listen(), then run(). An exception of
 /// a user's callback ends the request it was called for; a request that finds no memory ends its
-/// connection. Both are logged, and everything else continues.
+/// connection. Both are logged, and everything else continues. Creating one sets M_TRIM_THRESHOLD
+/// and M_MMAP_THRESHOLD of glibc's malloc for the whole process, which then keeps freed memory for
+/// the next request; run() returns it to the system when it is idle.
 class BUSBAR_API ServerLoop {
 public:
     explicit ServerLoop(LogSink& log);
@@ -95,13 +97,11 @@ public:
     ///
     /// Both get the loop's waker(). Until it is released, the previous server gets its deadlines
     /// and completions: requests that wait for its data sources end as in any shutdown, and batches
-    /// that outlive it are dropped when they complete. A DataSource that uses the waker is added to
-    /// only one of the two; objects that other threads hold must not be freed in `released`.
-    ///
-    /// Refused, with the previous server continuing as if nothing had been requested, if run() does
-    /// not run or is ending; if `next` is served already, has connections or was shut down; if it
-    /// has another application_uri than the one that is registered with a discovery server; and if
-    /// the Handover's reason is empty, or its delay out of range.
+    /// that outlive it are dropped. A DataSource that uses the waker is added to one of the two
+    /// only; objects that other threads hold must not be freed in `released`. Refused, with nothing
+    /// changed, if run() does not run or is ending; if `next` is served already, has connections,
+    /// was shut down, or has another application_uri than a discovery server knows; and if the
+    /// reason is empty or the delay out of range.
     [[nodiscard]] Configured<void> hand_over(server::Server& next, Handover handover);
     /// Returns when the server has stopped: clients see State Shutdown first, then their
     /// connections are closed. `server` must live until then, or until it is handed over.
