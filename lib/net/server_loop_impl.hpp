@@ -56,6 +56,8 @@ struct ServerLoop::Impl {
     void retire();
     void after_activity();
     void await_deadline();
+    void handle_deadline();
+    void turn(bool is_behind);
     void look_at_memory(TimePoint now);
     void begin_stop();
     void tell_to_stop();
@@ -68,7 +70,6 @@ struct ServerLoop::Impl {
     busbar::detail::SafeLog log;
     asio::io_context context;
     detail::PipeWaker waker;
-    detail::DeadlineTimer timer;
     detail::MemoryReturn memory_return;
     asio::signal_set signals;
     asio::signal_set hangup;
@@ -83,6 +84,9 @@ struct ServerLoop::Impl {
     /// The last one serves, the earlier ones are ending. Empty before run().
     std::vector<std::unique_ptr<ServedServer>> served;
     std::uint64_t last_connection{0};
+    /// The next one of the servers and of memory_return. Asio has no timer for it, as setting one
+    /// takes two system calls at each change; waiting for sockets until then takes none.
+    TimePoint deadline{no_deadline};
     bool awaits_hangup{false};
     bool is_stopping{false};
     bool is_told_to_stop{false}; // everything is

@@ -15,8 +15,8 @@ namespace busbar::net {
 namespace {
 
 /// Returns the deadline, or the next full millisecond after it: intervals are in milliseconds, and
-/// deadlines of many Subscriptions that differ by less are handled in one turn of the loop, with
-/// one setting of the system's timer. Intervals of whole milliseconds stay as long as they are.
+/// deadlines of many Subscriptions that differ by less are handled in one turn of the loop.
+/// Intervals of whole milliseconds stay as long as they are.
 TimePoint on_grid(TimePoint deadline)
 {
     return deadline == no_deadline ? deadline
@@ -28,8 +28,7 @@ constexpr std::chrono::milliseconds retry_pause{100};
 
 } // namespace
 
-ServerLoop::Impl::Impl(LogSink& l)
-    : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
+ServerLoop::Impl::Impl(LogSink& l) : log{l}, waker{context}, signals{context}, hangup{context}
 {
     detail::keep_free_memory(); // memory_return returns it
     events.on_activity = [this] {
@@ -110,15 +109,26 @@ bool ServerLoop::Impl::resume()
 /// Runs until everything has stopped. Recovers from exceptions, now or when there is memory.
 void ServerLoop::Impl::run()
 {
-    const auto work = asio::make_work_guard(context); // run() must not return for lack of work
+    const auto work = asio::make_work_guard(context); // or a turn would end at once
     bool is_behind = false;
     while (!context.stopped()) {
-        const StatusCode thrown = busbar::detail::guarded(log, "network handler", [&] {
-            is_behind ? context.run_for(retry_pause) : context.run();
-        });
+        const StatusCode thrown =
+            busbar::detail::guarded(log, "network handler", [&] { turn(is_behind); });
         if (is_behind || thrown.is_bad()) {
             is_behind = !resume();
         }
+    }
+}
+
+/// Handles what is due or else the next occurrence, of which there may be none for a while.
+void ServerLoop::Impl::turn(bool is_behind)
+{
+    if (deadline <= detail::now()) {
+        handle_deadline();
+    } else if (is_behind) {
+        context.run_for(retry_pause);
+    } else {
+        context.run_one_until(deadline);
     }
 }
 
@@ -142,22 +152,25 @@ bool ServerLoop::Impl::has_stopped() const
 
 void ServerLoop::Impl::await_deadline()
 {
-    TimePoint deadline = memory_return.next_deadline();
-    for_each(
-        [&](ServedServer& each) { deadline = std::min(deadline, each.server().next_deadline()); });
-    timer.await(on_grid(deadline), [this] {
-        const TimePoint now = detail::now();
-        for_each([this, now](ServedServer& each) {
-            if (each.server().next_deadline() <= now) {
-                busbar::detail::guarded(log, "Server::handle_deadline",
-                                        [&] { each.server().handle_deadline(now); });
-            }
-        });
-        if (memory_return.next_deadline() <= now) {
-            look_at_memory(now);
+    TimePoint first = memory_return.next_deadline();
+    for_each([&](ServedServer& each) { first = std::min(first, each.server().next_deadline()); });
+    deadline = on_grid(first);
+}
+
+void ServerLoop::Impl::handle_deadline()
+{
+    const TimePoint now = detail::now();
+    deadline = no_deadline; // until after_activity(), which a failure has called again
+    for_each([this, now](ServedServer& each) {
+        if (each.server().next_deadline() <= now) {
+            busbar::detail::guarded(log, "Server::handle_deadline",
+                                    [&] { each.server().handle_deadline(now); });
         }
-        after_activity();
     });
+    if (memory_return.next_deadline() <= now) {
+        look_at_memory(now);
+    }
+    after_activity();
 }
 
 void ServerLoop::Impl::look_at_memory(TimePoint now)

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <busbar/net/blocking_client.hpp>
+#include <busbar/types/subscription.hpp>
 
 #include "machine.hpp"
 
@@ -25,6 +26,7 @@ namespace {
 
 thread_local bool is_client = false;
 std::atomic<long> calls_of_server{0};
+std::atomic<long> timers_set_by_server{0};
 
 template <typename Function, typename... Arguments>
 auto counted(Function* next, Arguments... arguments)
@@ -56,6 +58,7 @@ int epoll_ctl(int epoll, int operation, int descriptor, epoll_event* event) noex
 int timerfd_settime(int timer, int flags, const itimerspec* time, itimerspec* before) noexcept
 {
     static auto* const next = library(&timerfd_settime, "timerfd_settime");
+    timers_set_by_server += is_client ? 0 : 1;
     return counted(next, timer, flags, time, before);
 }
 int poll(pollfd* descriptors, nfds_t count, int timeout)
@@ -127,6 +130,31 @@ TEST_CASE("a request of one value takes four system calls of a server", "[net]")
     };
     // And to have the socket waited for again. A timer may come in between, though not each time.
     CHECK(std::min({read(), read(), read()}) <= 4.1);
+}
+
+TEST_CASE("a server sets no timer of the system for a Subscription that publishes", "[net]")
+{
+    is_client = true;
+    test::Machine machine;
+    test::ClientSurroundings surroundings;
+    net::BlockingClient client{test::client_config(machine.url()), surroundings.environment};
+    REQUIRE(client.connect());
+    CreateSubscriptionRequest create;
+    create.requested_publishing_interval = 50;
+    create.requested_lifetime_count = 1'000;
+    create.requested_max_keep_alive_count = 1; // a message each time
+    create.publishing_enabled = true;
+    REQUIRE(client.call<CreateSubscriptionResponse>(create));
+    const auto publish = [&] {
+        const long before = timers_set_by_server;
+        for (int i = 0; i < 5; ++i) {
+            REQUIRE(client.call<PublishResponse>(PublishRequest{}));
+        }
+        return timers_set_by_server - before;
+    };
+    CHECK(timers_set_by_server != 0); // or they are set another way than is counted here
+    // It may set one for another reason meanwhile, as for the end of the connection.
+    CHECK(std::min({publish(), publish(), publish()}) == 0);
 }
 
 } // namespace system_calls_test
