@@ -115,7 +115,7 @@ void decode(binary::Reader& reader, String& value)
     // A server borrows from requests, and passes on what it takes: a text that is not UTF-8 (Part
     // 6, 5.2.2.4) would cost other clients whole responses. A client owns what it gets, and loses
     // nothing else of a response that has such a text.
-    if (!busbar::detail::is_utf8(text)) {
+    if (!busbar::detail::is_ascii(text) && !busbar::detail::is_utf8(text)) {
         reader.fail(status::Bad_DecodingError);
     }
     value = String::borrow(text);

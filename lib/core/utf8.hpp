@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <string_view>
 
 #include <busbar/core/api.hpp>
@@ -14,6 +16,29 @@ namespace busbar::detail {
 /// Returns whether all of `text` is UTF-8 (Part 6, 5.2.2.4; RFC 3629), C1 controls included. ASCII
 /// is checked 16 bytes at a time.
 [[nodiscard]] BUSBAR_API bool is_utf8(std::string_view text);
+
+/// Returns whether all of `text` is ASCII, which nearly all texts are. Inline and without a loop
+/// for the last bytes, as the texts of a request are short and many.
+[[nodiscard]] inline bool is_ascii(std::string_view text)
+{
+    std::size_t left = text.size();
+    std::uint64_t word = 0;
+    if (left < sizeof word) {
+        unsigned all = 0;
+        for (const char c : text) {
+            all |= static_cast<unsigned char>(c);
+        }
+        return all < 0x80;
+    }
+    const char* at = text.data();
+    std::uint64_t all = 0;
+    for (; left > sizeof word; left -= sizeof word, at += sizeof word) {
+        std::memcpy(&word, at, sizeof word);
+        all |= word;
+    }
+    std::memcpy(&word, at + left - sizeof word, sizeof word); // some bytes for the second time
+    return ((all | word) & 0x8080'8080'8080'8080U) == 0;
+}
 
 /// Returns whether the sequence changes the direction of the text around it, so that it reads as
 /// another one (Unicode's Bidi_Control).

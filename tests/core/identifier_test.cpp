@@ -184,6 +184,7 @@ TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][t
 
 TEST_CASE("UTF-8 is checked at any place of a text (Part 6, 5.2.2.4)", "[core][text]")
 {
+    using busbar::detail::is_ascii;
     using busbar::detail::is_utf8;
     const std::string_view good[] = {"",
                                      "\x7f",
@@ -216,11 +217,13 @@ TEST_CASE("UTF-8 is checked at any place of a text (Part 6, 5.2.2.4)", "[core][t
             const auto at = [&](std::string_view middle) {
                 return std::string(before, 'a') + std::string{middle} + std::string(after, 'z');
             };
+            REQUIRE(is_ascii(at("\x7f")));
             for (const std::string_view text : good) {
                 REQUIRE(is_utf8(at(text)));
             }
             for (const std::string_view text : bad) {
                 REQUIRE_FALSE(is_utf8(at(text)));
+                REQUIRE_FALSE(is_ascii(at(text)));
             }
         }
     }
