@@ -30,7 +30,7 @@ struct PlanAddress {
     friend auto operator<=>(const PlanAddress&, const PlanAddress&) = default;
 };
 
-/// What a request may have in an area.
+/// The limits of requests for an area.
 struct PlanRule {
     /// The area that it is about.
     std::uint32_t area{0};
@@ -54,13 +54,15 @@ struct PlanRule {
 /// The configuration of a RequestPlan. Every limit is finite.
 struct PlanConfig {
     /// One for each area, in any order; the first one counts.
-    std::vector<PlanRule> rules;
+    std::vector<PlanRule> rules{};
     /// Requests that the peer takes at a time.
     std::size_t max_under_way{1};
     /// Batches that wait or are under way; beyond: Bad_TooManyOperations.
     std::size_t max_batches{256};
     /// Addresses of these batches, likewise.
     std::size_t max_addresses{1'000'000};
+    /// Words of these batches, likewise.
+    std::size_t max_words{4'000'000};
     /// Requests in addition to the planned ones that a batch may have to find the addresses that
     /// the peer refuses. After them, all addresses of a refused request have its status.
     std::size_t max_isolating{256};
@@ -79,7 +81,7 @@ struct PlanRequest {
     /// Whether it writes or reads.
     bool is_write{false};
     /// One for a write; up to PlanRule::max_ranges for a read, in the order of area and offset.
-    std::vector<PlanAddress> ranges;
+    std::vector<PlanAddress> ranges{};
     /// Write: the words, as many as the units of the range have.
     std::vector<std::uint16_t> words{};
     /// Write: the bits of the word that are written; others must keep their values.
@@ -113,7 +115,7 @@ struct PlanValue {
 
 /// A finished batch.
 struct PlanResult {
-    /// What read() or write() returned.
+    /// The number that read() or write() returned.
     std::uint64_t batch{0};
     /// Whether it was written or read.
     bool is_write{false};
@@ -129,7 +131,7 @@ struct PlanResult {
     }
 };
 
-/// What a plan has done since it was made.
+/// Counts the work of a plan since its construction.
 struct PlanCounters {
     /// Addresses of all batches.
     std::uint64_t addresses{0};
@@ -156,9 +158,10 @@ struct PlanCounters {
 /// more and is tried by itself when refusal_memory is over. If the peer takes both halves, what
 /// lies between them is not read any more while cut_memory lasts.
 ///
-/// Writes. Each is sent once, in the order given, one request at a time and before any waiting
-/// read. Neighbours of one batch that follow one another in order and address share a request; if
-/// that is refused, its halves are sent, the first one first.
+/// Writes. Each is sent once, in the order given, one request at a time and before waiting
+/// reads, of which one may go after eight writes in a row. Neighbours of one batch that follow one
+/// another in order and address share a request; if that is refused, its halves are sent, the first
+/// one first.
 class BUSBAR_API RequestPlan {
 public:
     explicit RequestPlan(PlanConfig config);
@@ -197,7 +200,7 @@ public:
     [[nodiscard]] std::size_t under_way() const;
     /// True if next_request() has something that only max_under_way may hold back.
     [[nodiscard]] bool has_waiting() const;
-    /// What it has done so far.
+    /// The work so far.
     [[nodiscard]] const PlanCounters& counters() const;
     /// Forgets which addresses were refused, such as after a reconnection or another program.
     void forget_refusals();
