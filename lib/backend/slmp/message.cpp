@@ -137,7 +137,28 @@ constexpr auto reset = without_answer(SlmpCommand::RemoteReset, put_mode, take_m
 constexpr auto clear_error = without_answer(SlmpCommand::ClearError, put_nothing, take_nothing);
 
 constexpr std::array commands{
-    &type_name, &self_test, &unlock, &lock, &run, &stop, &pause, &latch_clear, &reset, &clear_error,
+    &batch_read,
+    &batch_write,
+    &random_read,
+    &random_write,
+    &register_monitor,
+    &read_monitor,
+    &block_read,
+    &block_write,
+    &label_array_read,
+    &label_array_write,
+    &label_random_read,
+    &type_name,
+    &self_test,
+    &unlock,
+    &lock,
+    &label_random_write,
+    &run,
+    &stop,
+    &pause,
+    &latch_clear,
+    &reset,
+    &clear_error,
 };
 
 } // namespace
