@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include <busbar/core/text.hpp>
+#include <busbar/controller/program_types.hpp>
 
 #include "declaration_parser.hpp"
 #include "program_problem.hpp"
