@@ -262,10 +262,11 @@ void Client::connected(std::uint64_t order, TimePoint now)
     }
 }
 
-void Client::disconnected(std::uint64_t order, StatusCode why, TimePoint now)
+void Client::disconnected(std::uint64_t order, StatusCode why, TimePoint now,
+                          std::string_view reason)
 {
     impl_->tell(now);
-    impl_->transport.disconnected(order, why);
+    impl_->survive([&] { impl_->transport.disconnected(order, why, reason); });
 }
 
 Result<void> Client::feed(std::span<const std::byte> in, TimePoint now)

@@ -380,10 +380,17 @@ void Client::Impl::retry_later(StatusCode why)
     retry_at = detail::deadline_after(now, wait);
     environment.log->write(
         LogLevel::Warning, "client",
-        "no connection: " + std::string{name(why)} + "; next attempt in " +
+        "no connection: " + text_of_loss(why) + "; next attempt in " +
             std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
             " ms");
     set_state(ClientState::Waiting, why);
+}
+
+/// "Connection refused (Bad_CommunicationError)".
+std::string Client::Impl::text_of_loss(StatusCode why) const
+{
+    const std::string status{name(why)};
+    return transport.reason().empty() ? status : transport.reason() + " (" + status + ")";
 }
 
 void Client::Impl::begin_closing(StatusCode why)
@@ -393,7 +400,7 @@ void Client::Impl::begin_closing(StatusCode why)
     // reporting.
     if (why.is_bad() && (config.reconnect.is_enabled || !reason.empty())) {
         environment.log->write(LogLevel::Error, "client",
-                               "giving up: " + std::string{name(why)} + " " + std::string{reason});
+                               "giving up: " + text_of_loss(why) + " " + std::string{reason});
     }
     is_wanted = false;
     kept_session.reset();

@@ -139,6 +139,7 @@ struct Client::Impl {
     [[nodiscard]] bool may_retry(StatusCode why, bool is_choice_doubtful) const;
     void retry_later(StatusCode why);
     void begin_closing(StatusCode why);
+    [[nodiscard]] std::string text_of_loss(StatusCode why) const;
 
     Client& client;
     ClientConfig config;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <busbar/client/client.hpp>
@@ -19,6 +20,7 @@ public:
     {
         state_ = State::Ordered;
         lost_.reset();
+        reason_.clear();
         order_ = TransportOrder{TransportOrder::Kind::Open, ++id_, std::move(url)};
     }
     /// The driver may be stuck with a dead connection: the Client continues without it then.
@@ -37,7 +39,7 @@ public:
         state_ = is_it ? State::Up : state_;
         return is_it;
     }
-    void disconnected(std::uint64_t order, StatusCode why)
+    void disconnected(std::uint64_t order, StatusCode why, std::string_view reason)
     {
         if (order != id_) {
             return;
@@ -47,6 +49,7 @@ public:
             order_.reset();
         } else if (state_ != State::None && !lost_) {
             lost_ = why.is_bad() ? why : StatusCode{status::Bad_ConnectionClosed};
+            reason_ = reason;
         }
     }
     /// Ends a drop that was not confirmed.
@@ -65,6 +68,8 @@ public:
     [[nodiscard]] bool is_none() const { return state_ == State::None; }
     /// The reason why it was lost, if it was not dropped.
     [[nodiscard]] std::optional<StatusCode> lost() const { return lost_; }
+    /// The driver's words for it; empty if there are none.
+    [[nodiscard]] const std::string& reason() const { return reason_; }
 
 private:
     void drop(TimePoint now, Duration patience, bool awaits_peer)
@@ -87,6 +92,7 @@ private:
     std::uint64_t id_{0};
     std::optional<TransportOrder> order_;
     std::optional<StatusCode> lost_;
+    std::string reason_;
     TimePoint give_up_at_{no_deadline};
 };
 

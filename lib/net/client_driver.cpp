@@ -163,7 +163,7 @@ void ClientDriver::open(const client::TransportOrder& order)
         return;
     }
     connector_.start(*url, connect_timeout_,
-                     [this, id = order.id](Result<asio::ip::tcp::socket> socket) {
+                     [this, id = order.id](Expected<asio::ip::tcp::socket, Unreached> socket) {
                          socket ? opened(id, *std::move(socket), {}) : failed(id, socket.error());
                      });
 }
@@ -198,9 +198,9 @@ void ClientDriver::opened(std::uint64_t order, asio::ip::tcp::socket socket,
     step();
 }
 
-void ClientDriver::failed(std::uint64_t order, StatusCode why)
+void ClientDriver::failed(std::uint64_t order, const Unreached& why)
 {
-    client_.disconnected(order, why, now());
+    client_.disconnected(order, why.status, now(), why.reason);
     step();
 }
 

@@ -88,7 +88,7 @@ private:
     void open(const client::TransportOrder& order);
     void open_reverse(std::uint64_t order);
     void opened(std::uint64_t order, asio::ip::tcp::socket socket, std::span<const std::byte> in);
-    void failed(std::uint64_t order, StatusCode why);
+    void failed(std::uint64_t order, const Unreached& why);
     void drop(bool awaits_peer);
     void end_waiting();
     void ended(ClientLink& link);

@@ -130,7 +130,7 @@ void Connector::Attempt::fail_with(StatusCode status, const std::string& why)
         busbar::detail::write_safely(*log, LogLevel::Info, "net",
                                      "cannot connect to " + url.text() + ": " + why);
         end();
-        done(fail(status));
+        done(Unexpected{Unreached{status, why}});
     }
 }
 

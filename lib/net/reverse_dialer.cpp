@@ -66,12 +66,13 @@ void ReverseDialer::dial()
         return;
     }
     is_dialing_ = true;
-    connector_.start(url_, config_->connect_timeout, [this](Result<asio::ip::tcp::socket> socket) {
-        connected(std::move(socket));
-    });
+    connector_.start(url_, config_->connect_timeout,
+                     [this](Expected<asio::ip::tcp::socket, Unreached> socket) {
+                         connected(std::move(socket));
+                     });
 }
 
-void ReverseDialer::connected(Result<asio::ip::tcp::socket> socket)
+void ReverseDialer::connected(Expected<asio::ip::tcp::socket, Unreached> socket)
 {
     is_dialing_ = false;
     spare_since_ = now();

@@ -34,7 +34,7 @@ public:
 
 private:
     void dial();
-    void connected(Result<asio::ip::tcp::socket> socket);
+    void connected(Expected<asio::ip::tcp::socket, Unreached> socket);
     void dial_later();
 
     LogSink* log_;

@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <busbar/harness/log_book.hpp>
 #include <busbar/net/blocking_client.hpp>
 
 #include "machine.hpp"
@@ -109,6 +110,18 @@ TEST_CASE("a client is told that nobody is there, unless it may try again", "[ne
         REQUIRE_FALSE(connected);
         CHECK(connected.error() == status::Bad_TcpEndpointUrlInvalid);
     }
+}
+
+TEST_CASE("the log of a client says why there is no connection", "[net][client]")
+{
+    harness::LogBook log;
+    test::ClientSurroundings surroundings;
+    surroundings.environment.log = &log;
+    net::BlockingClient client{test::client_config("opc.tcp://127.0.0.1:1"),
+                               surroundings.environment};
+    REQUIRE_FALSE(client.connect(100ms));
+    CHECK(log.contains(
+        "no connection: Connection refused (Bad_CommunicationError); next attempt in "));
 }
 
 TEST_CASE("a server that says nothing holds nobody up", "[net][client]")

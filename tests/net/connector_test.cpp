@@ -25,6 +25,7 @@ using asio::ip::tcp;
 namespace {
 
 using Addresses = std::vector<asio::ip::address>;
+using Connected = Expected<tcp::socket, net::detail::Unreached>;
 
 asio::ip::address address(const char* text)
 {
@@ -42,12 +43,12 @@ struct Dialer {
     {
         auto url = channel::EndpointUrl::parse("opc.tcp://plc.example:" + std::to_string(port));
         REQUIRE(url);
-        connector.start(*url, timeout, [this](Result<tcp::socket> socket) {
+        connector.start(*url, timeout, [this](Connected socket) {
             ++calls;
             if (socket) {
                 connected.emplace(*std::move(socket));
             } else {
-                error = socket.error();
+                error = socket.error().status;
             }
         });
     }
@@ -151,7 +152,7 @@ TEST_CASE("of two attempts only the later one is heard of", "[net][client]")
     const auto to_full =
         channel::EndpointUrl::parse("opc.tcp://127.0.0.1:" + std::to_string(full.port));
     bool is_called = false;
-    dialer.connector.start(*to_full, 1h, [&](const Result<tcp::socket>&) { is_called = true; });
+    dialer.connector.start(*to_full, 1h, [&](const Connected&) { is_called = true; });
     for (int i = 0; i < 2; ++i) { // its address is found, and its socket waits
         dialer.context.restart();
         dialer.context.run_one_for(20ms);
@@ -170,7 +171,7 @@ TEST_CASE("an attempt that is cancelled is not heard of", "[net][client]")
     Dialer dialer{{address("127.0.0.1")}};
     const auto url =
         channel::EndpointUrl::parse("opc.tcp://127.0.0.1:" + std::to_string(open.port));
-    dialer.connector.start(*url, 1h, [&](const Result<tcp::socket>&) { ++dialer.calls; });
+    dialer.connector.start(*url, 1h, [&](const Connected&) { ++dialer.calls; });
     dialer.context.run_one(); // the socket connects
     tcp::socket peer = open.acceptor.accept();
     dialer.connector.cancel(); // although it is connected already

@@ -169,8 +169,10 @@ public:
     [[nodiscard]] std::optional<TransportOrder> next_order();
     /// Reports that the transport of this order is connected.
     void connected(std::uint64_t order, TimePoint now);
-    /// Reports that the attempt failed, or that the connection is closed.
-    void disconnected(std::uint64_t order, StatusCode why, TimePoint now);
+    /// Reports that the attempt failed, or that the connection is closed. `reason`, which may be
+    /// empty, says more about it in the log than `why`: "Connection refused".
+    void disconnected(std::uint64_t order, StatusCode why, TimePoint now,
+                      std::string_view reason = {});
     /// Takes bytes of the server; an error ends the connection.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::span<const std::byte> output() const;
