@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <set>
 #include <string>
@@ -28,9 +29,13 @@ public:
         for (const std::string& folder : folders_below({})) {
             folders_.insert(folder);
         }
+        steps_ = files_.steps();
     }
     void restore()
     {
+        if (files_.steps() == steps_) {
+            return; // nothing was changed
+        }
         for (const std::string& name : files_.names()) {
             if (!contents_.contains(name)) {
                 static_cast<void>(files_.remove(name));
@@ -53,6 +58,7 @@ public:
                 static_cast<void>(files_.replace(name, bytes, FileAccess::Owner));
             }
         }
+        steps_ = files_.steps();
     }
 
 private:
@@ -81,6 +87,7 @@ private:
     storage::MemoryStorage& files_;
     std::map<std::string, std::vector<std::byte>> contents_;
     std::set<std::string> folders_;
+    std::size_t steps_{0};
 };
 
 } // namespace busbar::fuzz

@@ -365,7 +365,12 @@ Stored<StorageListing> MemoryStorage::list(std::string_view folder, std::size_t 
         return not_stored(StorageError::NotFound);
     }
     StorageListing listing;
-    for (const auto& [name, item] : items_) {
+    const std::string within = folder.empty() ? std::string{} : std::string{folder} + '/';
+    for (auto each = items_.lower_bound(within); each != items_.end(); ++each) {
+        const auto& [name, item] = *each;
+        if (!name.starts_with(within)) {
+            break; // names are sorted
+        }
         if (folder_of(name) != folder) {
             continue;
         }
