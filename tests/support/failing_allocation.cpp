@@ -1,6 +1,7 @@
 #include "failing_allocation.hpp"
 
 #include <cstddef>
+#include <cstdio>
 #include <cstdlib>
 #include <new>
 
@@ -12,6 +13,22 @@ std::size_t first_failing{0};
 std::size_t last_failing{0};
 std::size_t live{0};
 std::size_t failing_size{0};
+
+/// How many have failed; at its end the program says so.
+struct Failures {
+    Failures() = default;
+    Failures(const Failures&) = delete;
+    Failures& operator=(const Failures&) = delete;
+    ~Failures()
+    {
+        if (count != 0) {
+            std::printf("%zu allocations failed\n", count);
+        }
+    }
+
+    std::size_t count{0};
+};
+Failures failures;
 
 /// What aligned_alloc gives has a multiple of the alignment, so that a sanitizer would not see what
 /// lies behind the size.
@@ -26,10 +43,9 @@ void* take(std::size_t size, std::size_t alignment)
 /// Null if it is one of those that fail.
 void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) noexcept
 {
-    if (is_counting && ++count >= first_failing && count <= last_failing) {
-        return nullptr;
-    }
-    if (is_counting && failing_size != 0 && size >= failing_size) {
+    const bool is_one_of_them = is_counting && ++count >= first_failing && count <= last_failing;
+    if (is_one_of_them || (is_counting && failing_size != 0 && size >= failing_size)) {
+        ++failures.count;
         return nullptr;
     }
     ++live;
