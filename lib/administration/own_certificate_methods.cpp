@@ -221,6 +221,9 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
         *needs_.transaction.owner() != holder_of(needs_.server, call)) {
         return call.fail(status::Bad_TransactionPending, other_transaction);
     }
+    if (refuses_another(call)) {
+        return;
+    }
     const auto& identity = needs_.server.config().identity;
     if (is_making_key() || !identity || !needs_.transaction.is_own_deleted()) {
         return call.fail(
@@ -284,6 +287,9 @@ void OwnCertificateMethods::remove(MethodCall call)
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
         return call.fail(slot, no_such_slot);
     }
+    if (refuses_another(call)) {
+        return;
+    }
     TransactionEntry entry{needs_.transaction, holder_of(needs_.server, call)};
     if (entry.status().is_bad()) {
         return call.fail(entry.status(), other_transaction);
@@ -325,6 +331,16 @@ void OwnCertificateMethods::refuse_call(MethodCall& call, const Refusal& refusal
 {
     tell_method(needs_.log, RecordKind::CertificateUpdated, call, refusal.status, &refusal);
     answer_with(call, refusal);
+}
+
+bool OwnCertificateMethods::refuses_another(MethodCall& call)
+{
+    const auto& may_replace = needs_.files.may_replace_own;
+    const auto may = may_replace ? may_replace() : Configured<void>{};
+    if (!may) {
+        call.fail(may.error().status, text(may.error()));
+    }
+    return !may;
 }
 
 } // namespace busbar::administration::detail

@@ -49,6 +49,8 @@ private:
     void run_slowly(const std::shared_ptr<server::MethodCall>& call, std::function<void()> work,
                     std::function<void()> finish);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
+    /// Answers the call if the own certificate may not be replaced now.
+    [[nodiscard]] bool refuses_another(server::MethodCall& call);
 
     OwnCertificateNeeds needs_;
     /// Not expired while a key is being generated, however that ends.

@@ -420,6 +420,17 @@ Outcome ControllerAdministrator::restart()
     });
 }
 
+Outcome ControllerAdministrator::forget_own_certificate()
+{
+    return tried([&](Connection& connection) {
+        const NodeId configuration = standard(id::ServerConfiguration);
+        admin::call(connection, configuration,
+                    admin::child_of(connection, configuration, "DeleteCertificate"),
+                    {Variant{NodeId{}}, Variant{standard(id::RsaSha256ApplicationCertificateType)}},
+                    "DeleteCertificate");
+    });
+}
+
 Outcome ControllerAdministrator::reset()
 {
     return tried([&](Connection& connection) {

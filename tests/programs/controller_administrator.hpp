@@ -78,6 +78,8 @@ public:
     /// Has nobody be given a role any more, or those who were.
     [[nodiscard]] Outcome close_role(const std::string& role, bool is_closed);
     [[nodiscard]] Outcome trust(const std::vector<std::byte>& der);
+    /// Begins to have the controller make a certificate of its own: DeleteCertificate.
+    [[nodiscard]] Outcome forget_own_certificate();
     [[nodiscard]] Outcome distrust(const std::string& thumbprint);
     /// "edit press.st", "restore" and so on; see product::ProgramService.
     [[nodiscard]] Outcome program(const std::string& wish, const std::string& text);

@@ -13,8 +13,6 @@ namespace busbar::test {
 
 namespace {
 
-constexpr const char* model_uri = "urn:busbar:simulation";
-
 std::string variable(const std::string& name, const char* data_type, const std::string& content)
 {
     return "<UAVariable NodeId=\"ns=1;s=" + name + "\" BrowseName=\"1:" + name + "\" DataType=\"" +
@@ -28,8 +26,8 @@ std::string model(int number, const std::string& label)
 {
     return std::string{"<UANodeSet xmlns=\"http://opcfoundation.org/UA/2011/03/UANodeSet.xsd\">\n"
                        "<NamespaceUris><Uri>"} +
-           model_uri + "</Uri></NamespaceUris>\n<Models><Model ModelUri=\"" + model_uri +
-           "\" Version=\"1\"/></Models>\n" +
+           simulated_model + "</Uri></NamespaceUris>\n<Models><Model ModelUri=\"" +
+           simulated_model + "\" Version=\"1\"/></Models>\n" +
            variable("Number", "i=6",
                     "<Value><Int32 xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\">" +
                         std::to_string(number) + "</Int32></Value>") +
@@ -39,7 +37,9 @@ std::string model(int number, const std::string& label)
            "</UANodeSet>\n";
 }
 
-std::string document(int number, const std::string& port, const std::string& label)
+} // namespace
+
+std::string simulated_project(int number, const std::string& port, const std::string& label)
 {
     controller::Project project;
     auto& listener = project.network.listeners.front();
@@ -50,8 +50,6 @@ std::string document(int number, const std::string& port, const std::string& lab
     project.models.push_back({"Simulation.xml", model(number, label)});
     return controller::document_of(project).value();
 }
-
-} // namespace
 
 ModelSimulation::ModelSimulation(std::uint64_t seed) : chance_{seed, 3}
 {
@@ -209,7 +207,8 @@ int ModelSimulation::new_version()
     const int number = site_.next_number();
     const bool is_usable = !chance_.one_in(4);
     const std::string& port = site_.ports[chance_.one_in(3) ? 1 : 0];
-    versions_[number] = {document(number, port, is_usable ? "Speed" : "Missing"), port, is_usable};
+    versions_[number] = {simulated_project(number, port, is_usable ? "Speed" : "Missing"), port,
+                         is_usable};
     return number;
 }
 
@@ -226,7 +225,7 @@ void ModelSimulation::write()
 
 void ModelSimulation::write_wrong()
 {
-    std::string wrong = document(site_.next_number(), site_.ports.front(), "Speed");
+    std::string wrong = simulated_project(site_.next_number(), site_.ports.front(), "Speed");
     wrong[chance_.below(wrong.size())] ^= 1;
     const Outcome outcome = chief_->project("write", wrong);
     if (outcome == Outcome::Done) {
@@ -378,7 +377,8 @@ void ModelSimulation::wait_for_effect()
     };
     const auto before = refusals();
     for (int i = 0; i < most && controller_->is_running() && refusals() == before; ++i) {
-        const auto report = chief_->project_report("nsu=" + std::string{model_uri} + ";s=Number");
+        const auto report =
+            chief_->project_report("nsu=" + std::string{simulated_model} + ";s=Number");
         if (report && report->state == "in use") {
             return;
         }
@@ -417,7 +417,7 @@ void ModelSimulation::check()
     constexpr int most = 20;
     std::optional<ControllerAdministrator::ProjectReport> report;
     for (int i = 0; i < most && !report && controller_->is_running(); ++i) {
-        report = chief_->project_report("nsu=" + std::string{model_uri} + ";s=Number");
+        report = chief_->project_report("nsu=" + std::string{simulated_model} + ";s=Number");
     }
     if (!report) {
         if (!is_armed_) {

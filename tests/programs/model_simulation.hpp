@@ -16,6 +16,12 @@
 
 namespace busbar::test {
 
+/// A project's file, with a Variable "Number" of this value and one that is mapped to the label.
+[[nodiscard]] std::string simulated_project(int number, const std::string& port,
+                                            const std::string& label);
+/// The namespace of its nodes.
+inline constexpr const char* simulated_model = "urn:busbar:simulation";
+
 /// An administrator who writes projects to a controller of model mode and has it serve them, media
 /// that fail and a power that goes. The same seed has the same steps, if not the same moments of
 /// kills.

@@ -39,6 +39,10 @@ struct ManagedCertificates {
     /// request: names, all empty if none are configured, and hosts in addition to those that the
     /// certificate has. May be empty.
     std::function<crypto::CertificateSubject()> configured{};
+    /// Returns whether the own certificate may be replaced now, called before DeleteCertificate and
+    /// CreateSelfSignedCertificate; the problem goes to the client. False while other names are
+    /// about to be configured. If empty, it may.
+    std::function<Configured<void>()> may_replace_own{};
     /// Bits of generated keys: 2048 to 4096.
     std::uint32_t key_bits{2048};
     /// Maximum size of an encoded trust list, with all its lists together (MaxTrustListSize).

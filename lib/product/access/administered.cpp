@@ -169,6 +169,7 @@ void Administered::attach(const ToAdminister& what)
         certificates_.users = what.admission.user_store();
         certificates_.users_folder = "users";
         certificates_.configured = [&config = what.config] { return configured_subject(config); };
+        certificates_.may_replace_own = what.may_replace_own;
         certificates_.key_bits = what.config.certificates.key_bits;
         certificates_.renewed = [&config = what.config,
                                  renewed = what.renewed](const crypto::OwnCertificate& own) {

@@ -44,6 +44,8 @@ struct ToAdminister {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// Tells whether a restart would work, or why not.
     std::function<Configured<void>()> may_restart;
+    /// Tells whether the certificate may be replaced now, or why not.
+    std::function<Configured<void>()> may_replace_own;
     /// Tells whether a machine is in RUN, where users and roles cannot change (W588, 3-2-6).
     std::function<bool()> is_in_run;
     /// Called on the server's thread after users or roles have changed. May be empty.

@@ -224,6 +224,7 @@ Requests RunningController::requests()
             },
         .may_restart = [this] { return may_restart(false); },
         .may_update = [this] { return may_restart(true); },
+        .may_replace_own = [this] { return check_no_replacement("certificate"); },
         .check_listeners = [this](const ControllerConfig& next) { return check_listeners(next); },
         .settings_changed = [this] { loop_.post([this] { keep(); }); },
         .change_program = [this](const ProgramChange& change) { return change_program(change); }};

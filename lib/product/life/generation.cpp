@@ -207,6 +207,7 @@ void Generation::attach(const Requests& requests)
          .may_run = [machine = around_.machine] { return check_run(machine); },
          .restart = requests.restart,
          .may_restart = requests.may_restart,
+         .may_replace_own = requests.may_replace_own,
          .is_in_run =
              [machine = around_.machine] {
                  return machine != nullptr && machine->mode() == controller::MachineMode::Run;
@@ -292,6 +293,9 @@ std::vector<std::optional<StorageEntry::Version>> Generation::kept_versions() co
                                    Administered::roles_file, Setup::code_file}) {
         const auto entry = settings_->folder().entry(name);
         all.push_back(entry ? std::optional{entry->version} : std::nullopt);
+    }
+    if (project_ != nullptr) {
+        all.push_back(project_->version());
     }
     return all;
 }

@@ -70,6 +70,9 @@ struct Requests {
     std::function<Configured<void>()> may_restart;
     /// The same of a project whose labels have been compared with the PLC.
     std::function<Configured<void>()> may_update;
+    /// Whether another certificate may be made now: not while another generation is to serve, which
+    /// may have other names for it.
+    std::function<Configured<void>()> may_replace_own;
     /// Whether a server with this configuration could listen.
     std::function<Configured<void>(const ControllerConfig& next)> check_listeners;
     /// Settings were changed online.
@@ -113,8 +116,8 @@ public:
     void halt();
     /// See Lookout; and looks into the folders of certificates.
     void look();
-    /// Versions of the files with administrators' changes. A generation that was made from other
-    /// versions does not match what is in force.
+    /// Versions of the files with administrators' changes, and of the project in the store. A
+    /// generation that was made from other versions does not match what is in force.
     [[nodiscard]] std::vector<std::optional<StorageEntry::Version>> kept_versions() const;
     /// The state that this was made from, with administrators' changes that are in force, but
     /// without the listeners.

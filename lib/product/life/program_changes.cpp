@@ -142,11 +142,10 @@ Reading RunningController::reading_with(const ProgramChange& change) const
 Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)
 {
     using Step = ProgramChange::Step;
-    if (next_ != nullptr && change.step != Step::Check) {
-        return misconfigured("program",
-                             "the controller is taking over another program or is restarting: send "
-                             "it again afterwards",
-                             status::Bad_InvalidState);
+    if (change.step != Step::Check) {
+        if (auto may = check_no_replacement("program"); !may) {
+            return Unexpected{std::move(may.error())};
+        }
     }
     try {
         Reading next = reading_with(change);
@@ -195,7 +194,7 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
 {
     pending_.done(PendingChanges::By::Download);
     const auto read_then = std::make_shared<Reading>(std::move(reading));
-    when_free([this, change = std::move(change), read_then, before = std::move(before)] {
+    replace_soon([this, change = std::move(change), read_then, before = std::move(before)] {
         const std::string name = read_then->config.machine.program_name;
         // Use the settings that are in force by now, if they were changed in between.
         std::optional<Reading> unchanged;

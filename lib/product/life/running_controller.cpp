@@ -145,7 +145,7 @@ void RunningController::try_to(FunctionRef<void()> change)
 
 void RunningController::restart(const administration::RestartWish& wish)
 {
-    when_free([this, wish] {
+    replace_soon([this, wish] {
         replace({.cause = Machine::Cause::Restart,
                  .handover = {.reason = wish.reason,
                               .delay = wish.delay,

@@ -147,6 +147,11 @@ private:
     struct Successor;
     /// Calls `act` soon on the thread of run(), when no generation is being created. Thread-safe.
     void when_free(std::function<void()> act);
+    /// Likewise for what replaces the current generation; see check_no_replacement().
+    void replace_soon(std::function<void()> act);
+    /// Checks that the current generation is not about to be replaced by one that may differ in
+    /// `what`.
+    [[nodiscard]] Configured<void> check_no_replacement(const char* what) const;
     /// Replaces the current generation by one from `reading`, or from the present files. The
     /// current one serves until then; an old port is closed once the new one is open. If more than
     /// a generation has to change, the controller ends and starts again. Call it only from
@@ -257,6 +262,8 @@ private:
     /// The generation that is being created, and the tasks that wait for it; null for none.
     std::shared_ptr<Successor> next_;
     std::vector<std::function<void()>> waiting_;
+    /// Number of replacements that were asked for and have not begun.
+    int replacements_due_{0};
     /// Creates generations and destroys old ones. Empty after run().
     std::optional<net::WorkerThread> maker_{std::in_place, 64, &log_};
 };

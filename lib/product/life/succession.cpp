@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/status_codes.hpp>
+
 #include "product/configuration/toml_reader.hpp"
 #include "running_controller.hpp"
 
@@ -42,6 +44,25 @@ void RunningController::when_free(std::function<void()> act)
             act();
         }
     });
+}
+
+void RunningController::replace_soon(std::function<void()> act)
+{
+    ++replacements_due_;
+    when_free([this, act = std::move(act)] {
+        --replacements_due_;
+        act();
+    });
+}
+
+Configured<void> RunningController::check_no_replacement(const char* what) const
+{
+    return next_ == nullptr && replacements_due_ == 0
+               ? Configured<void>{}
+               : misconfigured(what,
+                               "the controller is taking over another configuration or program, or "
+                               "is restarting: send it again afterwards",
+                               status::Bad_InvalidState);
 }
 
 void RunningController::replace(Replacement wish, std::optional<Reading> reading)

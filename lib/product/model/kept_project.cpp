@@ -190,6 +190,12 @@ KeptProject::KeptProject(const std::string& folder, const std::string& other, bo
     }
 }
 
+std::optional<StorageEntry::Version> KeptProject::version() const
+{
+    const auto entry = files_.entry("project/project.busbar");
+    return entry ? std::optional{entry->version} : std::nullopt;
+}
+
 const std::string& KeptProject::document() const
 {
     if (document_ == nullptr) {

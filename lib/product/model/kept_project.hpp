@@ -48,6 +48,8 @@ public:
     /// The project that is served; null if there is none yet. A project that is written in the
     /// meantime waits for the next KeptProject.
     [[nodiscard]] const controller::Project* project() const { return served_.get(); }
+    /// The version of the project's file in the store; nothing if there is none.
+    [[nodiscard]] std::optional<StorageEntry::Version> version() const;
     /// Its file; empty if there is none.
     [[nodiscard]] const std::string& document() const;
     /// Returns whether it is none, or that of `last`, the file of the project that was served
