@@ -44,7 +44,7 @@ public:
     /// be none. Call it once, before all other functions. A problem with the file or the medium
     /// means that there is no project: another one can be transferred. `running` is another store
     /// of the same folder that is in use, or null: a file that is as that store has it is not read
-    /// again, and transfers to that store are not discarded.
+    /// again, and transfers to that store are not discarded: both may stage projects.
     [[nodiscard]] Configured<void> recover(const ProjectStore* running = nullptr);
 
     /// Null if there is none. Valid until the next commit().
@@ -65,11 +65,17 @@ public:
     void cancel(std::uint32_t transfer);
     [[nodiscard]] bool is_busy() const { return transfer_.has_value(); }
 
-    /// A file that stage() has checked.
+    /// A file that stage() has checked; it is removed if it is not taken up, for which the Storage
+    /// must outlive this object.
     class Staged {
         friend class ProjectStore;
-        explicit Staged(Project project) : project_{std::move(project)} {}
+        struct File;
+        explicit Staged(Project project, std::shared_ptr<File> file = {})
+            : project_{std::move(project)}, file_{std::move(file)}
+        {
+        }
         Project project_;
+        std::shared_ptr<File> file_;
     };
     /// A complete transfer, in two steps. The first one stages and checks the file, which takes
     /// long: it may run on another thread than the rest, one at a time, while no transfer is
@@ -86,7 +92,7 @@ private:
     };
 
     [[nodiscard]] std::string file() const { return storage_path(folder_, "project.busbar"); }
-    [[nodiscard]] std::string staged() const { return storage_path(folder_, "project.part"); }
+    [[nodiscard]] std::string staged() const;
     [[nodiscard]] bool is_of(std::uint32_t transfer) const
     {
         return transfer_ && transfer_->number == transfer;
@@ -96,9 +102,12 @@ private:
                                                    const Check& might_run) const;
     [[nodiscard]] const Check& check_of_new() const { return check_new_ ? check_new_ : check_; }
     void forget_staged();
+    void forget_all_staged();
 
     Storage* storage_;
     std::string folder_;
+    /// Tells the files that are staged here from those of the stores of the same folder before.
+    std::uint32_t generation_{0};
     Check check_;
     Check check_new_;
     ProjectLimits limits_;

@@ -8,6 +8,9 @@ namespace busbar::controller {
 
 namespace {
 
+/// The start of the names of files that are being transferred.
+constexpr const char* staged_name = "project.part";
+
 Unexpected<Problem> storage_problem(const Storage& storage, const std::string& name,
                                     StorageError error)
 {
@@ -35,10 +38,48 @@ Unexpected<Problem> too_large(const ProjectLimits& limits)
 
 } // namespace
 
+/// Removes the file, unless its name was cleared.
+struct ProjectStore::Staged::File {
+    File(Storage& of, std::string named) : storage{of}, name{std::move(named)} {}
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    ~File()
+    {
+        if (!name.empty()) {
+            static_cast<void>(storage.remove(name));
+        }
+    }
+
+    Storage& storage;
+    std::string name;
+};
+
 ProjectStore::ProjectStore(Storage& storage, std::string folder, Check check,
                            const ProjectLimits& limits)
     : storage_{&storage}, folder_{std::move(folder)}, check_{std::move(check)}, limits_{limits}
 {
+}
+
+std::string ProjectStore::staged() const
+{
+    const std::string number = generation_ == 0 ? "" : std::to_string(generation_);
+    return storage_path(folder_, staged_name + number);
+}
+
+/// Removes also what stores before this one have left.
+void ProjectStore::forget_all_staged()
+{
+    forget_staged();
+    constexpr std::size_t most_entries = 1'000;
+    const auto listing = storage_->list(folder_, most_entries);
+    if (!listing) {
+        return;
+    }
+    for (const StorageEntry& entry : listing->entries) {
+        if (entry.name.starts_with(staged_name)) {
+            static_cast<void>(storage_->remove(storage_path(folder_, entry.name)));
+        }
+    }
 }
 
 void ProjectStore::forget_staged()
@@ -81,8 +122,10 @@ Configured<void> ProjectStore::recover(const ProjectStore* running)
     current_.reset();
     version_.reset();
     if (running == nullptr) {
-        forget_staged();
+        forget_all_staged();
         storage_->remove_unfinished(folder_);
+    } else {
+        generation_ = running->generation_ + 1;
     }
     const auto there = storage_->entry(file());
     if (!there && there.error() == StorageError::NotFound) {
@@ -167,23 +210,24 @@ Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> 
     if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
         return storage_problem(*storage_, folder_, made.error());
     }
-    busbar::detail::Undo undo{[this] { static_cast<void>(storage_->remove(staged())); }};
-    if (auto put = storage_->replace(staged(), document, FileAccess::Owner); !put) {
-        return storage_problem(*storage_, staged(), put.error());
+    auto file = std::make_shared<Staged::File>(*storage_, staged());
+    if (auto put = storage_->replace(file->name, document, FileAccess::Owner); !put) {
+        return storage_problem(*storage_, file->name, put.error());
     }
-    auto project = read_checked(staged(), check_of_new());
+    auto project = read_checked(file->name, check_of_new());
     if (!project) {
         return Unexpected{std::move(project.error())};
     }
-    undo.keep();
-    return Staged{*std::move(project)};
+    return Staged{*std::move(project), std::move(file)};
 }
 
 Configured<void> ProjectStore::take_up(Staged staged_project)
 {
     if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
-        static_cast<void>(storage_->remove(staged()));
         return storage_problem(*storage_, file(), moved.error());
+    }
+    if (staged_project.file_ != nullptr) {
+        staged_project.file_->name.clear();
     }
     current_ = std::make_shared<const Project>(std::move(staged_project.project_));
     const auto there = storage_->entry(file());

@@ -100,6 +100,31 @@ TEST_CASE("what a running store has need not be read again, and its transfer goe
     CHECK(last.current() != after.current());
 }
 
+TEST_CASE("what two stores of a folder stage at the same time does not meet")
+{
+    StoreFixture server;
+    server.restart();
+    ProjectStore next{server.storage, "project", refuse_host_x};
+    REQUIRE(next.recover(&*server.store));
+    {
+        auto older = server.store->stage(bytes_of(document_with_host("A")));
+        auto newer = next.stage(bytes_of(document_with_host("B")));
+        REQUIRE(older);
+        REQUIRE(newer);
+        REQUIRE_FALSE(server.store->stage(bytes_of(document_with_host("X"))));
+        REQUIRE(next.take_up(*std::move(newer)));
+        ProjectStore read{server.storage, "project", refuse_host_x};
+        REQUIRE(read.recover(&next));
+        CHECK(read.current()->network.host_name == "B");
+    }
+    // What nobody takes up is gone, and after a power cut everything that was staged.
+    CHECK(server.storage.list("project", 10)->entries.size() == 1);
+    REQUIRE(server.storage.replace("project/project.part7", {}, FileAccess::Owner));
+    server.restart();
+    CHECK(server.storage.list("project", 10)->entries.size() == 1);
+    CHECK(server.host() == "B");
+}
+
 TEST_CASE("9.13 Write: a project that is wrong in any part changes nothing", "[9.13]")
 {
     StoreFixture server;
