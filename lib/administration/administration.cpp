@@ -117,8 +117,8 @@ Configured<void> Administration::Impl::attach(server::Server& server)
     if (parts.stop &&
         server.address_space().find(id::SystemStatusChangeEventType) != model::no_node) {
         server_control.emplace(detail::ServerControl::Needs{
-            server, table, *parts.log, parts.stop, parts.shut_down, parts.may_run, parts.restart,
-            parts.replace, parts.may_replace});
+            server, table, *parts.log, parts.worker, parts.stop, parts.shut_down, parts.may_run,
+            parts.restart, parts.replace, parts.may_replace});
         if (auto attached = server_control->attach(); !attached) {
             return attached;
         }

@@ -5,10 +5,12 @@
 #include <utility>
 
 #include <busbar/administration/state_change_nodes/nodes.hpp>
+#include <busbar/core/status_codes.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "method_record.hpp"
+#include "permissions.hpp"
 
 namespace busbar::administration::detail {
 
@@ -89,19 +91,7 @@ Checked<void> ServerControl::check(const Wish& wish) const
                             "a reason of " + std::to_string(wish.reason.size()) +
                                 " bytes, expected at most " + std::to_string(max_reason));
     }
-    if (wish.state == ServerState::Running && !wish.restarts) {
-        return check_run();
-    }
-    if (!wish.restarts || !needs_.replace || !needs_.may_replace) {
-        return {};
-    }
-    const auto may = needs_.may_replace();
-    if (!may) {
-        needs_.log.write(LogLevel::Error, "stop",
-                         "a restart is refused: " + text(may.error()) + "; nothing was changed");
-        return refuse_state(may.error().status, text(may.error()));
-    }
-    return {};
+    return wish.state == ServerState::Running && !wish.restarts ? check_run() : Checked<void>{};
 }
 
 Checked<void> ServerControl::check_run() const
@@ -132,6 +122,44 @@ void ServerControl::request(MethodCall call)
     if (wish.reason.empty()) {
         wish.reason = usual_reason(wish.state, wish.restarts);
     }
+    if (wish.restarts && needs_.replace && needs_.may_replace) {
+        return agree_if_replaceable(std::move(call), std::move(wish));
+    }
+    agree(call, std::move(wish));
+}
+
+void ServerControl::agree_if_replaceable(MethodCall call, Wish wish)
+{
+    const Holder holder = holder_of(needs_.server, call);
+    const auto may = std::make_shared<Configured<void>>();
+    const auto kept = std::make_shared<MethodCall>(std::move(call));
+    // What was found before may be otherwise after the work, and the client no longer wait.
+    const auto end = [this, holder, may, kept, asked = std::move(wish)](StatusCode done) {
+        if (done.is_good()) {
+            done = kept->is_abandoned()
+                       ? StatusCode{status::Bad_Timeout}
+                       : check_still(needs_.server, holder, kept->object_id(), kept->method_id());
+        }
+        if (done.is_bad()) {
+            return kept->fail(done);
+        }
+        if (!*may) {
+            const std::string why = text(may->error());
+            needs_.log.write(LogLevel::Error, "stop",
+                             "a restart is refused: " + why + "; nothing was changed");
+            return answer_with(*kept, refuse_state(may->error().status, why).error());
+        }
+        if (const auto still = check(asked); !still) {
+            return answer_with(*kept, still.error());
+        }
+        agree(*kept, asked);
+    };
+    needs_.table.run(
+        needs_.worker, [may, check = needs_.may_replace()] { *may = check(); }, end);
+}
+
+void ServerControl::agree(MethodCall& call, Wish wish)
+{
     auto task = std::make_unique<NodeTable::Task>();
     task->function = [this, asked = std::move(wish)] { carry_out(asked); };
     task->rounds = 2; // after a second Method of the same Call has been answered, too

@@ -8,6 +8,7 @@
 #include <busbar/core/log.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/server/worker.hpp>
 #include <busbar/types/enumerations.hpp>
 
 #include "node_table.hpp"
@@ -29,13 +30,15 @@ public:
         server::Server& server;
         NodeTable& table;
         LogSink& log;
+        /// Checks whether another server can take the place; if null, the server's thread does.
+        server::Worker* worker;
         /// Functions that end, stop or start the server, see AdministrationParts.
         const std::function<void()>& stop;
         const std::function<void(const std::string&)>& shut_down;
         const std::function<Configured<void>()>& may_run;
         const std::function<void()>& restart;
         const std::function<void(const RestartWish&)>& replace;
-        const std::function<Configured<void>()>& may_replace;
+        const std::function<std::function<Configured<void>()>()>& may_replace;
     };
 
     explicit ServerControl(const Needs& needs) : needs_{needs} {}
@@ -60,6 +63,10 @@ private:
     void request(server::MethodCall call);
     /// Returns Good or the refusal for the Method's answer.
     [[nodiscard]] Checked<void> check(const Wish& wish) const;
+    /// Checks on the worker whether another server can take the place of this one, and agrees.
+    void agree_if_replaceable(server::MethodCall call, Wish wish);
+    /// Answers, and does what is wished afterwards.
+    void agree(server::MethodCall& call, Wish wish);
     void carry_out(const Wish& wish);
     /// Tells whether Running can end the state that the server is in.
     [[nodiscard]] Checked<void> check_run() const;

@@ -192,7 +192,10 @@ struct ManagedFixture {
                 .restart = std::move(restart),
                 .replace = std::move(replace),
                 .may_replace =
-                    [this] { return refusal ? Unexpected{*refusal} : Configured<void>{}; },
+                    [this] {
+                        return
+                            [this] { return refusal ? Unexpected{*refusal} : Configured<void>{}; };
+                    },
                 .reset = [this] { return reset(); },
                 .is_in_setup = [this] { return changes == 0; },
                 .may_administer = [this](const auto& user) { return user.name != suspended; },

@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 namespace {
 
 struct Control : ManagedFixture {
-    explicit Control(Restart how = Restart::ByEnding)
-        : ManagedFixture{nullptr, administration::Authorities::Standard, how}
+    explicit Control(Restart how = Restart::ByEnding, server::Worker* worker = nullptr)
+        : ManagedFixture{worker, administration::Authorities::Standard, how}
     {
     }
     std::string_view request(TestClient& client, ServerState state, std::uint32_t seconds = 10,
@@ -225,6 +225,54 @@ TEST_CASE_METHOD(Replacing, "server control: a restart that would not work is no
     refusal.reset();
     CHECK(request(admin, ServerState::Running, 5, true) == "Good");
     CHECK(wish);
+}
+
+TEST_CASE("server control: others are served while a restart is checked")
+{
+    ManualWorker worker;
+    Control control{Control::Restart::ByReplacing, &worker};
+    auto admin = control.log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    CallMethodRequest& method = request.methods_to_call[0];
+    method.object_id = NodeId{0, id::Server};
+    method.method_id = NodeId{0, id::Server_RequestServerStateChange};
+    method.input_arguments = {Variant{static_cast<std::int32_t>(ServerState::Running)},
+                              Variant{DateTime{}}, Variant{5U}, Variant{LocalizedText{}},
+                              Variant{true}};
+    const auto ask = [&] {
+        const auto sent = admin.send(request);
+        control.complete();
+        CHECK(control.read(admin, id::Server_ServerStatus_State).value ==
+              Variant{ServerState::Running});
+        CHECK_FALSE(control.wish);
+        return sent;
+    };
+    auto sent = ask();
+    control.refusal = Problem{status::Bad_ConfigurationError, "press.st:2", "found nothing"};
+    worker.work();
+    control.complete();
+    auto response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Bad_ConfigurationError");
+    CHECK_FALSE(control.wish);
+
+    control.refusal.reset();
+    sent = ask();
+    worker.work();
+    control.complete();
+    response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Good");
+    CHECK(control.wish);
+
+    // Who was told meanwhile that the server stops finds that it does, and that alone.
+    control.wish.reset();
+    static_cast<void>(ask());
+    control.server.begin_shutdown(control.now, "another reason");
+    worker.work();
+    control.complete();
+    CHECK_FALSE(control.wish);
 }
 
 TEST_CASE_METHOD(GoingOn,

@@ -77,9 +77,10 @@ struct AdministrationParts {
     /// net::ServerLoop::hand_over): the shutdown has not begun when this is called, in a callback
     /// of the server, and if it does not begin the server continues.
     std::function<void(const RestartWish& wish)> replace{};
-    /// Returns whether `replace` would work, called before a client is told that it will; the
-    /// problem goes to the log, its status to the client. If empty, it would.
-    std::function<Configured<void>()> may_replace{};
+    /// Returns a check whether `replace` would work, before a client is told that it will. The
+    /// check may take long and is called on `worker`, like the work of TransferOwner::preparation;
+    /// its problem goes to the log, its status to the client. If empty, it would.
+    std::function<std::function<Configured<void>()>()> may_replace{};
     /// ResetToServerDefaults (Part 12, 7.10.13), requires `certificates` and `stop`: discards all
     /// changes of administrators, completely or not at all, before `restart` is called, or `stop`
     /// if there is no `restart`. Called on the server's thread; the problem is for the log. If

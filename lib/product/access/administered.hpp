@@ -42,8 +42,8 @@ struct ToAdminister {
     std::function<Configured<void>()> may_run;
     /// Replaces the server by a new one soon.
     std::function<void(const administration::RestartWish& wish)> restart;
-    /// Tells whether a restart would work, or why not.
-    std::function<Configured<void>()> may_restart;
+    /// Returns a check whether a restart would work, for the worker.
+    std::function<std::function<Configured<void>()>()> may_restart;
     /// Tells whether the certificate may be replaced now, or why not.
     std::function<Configured<void>()> may_replace_own;
     /// Tells whether a machine is in RUN, where users and roles cannot change (W588, 3-2-6).

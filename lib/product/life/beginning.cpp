@@ -60,7 +60,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
         labels_->tell_left_out(log_, config.labels.program_file);
     }
     if (beginning.last && !beginning.last->project.empty()) {
-        expect(check_labels(reading.project.get(), config, beginning.last->project));
+        expect(labels_check(reading.project, config, beginning.last->project)());
     }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
@@ -222,8 +222,15 @@ Requests RunningController::requests()
                     looks_until_restart_ = 2; // the client is answered first
                 });
             },
-        .may_restart = [this] { return may_restart(false); },
-        .may_update = [this] { return may_restart(true); },
+        .may_restart = [this] { return restart_check(); },
+        .may_update = [this]() -> Configured<void> {
+            try {
+                static_cast<void>(reading_for_restart());
+                return {};
+            } catch (const ConfigError& error) {
+                return Unexpected{error.problem()};
+            }
+        },
         .may_replace_own = [this] { return check_no_replacement("certificate"); },
         .check_listeners = [this](const ControllerConfig& next) { return check_listeners(next); },
         .settings_changed = [this] { loop_.post([this] { keep(); }); },

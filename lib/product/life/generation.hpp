@@ -66,8 +66,8 @@ struct Requests {
     std::function<void(HardwareEvent)> hardware;
     /// The machine's memory was restored or cleared; the client has not been answered yet.
     std::function<void()> memory_replaced;
-    /// Tells whether restart() would work, or why not.
-    std::function<Configured<void>()> may_restart;
+    /// Returns a check whether restart() would work, which takes long, for any thread.
+    std::function<std::function<Configured<void>()>()> may_restart;
     /// The same of a project whose labels have been compared with the PLC.
     std::function<Configured<void>()> may_update;
     /// Whether another certificate may be made now: not while another generation is to serve, which

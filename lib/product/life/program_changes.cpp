@@ -3,9 +3,12 @@
 #include <string>
 #include <utility>
 
+#include <busbar/controller/declaration_reader.hpp>
 #include <busbar/core/status_codes.hpp>
 
+#include "product/configuration/plc_trial.hpp"
 #include "product/configuration/toml_reader.hpp"
+#include "product/machine/program_file.hpp"
 #include "product/store/received_program.hpp"
 #include "running_controller.hpp"
 #include "startup.hpp"
@@ -31,6 +34,25 @@ std::optional<PreparedProgram> prepare_file(const ProgramBase& base, const std::
     }
     prepared->files.text = *std::move(text);
     return *std::move(prepared);
+}
+
+/// The same of a program of labels.
+SourceFiles::Prepared prepare_labels(PlcTrial trial, const std::string& file,
+                                     const std::shared_ptr<const std::string>& known)
+{
+    auto text = SourceFiles{}.text(file, controller::DeclarationLimits{}.max_text_size);
+    if (file.empty() || !text || (known != nullptr && **text == *known)) {
+        return {};
+    }
+    auto program = read_labels(**text, file, trial.label_options.unserved);
+    if (!program) {
+        return {};
+    }
+    trial.labels = *program;
+    const bool is_possible = trial.run().has_value();
+    return {.text = *std::move(text),
+            .labels = *std::move(program),
+            .tried = is_possible ? std::make_shared<const PlcTrial>(std::move(trial)) : nullptr};
 }
 
 } // namespace
@@ -67,6 +89,14 @@ void RunningController::read_again_soon()
 {
     when_free([this] {
         const ControllerConfig& config = current_->config();
+        if (labels_ && !configuration_.file.empty()) {
+            return work_aside([this, trial = PlcTrial{config}, file = config.labels.program_file,
+                               known = labels_->program_text()] {
+                when_free([this, labels = prepare_labels(trial, file, known)] {
+                    read_again_with_labels(labels);
+                });
+            });
+        }
         const bool is_begun = machine_ && maker_->run([this, base = current_->program_base(),
                                                        file = config.machine.program_file,
                                                        known = config.machine.program_text] {
@@ -218,18 +248,51 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
     });
 }
 
-void RunningController::download_labels()
+void RunningController::read_again_with_labels(const SourceFiles::Prepared& labels)
 {
-    if (!labels_ || configuration_.file.empty()) {
-        return;
-    }
-    const Reading next = read(configuration_, {.files = current_->sources().again()});
-    if (labels_->download(next.config)) {
-        current_->use(next.settings->sources());
-        keep();
-        log_.write(LogLevel::Info, "controller", "downloaded: " + next.config.labels.program_file);
-        labels_->tell_left_out(log_, next.config.labels.program_file);
-    }
+    try_to_read([&] {
+        Substitutes known = as_known();
+        if (labels.text != nullptr) {
+            known.files =
+                current_->sources().again_with(current_->config().labels.program_file, labels);
+        }
+        Reading next = read(configuration_, std::move(known));
+        if (!labels_->is_other(next.config)) {
+            return read_files_again();
+        }
+        download_labels(next.config,
+                        [this, sources = next.settings->sources(),
+                         file = next.config.labels.program_file](const Problem* why_not) {
+                            try_to_read([&] {
+                                if (why_not != nullptr) {
+                                    throw ConfigError{*why_not};
+                                }
+                                current_->use(sources);
+                                keep();
+                                log_.write(LogLevel::Info, "controller", "downloaded: " + file);
+                                read_files_again();
+                            });
+                        });
+    });
+}
+
+void RunningController::download_labels(ControllerConfig next,
+                                        std::function<void(const Problem* why_not)> then)
+{
+    takes_labels_ = true;
+    work_aside([this, next = std::move(next), then = std::move(then)] {
+        std::optional<Problem> why_not;
+        try {
+            labels_->download(next);
+        } catch (const ConfigError& error) {
+            why_not = error.problem();
+        }
+        loop_.post([this, why_not, then] {
+            takes_labels_ = false;
+            resume();
+            then(why_not ? &*why_not : nullptr);
+        });
+    });
 }
 
 } // namespace busbar::product

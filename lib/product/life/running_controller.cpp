@@ -161,30 +161,42 @@ Substitutes RunningController::as_known() const
             .running = current_->project()};
 }
 
-Configured<void> RunningController::may_restart(bool are_labels_checked)
+Reading RunningController::reading_for_restart()
+{
+    Reading next = read(configuration_, as_known());
+    expect(check_listeners(next.config));
+    return next;
+}
+
+std::function<Configured<void>()> RunningController::restart_check()
 {
     try {
-        const Reading next = read(configuration_, as_known());
-        return check_listeners(next.config).and_then([&] {
-            return are_labels_checked ? Configured<void>{}
-                                      : check_labels(next.project.get(), next.config,
-                                                     current_->project_document());
-        });
+        const Reading next = reading_for_restart();
+        return labels_check(next.project, next.config, current_->project_document());
     } catch (const ConfigError& error) {
-        return Unexpected{error.problem()};
+        return [problem = error.problem()]() -> Configured<void> { return Unexpected{problem}; };
     }
 }
 
-Configured<void> RunningController::check_labels(const KeptProject* project,
-                                                 const ControllerConfig& next,
-                                                 const std::string& last) const
+std::function<Configured<void>()>
+RunningController::labels_check(std::shared_ptr<const KeptProject> project,
+                                const ControllerConfig& next, std::string last) const
 {
-    if (project == nullptr || project->is_known(last)) {
-        return {};
+    if (project == nullptr) {
+        return [] { return Configured<void>{}; };
     }
-    const std::shared_ptr<const backend::LabelBackend> labels =
-        labels_ ? labels_->labels_with(next) : runtime_.labels();
-    return project->check_labels(*labels, next.labels.isolates_failures);
+    return [project = std::move(project), last = std::move(last),
+            isolates = next.labels.isolates_failures,
+            labels = labels_ ? labels_->labels_with(next) : [all = runtime_.labels()] {
+                return std::shared_ptr<const backend::LabelBackend>{all};
+            }]() -> Configured<void> {
+        try {
+            return project->is_known(last) ? Configured<void>{}
+                                           : project->check_labels(*labels(), isolates);
+        } catch (const ConfigError& error) {
+            return Unexpected{error.problem()};
+        }
+    };
 }
 
 void RunningController::keep()
@@ -264,27 +276,59 @@ void RunningController::hang_up()
 
 void RunningController::read_again(const std::optional<PreparedProgram>& program)
 {
+    try_to_read([&] {
+        if (!machine_ || !download(program)) {
+            read_files_again();
+        }
+    });
+}
+
+void RunningController::try_to_read(FunctionRef<void()> act)
+{
     try_to([&] {
         try {
-            if (machine_ && download(program)) {
-                return;
-            }
-            download_labels();
-            log_.write(LogLevel::Info, "controller", current_->reload());
-            keep();
+            act();
         } catch (const ConfigError& error) {
             pending_.ask(PendingChanges::By::Reload, error.what());
             throw;
         }
-        pending_.done(PendingChanges::By::Reload);
-        look_soon();
-        if (pending_.has(PendingChanges::By::Start) && may_restart(false)) {
-            pending_.done(PendingChanges::By::Start);
-            if (machine_) {
-                machine_->refuse_configuration({});
-            }
-        }
     });
+}
+
+void RunningController::read_files_again()
+{
+    const std::string found = current_->reload();
+    keep();
+    pending_.done(PendingChanges::By::Reload);
+    look_soon();
+    if (!pending_.has(PendingChanges::By::Start)) {
+        log_.write(LogLevel::Info, "controller", found);
+        return;
+    }
+    work_aside([this, check = restart_check(), found] {
+        const bool is_usable = check().has_value();
+        loop_.post([this, is_usable, found] {
+            if (is_usable) {
+                end_refusal();
+            }
+            log_.write(LogLevel::Info, "controller", found);
+        });
+    });
+}
+
+void RunningController::end_refusal()
+{
+    pending_.done(PendingChanges::By::Start);
+    if (machine_) {
+        machine_->refuse_configuration({});
+    }
+}
+
+void RunningController::work_aside(std::function<void()> work)
+{
+    if (!maker_->run(work)) {
+        work();
+    }
 }
 
 void RunningController::look_soon()

@@ -122,6 +122,14 @@ private:
     /// a worker reads the machine's program first.
     void read_again_soon();
     void read_again(const std::optional<PreparedProgram>& program);
+    /// Takes over another program of labels on the worker, if there is one, before all else.
+    void read_again_with_labels(const SourceFiles::Prepared& labels);
+    /// Throws ConfigError.
+    void read_files_again();
+    /// What could not be used at the start can be by now.
+    void end_refusal();
+    /// Calls `act`, which may throw a ConfigError, for SIGHUP.
+    void try_to_read(FunctionRef<void()> act);
     void renewed();
     void follow(HardwareEvent event);
     /// Reports the change to the machine's life cycle.
@@ -169,6 +177,8 @@ private:
     void made(const std::shared_ptr<Successor>& next);
     /// Lets it serve, has another one made, or refuses it.
     void take(Successor& next);
+    /// Does what has waited for the worker.
+    void resume();
     /// Lets the worker destroy a generation that nothing uses, which takes long.
     void discard(std::unique_ptr<Generation> gone);
     /// Nothing is made any more.
@@ -199,18 +209,21 @@ private:
     /// puts it there. Turning the server on or off requires a restart (3-2-3). `edit` is the reason
     /// against an online edit; empty if that would be possible. Throws ConfigError.
     void check_download(const ControllerConfig& next, const std::string& edit) const;
-    /// Takes over another program of labels, if there is one.
-    void download_labels();
+    /// Lets the worker change the program of labels to that of `next`, then calls `then`, with the
+    /// reason if that is impossible, on the thread of run(). No generation is created meanwhile.
+    void download_labels(ControllerConfig next, std::function<void(const Problem* why_not)> then);
+    /// Calls `work` on the worker, or at once if that has too much to do.
+    void work_aside(std::function<void()> work);
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
-    /// Checks that the project, null for none, can have its labels of the PLC, if it is another one
-    /// than `last`, the file of the one before. Any thread, while no program of labels is taken
-    /// over. Throws ConfigError if the program of its labels is none.
-    [[nodiscard]] Configured<void> check_labels(const KeptProject* project,
-                                                const ControllerConfig& next,
-                                                const std::string& last) const;
-    /// Checks what restart() would take up. The labels of its project may have been checked
-    /// already, which takes long.
-    [[nodiscard]] Configured<void> may_restart(bool are_labels_checked);
+    /// Returns a check, for any thread, that the project, null for none, can have its labels of the
+    /// PLC, if it is another one than `last`, the file of the one before.
+    [[nodiscard]] std::function<Configured<void>()>
+    labels_check(std::shared_ptr<const KeptProject> project, const ControllerConfig& next,
+                 std::string last) const;
+    /// Reads what restart() would take up; its labels are not checked. Throws ConfigError.
+    [[nodiscard]] Reading reading_for_restart();
+    /// Returns a check of what restart() would take up, for any thread.
+    [[nodiscard]] std::function<Configured<void>()> restart_check();
     /// Stores what is running as the last good state.
     void keep();
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
@@ -262,6 +275,8 @@ private:
     /// The generation that is being created, and the tasks that wait for it; null for none.
     std::shared_ptr<Successor> next_;
     std::vector<std::function<void()>> waiting_;
+    /// True while the worker changes the program of labels.
+    bool takes_labels_{false};
     /// Number of replacements that were asked for and have not begun.
     int replacements_due_{0};
     /// Creates generations and destroys old ones. Empty after run().

@@ -38,7 +38,7 @@ struct RunningController::Successor {
 void RunningController::when_free(std::function<void()> act)
 {
     loop_.post([this, act = std::move(act)] {
-        if (next_ != nullptr) {
+        if (next_ != nullptr || takes_labels_) {
             waiting_.push_back(act);
         } else {
             act();
@@ -137,7 +137,7 @@ void RunningController::begin(Replacement wish, Reading reading)
 void RunningController::prepare(Successor& next) const
 {
     Generation& generation = *next.generation;
-    expect(check_labels(generation.project().get(), generation.config(), next.last_project));
+    expect(labels_check(generation.project(), generation.config(), next.last_project)());
     generation.prepare();
 }
 
@@ -165,12 +165,17 @@ bool RunningController::make(const std::shared_ptr<Successor>& next)
 void RunningController::made(const std::shared_ptr<Successor>& next)
 {
     next_.reset();
-    for (auto& act : std::exchange(waiting_, {})) {
-        when_free(std::move(act));
-    }
+    resume();
     take(*next);
     if (next->generation != nullptr) {
         discard(std::move(next->generation));
+    }
+}
+
+void RunningController::resume()
+{
+    for (auto& act : std::exchange(waiting_, {})) {
+        when_free(std::move(act));
     }
 }
 
@@ -211,8 +216,12 @@ void RunningController::succeed(Successor& next)
     pending_.done(PendingChanges::By::Reload);
     pending_.done(PendingChanges::By::Download);
     standing_ = std::move(next.standing);
-    if (labels_) {
-        labels_->download(current_->config());
+    if (labels_ && labels_->is_other(current_->config())) {
+        download_labels(current_->config(), [this](const Problem* why_not) {
+            if (why_not != nullptr) {
+                log_.write(LogLevel::Error, "controller", text(*why_not));
+            }
+        });
     }
     if (machine_ && !listening_.is_halted()) {
         machine_->replace(next.wish.cause, *current_->plant().program(), current_->config(),

@@ -16,6 +16,16 @@ constexpr std::string_view xml_ending = ".xml";
 
 using ReadProgram = std::shared_ptr<const controller::CheckedProgram>;
 
+/// Refuses what was left out of a program that was read before the key "strict" had this value.
+void check_strict(const TomlTable& table, const controller::Program& program,
+                  const std::string& file)
+{
+    const auto left_out = left_out_texts(program, file);
+    if (read_unserved(table) == controller::Unserved::Refuse && !left_out.empty()) {
+        throw ConfigError{"", left_out.front()};
+    }
+}
+
 /// Returns the program at this place: the remembered one, or a new reading.
 ReadProgram program_of(const TomlTable& table, const std::string& place, std::string_view text,
                        const std::string& name)
@@ -25,6 +35,7 @@ ReadProgram program_of(const TomlTable& table, const std::string& place, std::st
     if (program == nullptr) {
         program = expect(read_program(text, name, read_unserved(table)));
     }
+    check_strict(table, program->program(), name);
     return program;
 }
 
@@ -59,15 +70,23 @@ Configured<ReadProgram> read_program(std::string_view text, const std::string& n
     });
 }
 
+Configured<std::shared_ptr<const controller::Program>>
+read_labels(std::string_view text, const std::string& name, controller::Unserved unserved)
+{
+    return read_unchecked(text, name, unserved).transform([](controller::Program program) {
+        return std::make_shared<const controller::Program>(std::move(program));
+    });
+}
+
 ProgramFile<controller::Program> read_labels_program(const TomlTable& table, const std::string& key)
 {
     auto text = text_of_file(table, key);
     const std::string path = table.text(key);
     SourceFiles::Labels& labels = table.sources().labels(path);
     if (labels == nullptr) {
-        labels = std::make_shared<const controller::Program>(
-            expect(read_unchecked(*text, path, read_unserved(table))));
+        labels = expect(read_labels(*text, path, read_unserved(table)));
     }
+    check_strict(table, *labels, path);
     return {std::move(text), labels, path};
 }
 

@@ -28,6 +28,9 @@ struct ProgramFile {
 /// if known. Thread-safe.
 [[nodiscard]] Configured<std::shared_ptr<const controller::CheckedProgram>>
 read_program(std::string_view text, const std::string& name, controller::Unserved unserved);
+/// Reads a program of labels like that; its types are not checked.
+[[nodiscard]] Configured<std::shared_ptr<const controller::Program>>
+read_labels(std::string_view text, const std::string& name, controller::Unserved unserved);
 /// Reads the key "strict" of a section with a program.
 [[nodiscard]] controller::Unserved read_unserved(const TomlTable& table);
 /// Reads the file of labels that the key names, with what read_unserved() says; SimulatedLabels

@@ -18,7 +18,7 @@ bool is_same(const std::shared_ptr<const std::string>& one,
 } // namespace
 
 LabelPlant::LabelPlant(const ControllerConfig& config, const WallClock& clock)
-    : clock_{clock}, program_text_{config.labels.program_text}, labels_{make_labels(config.labels)}
+    : clock_{clock}, labels_{make_labels(config.labels)}, program_text_{config.labels.program_text}
 {
     plcs_.push_back(make_plc(config));
     current_ = plcs_.front().get();
@@ -41,13 +41,15 @@ void LabelPlant::stop()
     labels_->halt(clock_.now());
 }
 
-std::shared_ptr<const backend::LabelBackend>
+std::function<std::shared_ptr<const backend::LabelBackend>()>
 LabelPlant::labels_with(const ControllerConfig& next) const
 {
-    if (is_same(next.labels.program_text, program_text_)) {
-        return labels_;
+    if (!is_other(next)) {
+        return [labels = labels_] { return labels; };
     }
-    return make_labels(next.labels);
+    return [config = next.labels]() -> std::shared_ptr<const backend::LabelBackend> {
+        return make_labels(config);
+    };
 }
 
 void LabelPlant::tell_left_out(LogSink& log, const std::string& file) const
@@ -55,11 +57,19 @@ void LabelPlant::tell_left_out(LogSink& log, const std::string& file) const
     product::tell_left_out(log, labels_->program()->types().program(), file);
 }
 
-bool LabelPlant::download(const ControllerConfig& next)
+std::shared_ptr<const std::string> LabelPlant::program_text() const
 {
-    if (is_same(next.labels.program_text, program_text_)) {
-        return false;
-    }
+    const std::lock_guard lock{mutex_};
+    return program_text_;
+}
+
+bool LabelPlant::is_other(const ControllerConfig& next) const
+{
+    return !is_same(next.labels.program_text, program_text());
+}
+
+void LabelPlant::download(const ControllerConfig& next)
+{
     controller::Program program =
         next.labels.program != nullptr ? *next.labels.program : controller::Program{};
     expect(labels_->replace_program(std::move(program)));
@@ -68,7 +78,6 @@ bool LabelPlant::download(const ControllerConfig& next)
     std::erase_if(plcs_, [this](const auto& one) { return one.get() != current_; });
     plcs_.push_back(std::move(plc));
     program_text_ = next.labels.program_text;
-    return true;
 }
 
 void LabelPlant::end_of_scan(DateTime time)

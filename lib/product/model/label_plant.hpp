@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,7 +18,7 @@ namespace busbar::product {
 /// The simulated PLC whose labels a server of model mode serves. It runs independently of servers,
 /// and its program changes when a new one is downloaded.
 ///
-/// Used on the server's thread, except the functions that PlcTask calls.
+/// Used on the server's thread, except the functions that PlcTask calls, and download().
 class LabelPlant {
 public:
     /// Throws ConfigError. `clock` must outlive it.
@@ -33,15 +34,20 @@ public:
     [[nodiscard]] int task_priority() const { return task_->realtime_priority(); }
     /// Accepts one listener at a time.
     [[nodiscard]] std::shared_ptr<backend::LabelBackend> labels() const { return labels_; }
-    /// The labels for the program of this configuration. Throws ConfigError.
-    [[nodiscard]] std::shared_ptr<const backend::LabelBackend>
+    /// Returns a function for any thread that makes the labels for the program of this
+    /// configuration. It throws ConfigError.
+    [[nodiscard]] std::function<std::shared_ptr<const backend::LabelBackend>()>
     labels_with(const ControllerConfig& next) const;
+    /// The text of the program; null if there is none.
+    [[nodiscard]] std::shared_ptr<const std::string> program_text() const;
+    /// True if the configuration has another program.
+    [[nodiscard]] bool is_other(const ControllerConfig& next) const;
 
     /// Tells the log what is left out of the program.
     void tell_left_out(LogSink& log, const std::string& file) const;
-    /// Changes the program online, if the configuration has another one, and returns whether it
-    /// has. Throws ConfigError, with nothing changed.
-    bool download(const ControllerConfig& next);
+    /// Changes the program online to that of the configuration, which takes long: on any thread,
+    /// one at a time. Throws ConfigError, with nothing changed.
+    void download(const ControllerConfig& next);
 
 private:
     [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(const ControllerConfig& config) const;
@@ -49,10 +55,10 @@ private:
     void end_of_scan(DateTime time);
 
     const WallClock& clock_;
-    std::shared_ptr<const std::string> program_text_;
     std::shared_ptr<controller::SimulatedLabels> labels_;
     /// Guards the members below. The task does not wait for it but tries again after the next scan.
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
+    std::shared_ptr<const std::string> program_text_;
     /// Contains two elements while a program is about to be replaced.
     std::vector<std::unique_ptr<controller::Plc>> plcs_;
     /// The one that scans.

@@ -104,7 +104,11 @@ SourceFiles SourceFiles::again_with(const std::string& file, Prepared prepared) 
 {
     SourceFiles all = again();
     all.texts_before_[file] = std::move(prepared.text);
-    all.programs_[file] = std::move(prepared.program);
+    if (prepared.labels != nullptr) {
+        all.labels_[file] = std::move(prepared.labels);
+    } else {
+        all.programs_[file] = std::move(prepared.program);
+    }
     if (prepared.tried != nullptr) {
         all.tried_ = std::move(prepared.tried);
     }

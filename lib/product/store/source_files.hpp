@@ -44,6 +44,8 @@ public:
     struct Prepared {
         Text text{};
         Program program{};
+        /// Of a file of labels, instead.
+        Labels labels{};
         std::shared_ptr<const PlcTrial> tried{};
     };
     /// Returns these files with this document of a ReceivedProgram, for which `prepared` needs no
