@@ -126,6 +126,14 @@ cycle_when_due() {
     last=$kept_last
 }
 
+# departs SETTING MANUAL SECTION: the preset names a default of its manual that is not ours, so that
+# who wants the manual's sets it.
+departs() {
+    last="--print-preset nj501"
+    "$controller" --print-preset nj501 > out || fail "$last"
+    says "\"setting\":\"$1\",\"manual\":\"*$2.*\"section\":\"$3\",\"reason\":\"[a-zA-Z]"
+}
+
 # is_long_run: with BUSBAR_TEST_EFFORT=full, as in `tests/run all`, and by ./table. takes_long leaves
 # a script out of quick runs.
 is_long_run() { [ "${BUSBAR_TEST_EFFORT:-}" = full ] || [ -n "${BUSBAR_SEEN:-}" ]; }

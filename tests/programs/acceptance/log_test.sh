@@ -111,10 +111,14 @@ says 'cleared the execution log: '
 chief 0 admin log "$url"
 says_not ' Run$'
 step_ends
-lacks variables 7-2: columns, fetch, clear, card -- \
-    "not by FTP (7-2-4), which sends passwords and records in the clear: 'busbar admin log" \
-    "--save' fetches the same files encrypted and with the rights of 8-1, and any file server" \
-    "of the machine can serve the medium"
+# 7-2-3 and 7-2-4: whoever reads the medium, as the unit's FTP server (W506) does, finds whole
+# records there, while the controller writes.
+mkdir fetched
+await test -s "$log"
+cp "$logs"/ExecutionLog/OPCUA_ExecutionLog*.log fetched
+awk -F'\t' 'NF < 7 || !/\r$/ { bad = 1 } END { exit bad }' fetched/OPCUA_ExecutionLog.log ||
+    fail "a record on the medium is not whole"
+[ -s fetched/OPCUA_ExecutionLog.log ] || fail "there are no records on the medium"
 shut_down
 
 entry variables 7-1-3: settings

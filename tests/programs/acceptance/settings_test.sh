@@ -88,10 +88,8 @@ chief 0 admin mode "$url" run --yes
 refuses server.port $((port + 2)) 'RUN'
 entry variables 3-2-2: use
 refuses machine.use false 'RUN'
-lacks variables 3-2-2: use -- \
-    "the default is Use, not Do not use: the maker's tool sets it by USB (4-1-1), here the" \
-    "server is the only way in, so that one that is not used can be set up at the machine" \
-    "only"
+# The default is Use: the maker's tool sets it by USB (4-1-1), here the server is the only way in.
+departs machine.use false 3-2-2
 chief 0 admin mode "$url" program --yes
 one_step # without a port nobody could be asked
 chief 0 admin setting set "$url" machine.use false

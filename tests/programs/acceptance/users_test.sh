@@ -46,9 +46,7 @@ run 0 --user user1 --password-file better --trust admin user password "$url" use
 step_ends
 run 4 --user user1 --password-file better --trust admin status "$url"
 run 0 --user user1 --password-file good --trust admin status "$url"
-lacks variables 3-2-6: users -- \
-    "Changing the Password asks for the current one only of the user himself: an" \
-    "administrator gives a user another one because the current one is forgotten"
+# An administrator does not: a user has another password because the current one is forgotten.
 
 entry variables 3-2-6: names and passwords
 for name in abc "$(printf 'a%.0s' $(seq 33))" 'with_line' 'with space' 'umläut' 'Administrator' \
@@ -92,9 +90,9 @@ step_ends
 cycle_when_due
 run 4 --trust read "$url" i=2259
 
-lacks variables 3-2-6: anonymous -- \
-    "the default is Prohibit, not Permit: without any setting only users with a name write" \
-    "variables of a machine, and one setting permits anonymous ones"
+# The default is Prohibit, not Permit: clients without a name write no variables of a machine unless
+# that is set.
+departs users.anonymous '\\"write' 3-2-6
 
 entry variables 5-1-2: user authentication
 run 4 --user user2 --password-file better --trust read "$url" i=2259
@@ -132,10 +130,9 @@ as_user2 0 write 8
 entry variables 3-2-6: policies
 entry variables 5-2: signature and encryption
 # The policies of SHA-1 are tried in machine_limits_test.sh.
-lacks variables 3-2-6: policies -- \
-    "all seven can be chosen, but only those without SHA-1 and with protection are by" \
-    "default: 3-2-6 itself has None cleared for security, the others are deprecated (Part 7)," \
-    "and packages do not have them"
+# By default there are those without SHA-1 and with protection: 3-2-6 itself has None cleared for
+# security.
+departs endpoint None 3-2-6
 both="\"{ mode = 'SignAndEncrypt', policy = 'Basic256Sha256' }\",
     \"{ mode = 'Sign', policy = 'Basic256Sha256' }\", \"{ mode = 'None', policy = 'None' }\""
 one_step
