@@ -77,16 +77,18 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
             show_accounts();
         }
     }
-    offer_passwords(config.server.endpoints);
+    offer_logins(config.server.endpoints);
 }
 
-void Administered::offer_passwords(std::vector<server::EndpointConfig>& endpoints) const
+void Administered::offer_logins(std::vector<server::EndpointConfig>& endpoints) const
 {
     if (users_->users().empty() && !setup_->is_active() && !waits_for_port_) {
         return;
     }
     for (server::EndpointConfig& endpoint : endpoints) {
         endpoint.allows_user_name = true;
+        // Any client may connect during a setup.
+        endpoint.allows_anonymous = endpoint.allows_anonymous && !setup_->is_active();
     }
 }
 

@@ -79,8 +79,9 @@ public:
     /// Called once, before the server is created. Throws ConfigError. `admission` must outlive this
     /// object.
     void add_users(Admission& admission, ControllerConfig& config);
-    /// Makes endpoints offer passwords if a user of the list, or of the setup, has one.
-    void offer_passwords(std::vector<server::EndpointConfig>& endpoints) const;
+    /// Makes endpoints offer passwords if a user of the list, or of the setup, has one, and keeps
+    /// anonymous users out during a setup.
+    void offer_logins(std::vector<server::EndpointConfig>& endpoints) const;
     /// Decides about clients, also during a setup.
     [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
     /// The one-time code of the setup, if this is the first start of a controller with a setup.

@@ -21,7 +21,7 @@ server::ServerConfig LiveConfig::next(const ControllerConfig& config) const
     offered.users.anonymous = config.users.anonymous;
     offered.server.endpoints = config.server.endpoints;
     offer_users(offered);
-    administered_.offer_passwords(offered.server.endpoints);
+    administered_.offer_logins(offered.server.endpoints);
 
     server::ServerConfig next = server_.config();
     ControllerConfig running;

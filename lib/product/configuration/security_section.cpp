@@ -243,10 +243,9 @@ void read_users(const TomlTable& table, ControllerConfig& config)
         users.tokens = read_tokens(table.table("tokens"));
         config.server.issuer.authority_url = users.tokens->rules.issuer;
     }
-    if (users.has_setup && !is_nobody(users)) {
-        table.refuse("setup",
-                     "found it beside accounts, anonymous users, certificates or tokens, expected "
-                     "setup alone: users are then added online");
+    if (users.has_setup && (!users.accounts.empty() || users.tokens)) {
+        table.refuse("setup", "found it beside accounts or tokens, expected it without these: "
+                              "users are then added online");
     }
 }
 

@@ -103,4 +103,16 @@ sed 's/^setup = .*//; /^\[\[users.account\]\]/,/^roles/d; s/^\[users\]$/&\nsetup
 "$controller" --print-conformance setup.toml > out 2>&1 || fail "--print-conformance"
 last="--print-conformance"
 says_not 'no user can log in'
+
+# Anonymous users are let in beside a setup, once there is an administrator.
+sed -e 's/^setup = true/&\nanonymous = "read"/' -e 's/^folder = .*/folder = "new-pki"/' \
+    setup.toml > anonymous.toml
+serve --config anonymous.toml
+sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
+run 4 --trust read "$url" i=2259
+run 0 admin setup "$url" first --user setup --password-file code --new-password-file password --trust
+run 0 --trust read "$url" i=2259
+run 0 --user first --password-file password --trust admin setting set "$url" users.anonymous no
+run 4 --trust read "$url" i=2259
+shut_down
 finish
