@@ -98,11 +98,16 @@ void Stream::watch_connection()
 
 bool Stream::count()
 {
-    if (end_.count != 0 && counted_ >= end_.count) {
+    if (has_enough()) {
         return false;
     }
     ++counted_;
     return true;
+}
+
+bool Stream::has_enough() const
+{
+    return end_.count != 0 && counted_ >= end_.count;
 }
 
 void Stream::wake_on(int descriptor)
@@ -129,7 +134,7 @@ void Stream::run(const std::function<void()>& tick)
     const auto begin = Clock::now();
     const auto is_over = [&] {
         const std::chrono::duration<double> passed = Clock::now() - begin;
-        return is_stopped_ || has_lost_input() || (end_.count != 0 && counted_ >= end_.count) ||
+        return is_stopped_ || has_lost_input() || (has_enough() && is_complete_()) ||
                (end_.seconds > 0 && passed.count() >= end_.seconds);
     };
     while (!is_over() && !connection_->is_interrupted()) {

@@ -66,6 +66,8 @@ public:
     void push(std::function<void()> work) { work_.push_back(std::move(work)); }
     /// Counts one value or event more; false if StreamEnd does not allow more.
     bool count();
+    /// Makes run() not end by StreamEnd's count before `is_complete`.
+    void end_after(std::function<bool()> is_complete) { is_complete_ = std::move(is_complete); }
     /// run() ends after what happens now.
     void stop() { is_stopped_ = true; }
     /// Makes run() call `tick` soon when this descriptor is readable, and end when its writer is
@@ -82,11 +84,13 @@ public:
 private:
     void watch_connection();
     [[nodiscard]] bool has_input() const;
+    [[nodiscard]] bool has_enough() const;
 
     Context* context_;
     Connection* connection_;
     std::unique_ptr<StreamListener> listener_;
     StreamEnd end_;
+    std::function<bool()> is_complete_{[] { return true; }};
     std::uint64_t counted_{0};
     int input_{-1};
     bool is_stopped_{false};

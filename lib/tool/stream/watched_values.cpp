@@ -21,14 +21,23 @@ WatchedValues::WatchedValues(Context& context, Connection& connection, Stream& s
             {[this](std::size_t node, const DataValue& value) { show(node, value); },
              [this](std::size_t node, StatusCode status) { set_status(node, status); }}}
 {
+    // Which items are refused has to be known first.
+    stream.end_after([this] { return answered_ == rows_.size(); });
+}
+
+void WatchedValues::answer(ValueRow& row)
+{
+    answered_ += row.is_answered ? 0 : 1;
+    row.is_answered = true;
 }
 
 void WatchedValues::show(std::size_t node, const DataValue& value)
 {
+    ValueRow& row = rows_[node];
+    answer(row);
     if (!stream_->count()) {
         return;
     }
-    ValueRow& row = rows_[node];
     row.value = value;
     const client::NodeAddress& address = feed_.nodes()[node].address;
     const Types types = connection_->types_of(
@@ -62,6 +71,7 @@ void WatchedValues::print(std::size_t node, const ValueRow& row, const Types& ty
 void WatchedValues::set_status(std::size_t node, StatusCode status)
 {
     ValueRow& row = rows_[node];
+    answer(row);
     const std::string& text = feed_.nodes()[node].text;
     const bool is_news = row.status != status && status.is_bad();
     row.status = status;

@@ -11,7 +11,8 @@ struct ValueRow {
     DataValue value;
     std::string shown{"(waiting)"};
     std::uint64_t changes{0};
-    StatusCode status; // of the item
+    StatusCode status;       // of the item
+    bool is_answered{false}; // has had a value or a status
 };
 
 /// Prints values of nodes as they change, each as a line or a JSON document, unless another
@@ -36,6 +37,8 @@ private:
     void show(std::size_t node, const DataValue& value);
     void print(std::size_t node, const ValueRow& row, const Types& types);
     void set_status(std::size_t node, StatusCode status);
+    /// Counts a node of which there is a first value or status.
+    void answer(ValueRow& row);
 
     Context* context_;
     Connection* connection_;
@@ -45,6 +48,7 @@ private:
     RowWriter writer_;
     std::vector<ValueFacts> facts_;
     std::vector<ValueRow> rows_;
+    std::size_t answered_{0};
     NodeFeed feed_;
 };
 
