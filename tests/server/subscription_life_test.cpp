@@ -2,6 +2,8 @@
 
 #include <map>
 #include <memory>
+#include <set>
+#include <vector>
 
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
@@ -62,6 +64,46 @@ struct SlowItems : SlowFixture {
 };
 
 } // namespace
+
+TEST_CASE("a few Subscriptions of a session with one interval publish in one turn")
+{
+    SubscriptionFixture fixture; // which lets a session have five Publish requests
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in();
+    std::vector<std::uint32_t> ids;
+    for (int i = 0; i < 3; ++i) {
+        ids.push_back(fixture.subscribe(client));
+        fixture.monitor(client, ids.back(), fixture.item_request(level));
+        fixture.advance(30ms);
+    }
+    std::vector<std::uint32_t> requests;
+    for (int i = 0; i < 3; ++i) {
+        requests.push_back(fixture.publish(client));
+    }
+    std::set<std::uint32_t> from;
+    const auto take = [&] {
+        while (!requests.empty()) {
+            const auto response = SubscriptionFixture::take(client, requests.front());
+            if (!response) {
+                return;
+            }
+            from.insert(response->subscription_id);
+            requests.erase(requests.begin());
+        }
+    };
+    fixture.advance(9ms); // 99 ms after the first was created
+    take();
+    CHECK(from.empty());
+    fixture.advance(1ms);
+    take();
+    CHECK(from == std::set{ids[0], ids[1]});
+    fixture.advance(59ms); // the third is 99 ms old
+    take();
+    CHECK(requests.size() == 1);
+    fixture.advance(1ms);
+    take();
+    CHECK(from.contains(ids[2]));
+}
 
 TEST_CASE("Subscriptions outlive their session for as long as their lifetime says")
 {

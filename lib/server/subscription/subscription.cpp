@@ -171,11 +171,42 @@ void Subscription::start_publishing_timer(TimePoint now)
 {
     // Counted from the time that was due, so that cycles do not drift; missed cycles are not
     // repeated.
-    const TimePoint in_step =
-        next_publishing_ == no_deadline ? now : next_publishing_ + parameters_.publishing_interval;
-    next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
+    if (next_publishing_ == no_deadline) {
+        next_publishing_ = end_of_first_cycle(now);
+    } else {
+        const TimePoint in_step = next_publishing_ + parameters_.publishing_interval;
+        next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
+    }
     all_.timers().set(*this, next_publishing_);
     --lifetime_counter_;
+}
+
+/// Together with the session's latest Subscription of the same interval: messages that are ready in
+/// one turn are sent at once, which costs a session of many Subscriptions a fraction of the system
+/// calls. The first cycle is shorter for it, never longer. No more come together than there are
+/// Publish requests for, if a client has half as many waiting as it may.
+TimePoint Subscription::end_of_first_cycle(TimePoint now) const
+{
+    const TimePoint whole = now + parameters_.publishing_interval;
+    const PublishPart* const part = session_ != nullptr ? PublishPart::find(*session_) : nullptr;
+    if (part == nullptr) {
+        return whole;
+    }
+    const auto& all = part->subscriptions();
+    const auto latest = std::find_if(all.rbegin(), all.rend(), [this](const Subscription* other) {
+        return other != this &&
+               other->parameters_.publishing_interval == parameters_.publishing_interval;
+    });
+    if (latest == all.rend()) {
+        return whole;
+    }
+    const TimePoint theirs = (*latest)->next_publishing_;
+    const auto together = std::count_if(all.begin(), all.end(), [&](const Subscription* other) {
+        return other->next_publishing_ == theirs;
+    });
+    const auto most = all_.needs().limits.subscriptions.max_publish_requests / 2;
+    return theirs > now && theirs < whole && static_cast<std::size_t>(together) < most ? theirs
+                                                                                       : whole;
 }
 
 void Subscription::set_publishing_enabled(bool is_enabled)
@@ -195,7 +226,7 @@ void Subscription::update_parameters(const SubscriptionParameters& parameters, T
     keep_alive_counter_ = std::min(keep_alive_counter_, parameters.max_keep_alive_count);
     reset_lifetime_counter();
     if (is_other_interval) {
-        next_publishing_ = now + parameters.publishing_interval;
+        next_publishing_ = end_of_first_cycle(now);
         all_.timers().set(*this, next_publishing_);
     }
 }

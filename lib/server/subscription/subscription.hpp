@@ -174,6 +174,7 @@ private:
     void count_items(std::ptrdiff_t more) noexcept;
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
     void start_publishing_timer(TimePoint now);
+    [[nodiscard]] TimePoint end_of_first_cycle(TimePoint now) const;
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
     void set_publishing_enabled(bool is_enabled);
     void return_notifications();
