@@ -233,6 +233,24 @@ CLI::App* add_appendix7(CLI::App& app, SevenOptions& options)
     return seven;
 }
 
+CLI::App* add_publishes(CLI::App& app, PublishesOptions& options)
+{
+    CLI::App* const publishes = app.add_subcommand(
+        "publishes", "What many small Subscriptions cost a server, without a URL one of its own; "
+                     "ends with 1 if a message is lost.");
+    publishes->fallthrough();
+    publishes->add_option("--subscriptions", options.subscriptions, "of one item each")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str();
+    publishes->add_option("--sessions", options.sessions, "that they are spread over")
+        ->check(CLI::Range(1, 1'000))
+        ->capture_default_str();
+    publishes->add_option("--interval", options.interval_ms, "of publishing and sampling, in ms")
+        ->check(CLI::Range(1.0, 3'600'000.0))
+        ->capture_default_str();
+    return publishes;
+}
+
 /// What a word behind the name chooses.
 struct Subcommand {
     const CLI::App* app;
@@ -260,6 +278,7 @@ Expected<CommandLine, int> read_command_line(int argc, char** argv)
         Subcommand{add_memory(app, line.memory), Command::Memory},
         Subcommand{add_startup(app, line.startup), Command::Startup},
         Subcommand{add_appendix7(app, line.seven), Command::Appendix7},
+        Subcommand{add_publishes(app, line.publishes), Command::Publishes},
     };
     command_line::add_program_options(app, "busbar-bench");
     try {

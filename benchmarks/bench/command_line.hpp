@@ -10,6 +10,7 @@
 #include "growth.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
+#include "publishes.hpp"
 #include "session_memory.hpp"
 #include "startup_run.hpp"
 
@@ -25,6 +26,7 @@ enum class Command {
     Growth,
     Startup,
     Appendix7,
+    Publishes,
 };
 
 /// The words behind the program's name. Commands that they do not name have their defaults.
@@ -39,6 +41,7 @@ struct CommandLine {
     SessionMemoryOptions memory;
     StartupOptions startup;
     SevenOptions seven;
+    PublishesOptions publishes;
     /// Two files, before and after.
     std::vector<std::string> compared;
 };

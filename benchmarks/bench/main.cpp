@@ -193,6 +193,31 @@ int run_compare(const std::vector<std::string>& files)
     return 0;
 }
 
+/// Against the server of the options, or one of our own.
+int run_publishes(bench::Options options, const bench::PublishesOptions& publishes, bool has_url)
+{
+    std::unique_ptr<bench::OwnServer> own;
+    if (!has_url) {
+        auto started = bench::OwnServer::start(
+            {.is_secure = options.policy != "None", .is_unrationed = true, .is_large = true});
+        if (!started) {
+            return complain(options, started.error());
+        }
+        own = *std::move(started);
+        options.url = own->url();
+        options.subscribe.server_pid = own->process();
+    }
+    bench::Load load{options};
+    const auto prepared = load.prepare();
+    const auto measured =
+        prepared ? bench::measure_publishes(load, options, publishes) : fail(prepared.error());
+    if (!measured) {
+        return complain(options, measured.error());
+    }
+    bench::print(publishes, *measured, options.json);
+    return measured->lost == 0 && measured->messages != 0 ? 0 : 1;
+}
+
 /// Needs no server: the figures are those of this library.
 int run_growth(const bench::GrowthOptions& growth, bool json)
 {
@@ -260,6 +285,8 @@ int run(const bench::CommandLine& line)
         return run_startup(line.startup, json);
     case bench::Command::Appendix7:
         return run_appendix7(line.seven, json);
+    case bench::Command::Publishes:
+        return run_publishes(line.loads, line.publishes, line.has_url);
     case bench::Command::Loads:
         break;
     }

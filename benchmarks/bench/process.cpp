@@ -162,6 +162,20 @@ Memory memory_of(pid_t process)
     return memory;
 }
 
+double own_memory_mb(pid_t process)
+{
+    constexpr double kib_per_mb = 1e6 / 1024;
+    // The counters of `status` are hundreds of kilobytes late.
+    std::ifstream file{file_of(process, "smaps_rollup")};
+    double kib = 0;
+    for (std::string line; std::getline(file, line);) {
+        if (std::sscanf(line.c_str(), "Anonymous: %lf kB", &kib) == 1) {
+            break;
+        }
+    }
+    return kib / kib_per_mb;
+}
+
 void forget_peak(pid_t process)
 {
     std::ofstream{file_of(process, "clear_refs")} << "5";

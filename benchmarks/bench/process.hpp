@@ -25,6 +25,10 @@ struct Memory {
     double peak_mb{0};
 };
 [[nodiscard]] Memory memory_of(pid_t process);
+/// Megabytes that are the process's own, exactly: without the pages of its program and libraries,
+/// of which more are resident after each function that is used for the first time. 0 if there is no
+/// process of that id.
+[[nodiscard]] double own_memory_mb(pid_t process);
 /// Has the system count the peak anew, which it lets only those do who may look into the process.
 void forget_peak(pid_t process);
 

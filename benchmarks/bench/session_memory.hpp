@@ -20,7 +20,7 @@ struct SessionMemoryOptions {
     bool is_secure{false};
 };
 
-/// Resident memory of one server in megabytes.
+/// Memory of one server in megabytes, without the pages of its program.
 struct SessionMemory {
     std::size_t sessions{0};
     double empty_mb{0};
@@ -33,14 +33,14 @@ struct SessionMemory {
     double flooded_mb{0};
     double left_mb{0};
 
-    /// Kilobytes that a session takes of what is resident.
-    [[nodiscard]] double each_kb(double resident_mb) const
+    /// Kilobytes that a session takes of it.
+    [[nodiscard]] double each_kb(double own_mb) const
     {
-        return (resident_mb - empty_mb) * 1e3 / static_cast<double>(sessions);
+        return (own_mb - empty_mb) * 1e3 / static_cast<double>(sessions);
     }
 };
 
-/// Grows the sessions of each server, and measures what it has resident. Before this process has
+/// Grows the sessions of each server, and measures its memory. Before this process has
 /// threads.
 [[nodiscard]] Result<std::vector<SessionMemory>>
 measure_session_memory(const SessionMemoryOptions& options);

@@ -95,6 +95,11 @@ has "step" growth.txt
 is_json growth.json
 has '"of": "items", "count": 10, .*"delete_us": ' growth.json
 
+"$bench" publishes --seconds 0.3 --subscriptions 12 --sessions 3 --interval 50 > publishes.txt
+has "^12 Subscriptions in 3 sessions at 50 ms: [1-9][0-9]* messages a second of 240, server .* 0 lost" publishes.txt
+"$bench" publishes --seconds 0.2 --subscriptions 2 --sessions 1 --interval 50 --json > publishes.json
+is_json publishes.json
+
 "$bench" startup --limited 3,30 --open 60 --rounds 1 > startup.txt
 has "^3 *nj501 " startup.txt
 has "^30 *nj501 " startup.txt
