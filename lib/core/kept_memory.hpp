@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 
@@ -10,34 +9,26 @@
 namespace busbar::detail {
 
 /// Large blocks that requests use in turn (see large_memory.hpp): up to a set number of bytes,
-/// without blocks that have not been used for a while. Belongs to one thread.
+/// without blocks that have not been used for a while.
+///
+/// A block returns to the KeptMemory that it was taken from, whichever thread frees it, and may
+/// outlive it. Nothing here ever waits: while another thread is at it, memory is allocated and
+/// freed as usual. All other calls are the owner's.
 class BUSBAR_API KeptMemory {
 public:
     /// Minimum time that a block is kept; the maximum is twice that.
     static constexpr Duration age = std::chrono::seconds{10};
 
-    explicit KeptMemory(std::size_t max_bytes) : max_bytes_{max_bytes} {}
+    explicit KeptMemory(std::size_t max_bytes);
     KeptMemory(const KeptMemory&) = delete;
     KeptMemory& operator=(const KeptMemory&) = delete;
     ~KeptMemory();
 
-    /// While it lives, this thread takes large memory from `kept` and returns it there.
-    class BUSBAR_API Use {
-    public:
-        explicit Use(KeptMemory& kept);
-        Use(const Use&) = delete;
-        Use& operator=(const Use&) = delete;
-        ~Use();
-
-    private:
-        KeptMemory* before_;
-    };
-
-    [[nodiscard]] std::size_t held() const { return held_; }
-    /// Call it at the end of each Use: from then on the age of its blocks counts.
+    [[nodiscard]] std::size_t held() const;
+    /// Call it after each use: from then on the age of its blocks counts.
     void note(TimePoint now)
     {
-        if (held_ != 0 && deadline_ == no_deadline) {
+        if (deadline_ == no_deadline && held() != 0) {
             deadline_ = now + age;
         }
     }
@@ -45,29 +36,13 @@ public:
     /// Frees blocks that were not used since the last call.
     void handle_deadline(TimePoint now);
 
-    // For allocate_large and free_large. The size of a block is that of the memory after its
-    // header.
-
-    struct Header;
-    /// Returns a block of this size, or at most an eighth more, since its user is charged for the
-    /// requested size; null if there is none.
-    [[nodiscard]] Header* take(std::size_t bytes);
-    /// Returns false if the caller must free it.
-    [[nodiscard]] bool keep(Header* memory);
+    /// The blocks, which live as long as there is one that may return.
+    class Pool;
 
 private:
-    struct Block {
-        Header* memory{nullptr};
-        bool is_new{false};
-    };
+    friend void* allocate_large(std::size_t bytes, KeptMemory* memory);
 
-    template <typename Which>
-    void free_blocks(Which which);
-
-    std::size_t max_bytes_;
-    std::size_t held_{0};
-    /// So few blocks are searched faster than memory is allocated.
-    std::array<Block, 16> blocks_{};
+    Pool* pool_;
     TimePoint deadline_{no_deadline};
 };
 

@@ -126,6 +126,7 @@ void decode(binary::Reader& reader, Array<T>& values)
     if (count < 0 || !reader.ok()) {
         return;
     }
+    values.reserve(static_cast<std::size_t>(count), reader.kept_memory());
     values.resize(static_cast<std::size_t>(count));
     if constexpr (detail::WireNumber<T>) {
         reader.numbers(values.span());

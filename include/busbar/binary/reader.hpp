@@ -7,6 +7,7 @@
 
 #include <busbar/binary/wire_order.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/large_memory.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/string.hpp>
@@ -68,6 +69,9 @@ public:
     [[nodiscard]] const DecodeLimits& limits() const { return limits_; }
     [[nodiscard]] const TypeRegistry* types() const { return types_; }
     [[nodiscard]] Strings strings() const { return strings_; }
+    /// Large arrays take their memory from `memory` from now on; null, as at first, is the heap.
+    void keep_memory_in(busbar::detail::KeptMemory* memory) { memory_ = memory; }
+    [[nodiscard]] busbar::detail::KeptMemory* kept_memory() const { return memory_; }
 
     /// An integer, enumeration or floating-point number; 0 and failed past the end.
     template <busbar::detail::WireNumber T>
@@ -143,6 +147,7 @@ private:
     const std::byte* position_;
     const std::byte* end_;
     const TypeRegistry* types_;
+    busbar::detail::KeptMemory* memory_{nullptr};
     DecodeLimits limits_;
     /// The bytes of C++ objects that the input allows, and the rest of them.
     std::size_t earned_;

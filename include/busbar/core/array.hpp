@@ -100,6 +100,13 @@ public:
             relocate(capacity == 0 ? 1 : capacity);
         }
     }
+    /// As above, with the memory of `memory`, which may be null, if there is much.
+    void reserve(std::size_t capacity, detail::KeptMemory* memory)
+    {
+        if (data_ == nullptr || capacity > capacity_) {
+            relocate(capacity == 0 ? 1 : capacity, memory);
+        }
+    }
     void resize(std::size_t size)
     {
         reserve(size);
@@ -166,9 +173,9 @@ private:
     {
         return capacity_ < 4 ? 4 : std::size_t{capacity_} + capacity_ / 2;
     }
-    void relocate(std::size_t capacity)
+    void relocate(std::size_t capacity, detail::KeptMemory* memory = nullptr)
     {
-        T* data = detail::LargeAllocator<T>{}.allocate(capacity);
+        T* data = detail::LargeAllocator<T>{memory}.allocate(capacity);
         if (data_ != nullptr) {
             static_assert(std::is_nothrow_move_constructible_v<T>);
             for (std::size_t i = 0; i < size_; ++i) {

@@ -31,6 +31,8 @@ protected:
 /// For vectors that grow with the size of a request.
 template <typename T>
 using LargeVector = std::vector<T, busbar::detail::LargeAllocator<T>>;
+/// Where they take it from; may be null.
+using Memory = busbar::detail::KeptMemory*;
 
 struct ReadTraits {
     using Item = ReadItem;
@@ -40,7 +42,10 @@ struct ReadTraits {
     static constexpr bool changes_something = false;
     static constexpr std::array service_results{status::Bad_Shutdown,
                                                 status::Bad_TooManyOperations};
-    static LargeVector<ReadSlot> answers(std::size_t count) { return LargeVector<ReadSlot>(count); }
+    static LargeVector<ReadSlot> answers(std::size_t count, Memory memory)
+    {
+        return LargeVector<ReadSlot>(count, LargeVector<ReadSlot>::allocator_type{memory});
+    }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
     /// Makes an answer own what it points at.
     static void own(ReadSlot& slot)
@@ -60,9 +65,10 @@ struct WriteTraits {
     static constexpr bool changes_something = true;
     static constexpr std::array service_results{status::Bad_Shutdown,
                                                 status::Bad_TooManyOperations};
-    static LargeVector<StatusCode> answers(std::size_t count)
+    static LargeVector<StatusCode> answers(std::size_t count, Memory memory)
     {
-        return LargeVector<StatusCode>(count, status::Bad_NoCommunication);
+        return LargeVector<StatusCode>(count, status::Bad_NoCommunication,
+                                       LargeVector<StatusCode>::allocator_type{memory});
     }
     static void send(DataSource& source, Part& part) { source.write(WriteBatch{part}); }
     static void own(StatusCode&) {}
@@ -83,7 +89,8 @@ public:
     using Part = typename Traits::Part;
 
     SourceCall(DataSources& sources, std::size_t count)
-        : sources_{&sources}, block_{std::make_shared<Block>(count)}, place_(count),
+        : sources_{&sources}, block_{std::make_shared<Block>(count, sources.memory())},
+          place_(count, allocator<std::uint32_t>()), source_of_{allocator<std::uint32_t>()},
           groups_(sources.size())
     {
         block_->items.reserve(count);
@@ -219,7 +226,11 @@ public:
 
 private:
     struct Block {
-        explicit Block(std::size_t count) : answers{Traits::answers(count)} {}
+        Block(std::size_t count, Memory memory)
+            : items{typename LargeVector<Item>::allocator_type{memory}}, answers{Traits::answers(
+                                                                             count, memory)}
+        {
+        }
 
         LargeVector<Item> items;
         LargeVector<Answer> answers;
@@ -238,6 +249,11 @@ private:
         TimePoint deadline{no_deadline};
     };
 
+    template <typename T>
+    [[nodiscard]] busbar::detail::LargeAllocator<T> allocator() const
+    {
+        return busbar::detail::LargeAllocator<T>{sources_->memory()};
+    }
     /// Returns the group of a source, also of one that was added since the request began. Valid
     /// until the next call.
     [[nodiscard]] Group& group_of(std::uint32_t source)
@@ -281,7 +297,7 @@ private:
         for (std::size_t i = 0; i < groups_.size(); ++i) {
             next[i] = groups_[i].first;
         }
-        LargeVector<Item> sorted(block_->items.size());
+        LargeVector<Item> sorted(block_->items.size(), allocator<Item>());
         LargeVector<std::uint32_t>& place_of = source_of_;
         for (std::size_t i = 0; i < sorted.size(); ++i) {
             const std::uint32_t place = next[source_of_[i]]++;

@@ -8,6 +8,7 @@
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/detail/hand_over.hpp>
+#include <busbar/core/detail/large_memory.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -103,9 +104,11 @@ private:
 /// The sources of a server; a node names its own by index. Lives on the server's thread.
 class DataSources {
 public:
-    /// `log` gets exceptions of sources; may be null.
-    explicit DataSources(Waker* waker, LogSink* log = nullptr)
-        : waker_{waker}, log_{log != nullptr ? log : &no_log_},
+    /// `log` gets exceptions of sources, and `memory` keeps that of large requests; both may be
+    /// null.
+    explicit DataSources(Waker* waker, LogSink* log = nullptr,
+                         busbar::detail::KeptMemory* memory = nullptr)
+        : waker_{waker}, log_{log != nullptr ? log : &no_log_}, memory_{memory},
           queue_{std::make_shared<CompletionQueue>(waker)}
     {
     }
@@ -118,6 +121,7 @@ public:
     /// Adds a source that this object keeps.
     std::uint32_t add(std::shared_ptr<DataSource> source);
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
+    [[nodiscard]] busbar::detail::KeptMemory* memory() const { return memory_; }
     /// Returns null for an index that add() never returned.
     [[nodiscard]] const std::shared_ptr<SourceEntry>* find(std::uint32_t index) const
     {
@@ -133,6 +137,7 @@ private:
     NullLog no_log_;
     Waker* waker_;
     LogSink* log_;
+    busbar::detail::KeptMemory* memory_;
     std::shared_ptr<CompletionQueue> queue_;
     StatusCode suspension_;
     std::vector<std::shared_ptr<DataSource>> kept_;

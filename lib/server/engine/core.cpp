@@ -52,7 +52,7 @@ std::uint32_t random_channel_id(crypto::Random& random)
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own)
     : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
       own_namespace{own}, life{e.wall_clock->now()}, address_space{std::move(space)},
-      sources{e.waker, guards.report().log}, kept_memory{kept_bytes(config.limits)},
+      kept_memory{kept_bytes(config.limits)}, sources{e.waker, guards.report().log, &kept_memory},
       assembly{config.limits.max_assembly}, spares{config.limits.transport.send_buffer_size},
       logins{config.limits}, channel_guard{config.limits},
       diagnostics_needs{address_space, config,   *environment.wall_clock,

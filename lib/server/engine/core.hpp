@@ -75,12 +75,12 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     Conformance conformance;
     /// Null without the module.
     Conformance (*assess_all)(const Core& core){nullptr};
+    /// Memory for decoded requests and their results.
+    busbar::detail::KeptMemory kept_memory;
     DataSources sources;
     ServiceTable services;
     /// Outlives the items that are registered with it.
     std::unique_ptr<EventPart> events{std::make_unique<EventPart>()};
-    /// Memory for decoded requests and their results.
-    busbar::detail::KeptMemory kept_memory;
     channel::AssemblyBudget assembly;
     /// Outlives the connections.
     channel::SpareBuffers spares;

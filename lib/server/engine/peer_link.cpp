@@ -91,7 +91,7 @@ bool PeerLog::wants(RecordKind kind) const
 
 class PeerLink::Running {
 public:
-    Running(PeerLink& link, TimePoint now) : link_{link}, memory_{link.core_.kept_memory}
+    Running(PeerLink& link, TimePoint now) : link_{link}
     {
         link_.is_running_ = true;
         link_.now_ = now;
@@ -107,7 +107,6 @@ public:
 
 private:
     PeerLink& link_;
-    busbar::detail::KeptMemory::Use memory_;
 };
 
 PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)

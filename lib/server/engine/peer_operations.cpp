@@ -104,8 +104,8 @@ void PeerLink::count_fault(Session* session, std::uint32_t encoding_id, StatusCo
 void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<std::byte> message,
                      std::size_t offset, const Question& question, ServiceContext& context)
 {
-    const StatusCode bad =
-        operation->decode(std::move(message), offset, core_.types, core_.limits().decode);
+    const StatusCode bad = operation->decode(std::move(message), offset, core_.types,
+                                             core_.limits().decode, &core_.kept_memory);
     if (bad.is_bad()) {
         return fault(question.reply, bad);
     }

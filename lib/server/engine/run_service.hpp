@@ -28,6 +28,7 @@ void run_function(Core& core, ServiceContext& context, Incoming& incoming)
 {
     binary::Reader reader{std::span{incoming.message}.subspan(incoming.offset),
                           binary::Strings::Borrow, &core.types, core.limits().decode};
+    reader.keep_memory_in(&core.kept_memory);
     Request request;
     decode_parameters(reader, request);
     if (reader.ok() && reader.remaining() != 0) {

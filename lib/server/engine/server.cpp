@@ -216,7 +216,6 @@ void Server::start(TimePoint now)
 
 void Server::handle_deadline(TimePoint now)
 {
-    const busbar::detail::KeptMemory::Use memory{impl_->kept_memory};
     impl_->latest = now;
     impl_->kept_memory.handle_deadline(now);
     bool is_done = true;
@@ -278,7 +277,6 @@ void Server::Impl::expire_sessions(TimePoint now)
 
 void Server::handle_completions(TimePoint now)
 {
-    const busbar::detail::KeptMemory::Use memory{impl_->kept_memory};
     impl_->latest = now;
     impl_->survive("the answer of a source", [&] { impl_->sources.handle_completions(); });
     impl_->survive("a password", [&] { impl_->password_checks.drain(now); });

@@ -22,9 +22,9 @@ struct CallTraits {
     static constexpr bool changes_something = true;
     /// A busy Method does not fail the service.
     static constexpr std::array service_results{status::Bad_Shutdown};
-    static LargeVector<CallResult> answers(std::size_t count)
+    static LargeVector<CallResult> answers(std::size_t count, Memory memory)
     {
-        return LargeVector<CallResult>(count);
+        return LargeVector<CallResult>(count, LargeVector<CallResult>::allocator_type{memory});
     }
     static void send(DataSource& source, Part& part) { source.call(CallBatch{part}); }
     static void own(CallResult&) {}

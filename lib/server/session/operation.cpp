@@ -87,11 +87,14 @@ bool ServiceOperation::replace_aliases()
 
 StatusCode ServiceOperation::decode(std::vector<std::byte> message, std::size_t offset,
                                     const binary::TypeRegistry& types,
-                                    const binary::DecodeLimits& limits)
+                                    const binary::DecodeLimits& limits,
+                                    busbar::detail::KeptMemory* memory)
 {
+    memory_ = memory;
     message_ = std::move(message);
     binary::Reader reader{std::span{message_}.subspan(offset), binary::Strings::Borrow, &types,
                           limits};
+    reader.keep_memory_in(memory);
     decode_request(reader);
     decoded_ = reader.charged();
     if (reader.ok() && reader.remaining() != 0) {

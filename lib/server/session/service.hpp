@@ -80,11 +80,13 @@ public:
 
     // Called by the code that executes it.
 
-    /// Takes the message, whose parameters begin at `offset`; Bad_DecodingError, or another reason
-    /// why it is not such a request.
+    /// Takes the message, whose parameters begin at `offset`, and decodes it with memory that
+    /// `memory` keeps, if that is not null; Bad_DecodingError, or another reason why it is not such
+    /// a request.
     [[nodiscard]] StatusCode decode(std::vector<std::byte> message, std::size_t offset,
                                     const binary::TypeRegistry& types,
-                                    const binary::DecodeLimits& limits);
+                                    const binary::DecodeLimits& limits,
+                                    busbar::detail::KeptMemory* memory = nullptr);
     /// Sets the destination of the answer; before start().
     void open(const Question& question, ServiceContext& context);
     /// Replaces the session's aliases by the NodeIds of their nodes, unless the service accepts
@@ -130,6 +132,8 @@ protected:
     /// Charges the session for the memory of the operation while it waits, until it has answered;
     /// false if the session has not that much left. dispatch charges for the message itself.
     [[nodiscard]] bool charge(std::size_t bytes);
+    /// Keeps the memory of large lists; may be null.
+    [[nodiscard]] busbar::detail::KeptMemory* kept_memory() const { return memory_; }
     /// Maximum size of a response that fits the client's limits.
     [[nodiscard]] std::size_t response_limit() const;
     /// Overwrites the message, and what the request borrows from it.
@@ -150,6 +154,7 @@ private:
     Peer& finish();
 
     std::vector<std::byte> message_;
+    busbar::detail::KeptMemory* memory_{nullptr};
     /// Bytes of the request's objects.
     std::size_t decoded_{0};
     Peer* peer_{nullptr};

@@ -27,7 +27,7 @@ public:
         if (status.is_bad()) {
             return this->fault(status);
         }
-        response_.results.reserve(size());
+        response_.results.reserve(size(), this->kept_memory());
         take_turn(context);
     }
     [[nodiscard]] bool wants_turn() const final { return !this->is_finished(); }

@@ -149,6 +149,7 @@ StatusCode BrowseWork::begin(ViewContext& context, const BrowseRequest& request,
     max_references_ = requested == 0 ? context.limits.max_references_per_node
                                      : std::min(requested, context.limits.max_references_per_node);
     ViewPart::of(context.session).begin_request();
+    response.results.reserve(count, context.memory);
     response.results.resize(count);
     return status::Good;
 }
@@ -221,6 +222,7 @@ StatusCode BrowseNextWork::begin(ViewContext& context, const BrowseNextRequest& 
         }
         return status::Good; // and no results
     }
+    response.results.reserve(count, context.memory);
     response.results.resize(count);
     return status::Good;
 }

@@ -39,6 +39,8 @@ struct ViewContext {
     crypto::Random& random;
     Session& session;
     LateNodes* late_nodes{nullptr};
+    /// Keeps the memory of large lists; may be null.
+    busbar::detail::KeptMemory* memory{nullptr};
     /// Limits of work and memory of one request.
     std::size_t visits_left{10'000'000};
     std::size_t references_left{max_references};

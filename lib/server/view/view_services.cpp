@@ -32,6 +32,7 @@ public:
     void start(ServiceContext& context) override
     {
         ViewContext view = view_context(needs_, context);
+        view.memory = this->kept_memory();
         StatusCode status = work_.begin(view, this->request(), response_);
         if (status.is_good() && !this->charge(response_.results.size() * sizeof(BrowseResult))) {
             status = status::Bad_TooManyOperations;
