@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t most_waiting = 10;
 
 /// Of all threads: whether what they see counts, and whether they go on.
-struct Phase {
+struct Measurement {
     std::atomic<bool> is_measuring{false};
     std::atomic<bool> is_over{false};
 };
@@ -35,7 +35,7 @@ struct Phase {
 /// One session with its Subscriptions, and the thread that takes what they publish.
 class Reader {
 public:
-    explicit Reader(const Phase& phase) : phase_{&phase} {}
+    explicit Reader(const Measurement& phase) : phase_{&phase} {}
 
     [[nodiscard]] Result<void> open(Load& load) { return load.open(loop_, true); }
     [[nodiscard]] Result<void> subscribe(double interval_ms);
@@ -59,7 +59,7 @@ private:
     void take(const PublishResponse& response);
     [[nodiscard]] Result<void> publish(PublishRequest request);
 
-    const Phase* phase_;
+    const Measurement* phase_;
     net::ClientLoop loop_;
     /// The last sequence number of each Subscription.
     std::map<std::uint32_t, std::uint32_t> sequences_;
@@ -148,7 +148,7 @@ void Reader::take(const PublishResponse& response)
 Result<Publishes> measure_publishes(Load& load, const Options& options,
                                     const PublishesOptions& publishes)
 {
-    Phase phase;
+    Measurement phase;
     std::vector<std::unique_ptr<Reader>> readers;
     Result<void> done;
     for (std::size_t i = 0; done && i < publishes.sessions; ++i) {
