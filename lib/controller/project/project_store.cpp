@@ -223,15 +223,23 @@ Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> 
 
 Configured<void> ProjectStore::take_up(Staged staged_project)
 {
-    if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
-        return storage_problem(*storage_, file(), moved.error());
+    // What may fail comes first: after the move it is the current project.
+    const std::string from = staged();
+    const std::string to = file();
+    auto project = std::make_shared<const Project>(std::move(staged_project.project_));
+    if (auto moved = storage_->move(from, to, WhenThere::Replace); !moved) {
+        return storage_problem(*storage_, to, moved.error());
     }
     if (staged_project.file_ != nullptr) {
         staged_project.file_->name.clear();
     }
-    current_ = std::make_shared<const Project>(std::move(staged_project.project_));
-    const auto there = storage_->entry(file());
-    version_ = there ? std::optional{there->version} : std::nullopt;
+    current_ = std::move(project);
+    version_.reset();
+    busbar::detail::attempt([&] {
+        if (const auto there = storage_->entry(to)) {
+            version_ = there->version;
+        }
+    });
     return {};
 }
 
