@@ -57,6 +57,12 @@ TEST_CASE_METHOD(Fixture, "8.3 Error codes: one that goes on is told each minute
     CHECK(take() == std::vector<std::string>{
                         "error 1A01H: the label's value does not suit the node: Line.W of "
                         "ns=2;i=5"});
+    // Each counts for the nodes, where only the last one is.
+    CHECK(log.last().error_code == 0x1A01);
+    CHECK(log.last().error_count == 100);
+    CHECK(log.last().error_time == clock.time);
+    CHECK(log.last().error.find("Line.W of ns=2;i=5") != std::string::npos);
+    CHECK(log.last().event_code == 0);
     clock.pass(59);
     fail("Line.W");
     CHECK(take().empty());
@@ -83,6 +89,8 @@ TEST_CASE_METHOD(Fixture, "8.3 Error codes: of many labels the first 20 of a min
           std::string::npos);
     // Labels that are updated are told anew.
     log.label_update(LabelUpdate::Started);
+    CHECK(log.last().event_code == 24'000);
+    CHECK(log.last().event_time == clock.time);
     fail("L0");
     const auto next = take();
     REQUIRE(next.size() == 3);

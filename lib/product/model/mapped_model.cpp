@@ -86,6 +86,8 @@ controller::MappedOptions options_of(const MappedModel::Needs& needs)
 void LabelLog::label_update(LabelUpdate event)
 {
     const std::string code = "event " + std::to_string(static_cast<unsigned>(event)) + ": ";
+    last_.event_code = static_cast<std::uint16_t>(event);
+    last_.event_time = clock_.now();
     switch (event) {
     case LabelUpdate::Started:
         begin_period(clock_.now());
@@ -128,6 +130,10 @@ void LabelLog::error(const controller::MappedError& error)
     if (error.node != nullptr) {
         line += " of " + to_string(*error.node);
     }
+    last_.error_code = static_cast<std::uint16_t>(error.code);
+    last_.error = line;
+    last_.error_time = now;
+    ++last_.error_count;
     if (told_.size() == most_errors || !told_.insert(line).second) {
         ++untold_;
         return;
@@ -138,14 +144,56 @@ void LabelLog::error(const controller::MappedError& error)
     log_.write(LogLevel::Error, label_source, line);
 }
 
+namespace {
+
+struct LastValue {
+    const char* name;
+    Variant (*value)(const LabelLog::Last&);
+};
+
+/// Its index is the handle.
+constexpr std::array last_values{
+    LastValue{"LastErrorCode", [](const LabelLog::Last& last) { return Variant{last.error_code}; }},
+    LastValue{"LastError", [](const LabelLog::Last& last) { return Variant{String{last.error}}; }},
+    LastValue{"LastErrorTime", [](const LabelLog::Last& last) { return Variant{last.error_time}; }},
+    LastValue{"ErrorCount", [](const LabelLog::Last& last) { return Variant{last.error_count}; }},
+    LastValue{"LastEventCode", [](const LabelLog::Last& last) { return Variant{last.event_code}; }},
+    LastValue{"LastEventTime", [](const LabelLog::Last& last) { return Variant{last.event_time}; }},
+};
+
+} // namespace
+
+void LabelLogNodes::read(server::ReadBatch batch)
+{
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const std::uint64_t handle = batch.items()[i].handle;
+        if (handle < last_values.size()) {
+            batch.results()[i] =
+                DataValue{last_values[handle].value(log_.last()), status::Good, clock_.now()};
+        }
+    }
+    batch.complete();
+}
+
+void LabelLogNodes::add_to(model::AddressSpace& space, model::NodeIndex parent) const
+{
+    for (std::size_t i = 0; i < last_values.size(); ++i) {
+        const Variant like = last_values[i].value(LabelLog::Last{.error = "-"});
+        static_cast<void>(
+            expect(space.add_variable(parent, {1, last_values[i].name}, variable(i, like)),
+                   "the module's last errors"));
+    }
+}
+
 MappedModel::MappedModel(const Needs& needs)
     : events_{needs.log, needs.clock}, source_{needs.labels, options_of(needs), &events_},
-      status_{source_, needs.server, needs.clock}
+      status_{source_, needs.server, needs.clock}, last_{events_, needs.clock}
 {
     server::Server& server = needs.server;
     model::AddressSpace& space = server.address_space();
     server.add_source(source_);
     server.add_source(status_);
+    server.add_source(last_);
     source_.set_space(&space);
     const controller::ShapeLimits limits = has_ceilings(needs.project)
                                                ? controller::ShapeLimits::rd81opc96()
@@ -157,6 +205,7 @@ MappedModel::MappedModel(const Needs& needs)
     }
     expect(controller::add_module_status_nodes(space, needs.module, 1, status_),
            "the module's buffer memory");
+    last_.add_to(space, needs.module);
     variables_ = mapped.variables;
     for (const std::string& reason : mapped.left_out) {
         needs.log.write(LogLevel::Warning, label_source, "left out of the mapping: " + reason);

@@ -10,7 +10,9 @@
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/module_status.hpp>
 #include <busbar/controller/project.hpp>
+#include <busbar/model/address_space.hpp>
 #include <busbar/model/data_types.hpp>
+#include <busbar/server/data_source.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::product {
@@ -20,11 +22,23 @@ namespace busbar::product {
 /// fill the log.
 class LabelLog final : public controller::MappedObserver {
 public:
+    /// The last error and the last event, each with its time; a code of 0 is none.
+    struct Last {
+        std::uint16_t error_code{0};
+        /// As in the log, with label and node.
+        std::string error{};
+        DateTime error_time{};
+        std::uint32_t error_count{0};
+        std::uint16_t event_code{0};
+        DateTime event_time{};
+    };
+
     /// Both must outlive this object.
     LabelLog(LogSink& log, const WallClock& clock) : log_{log}, clock_{clock} {}
 
     void label_update(controller::LabelUpdate event) override;
     void error(const controller::MappedError& error) override;
+    [[nodiscard]] const Last& last() const { return last_; }
 
 private:
     void begin_period(DateTime now);
@@ -37,6 +51,24 @@ private:
     std::set<std::string> told_{};
     /// Number of errors in the period without a line of their own.
     std::size_t untold_{0};
+    Last last_{};
+};
+
+/// What a LabelLog has last, as Variables beside the module's buffer memory: LastErrorCode,
+/// LastError, LastErrorTime, ErrorCount, LastEventCode and LastEventTime.
+class LabelLogNodes final : public server::DataSource {
+public:
+    /// Both must outlive this object.
+    LabelLogNodes(const LabelLog& log, const WallClock& clock) : log_{log}, clock_{clock} {}
+
+    void read(server::ReadBatch batch) override;
+    /// Adds them below the parent. This object must have been added to the server. Throws
+    /// ConfigError.
+    void add_to(model::AddressSpace& space, model::NodeIndex parent) const;
+
+private:
+    const LabelLog& log_;
+    const WallClock& clock_;
 };
 
 /// The Variables and Methods that a project maps to labels, served by one server, which may end
@@ -73,6 +105,7 @@ private:
     LabelLog events_;
     controller::MappedSource source_;
     controller::ModuleStatus status_;
+    LabelLogNodes last_;
     std::size_t variables_{0};
 };
 

@@ -27,6 +27,10 @@ get "$(cell 104)" '^32767$'
 put "$(cell 104)" -7
 get_refused Bad_NoCommunication "$(cell 105)"
 await logged 'error 1A01H'
+get "ns=1;s=Module/LastErrorCode" '^6657$' # 1A01H
+get "ns=1;s=Module/LastError" 'error 1A01H: .* of ns=[0-9]*;i=105$'
+get "ns=1;s=Module/LastErrorTime" '^20'
+get "ns=1;s=Module/LastEventCode" '^24001$'
 put "$(cell 104)" 5
 put "$(cell 108)" -2147483648
 put_refused Bad_OutOfRange "$(cell 108)" 2147483648
@@ -138,6 +142,8 @@ await ended
 rm -r pki/taken-over # there is no project before it that could stay in force
 serve_cell wrong.busbar
 await logged 'event 24003'
+get "ns=1;s=Module/LastEventCode" '^24003$'
+get "ns=1;s=Module/ErrorCount" '^[1-9]'
 for each in 104:Secret 105:Fixed 106:Line.None 107:Line.Recipe 109:Line.Row; do
     logged "error 1921H: .*: ${each#*:} of .*i=${each%%:*}" || fail "1921H does not name $each"
 done
