@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -40,9 +41,13 @@ struct MappingTableLimits {
 [[nodiscard]] BUSBAR_API std::string write_mapping_table(const model::SpaceReader& space,
                                                          const Mapping& mapping);
 
+/// The parts that a table of mappable parts has: all, or only those that have no label yet.
+enum class PartsWritten : std::uint8_t { All, Unmapped };
+
 /// Writes also a line for each part of a node that could have a label (see MappableParts), and a
 /// column Type.
-[[nodiscard]] BUSBAR_API std::string write_mappable_table(const ModelSet& models);
+[[nodiscard]] BUSBAR_API std::string write_mappable_table(const ModelSet& models,
+                                                          PartsWritten written = PartsWritten::All);
 
 /// The result of reading a table.
 struct ReadMappingTable {

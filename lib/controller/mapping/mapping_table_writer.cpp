@@ -187,7 +187,7 @@ std::string write_mapping_table(const model::SpaceReader& space, const Mapping& 
     return writer.take();
 }
 
-std::string write_mappable_table(const ModelSet& models)
+std::string write_mappable_table(const ModelSet& models, PartsWritten written)
 {
     const model::SpaceReader& space = models.space();
     std::vector<std::pair<NodeId, NodeIndex>> nodes;
@@ -197,10 +197,14 @@ std::string write_mappable_table(const ModelSet& models)
     MappableParts parts{models};
     const auto& variables = models.mapping().variables;
     for (const auto& [id, node] : nodes) {
-        const std::vector<MappablePart> found = parts.of(node);
+        std::vector<MappablePart> found = parts.of(node);
+        if (written == PartsWritten::Unmapped) {
+            std::erase_if(found, [](const MappablePart& part) { return !part.label.empty(); });
+        }
         const auto mapped = variables.find(id);
+        const bool has_more = written == PartsWritten::All && mapped != variables.end();
         if (!found.empty()) {
-            writer.write(node, found, mapped != variables.end() ? &mapped->second : nullptr);
+            writer.write(node, found, has_more ? &mapped->second : nullptr);
         }
     }
     return writer.take();

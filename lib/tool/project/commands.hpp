@@ -31,6 +31,8 @@ struct ProjectArguments {
     bool replaces{false};
     /// Also what is not mapped.
     bool wants_all{false};
+    /// Only what is not mapped.
+    bool wants_unmapped{false};
     bool has_parts{false};
     std::string part;
     std::string label;

@@ -128,30 +128,58 @@ void keep_mapping(Context& context, const std::string& path, controller::Project
     save_project(path, project);
 }
 
-/// A label for a node or, with PART, for a part of it; "" takes all labels of the node away.
-Exit map_node(Context& context, const ProjectArguments& arguments)
+/// Reads LABEL [PART], and more pairs of both, from `words`. Parts that only count together, as
+/// those of a Method with OutputArguments, are mapped at once.
+Mapping labels_of(Context& context, const ModelSet& models, const std::vector<std::string>& words)
+{
+    if (words.size() > 4 && words.size() % 2 != 0) {
+        throw Failure{Exit::Usage, safe(words.back()) + ": a label without its part",
+                      "expected LABEL PART, as often as there are parts"};
+    }
+    Mapping mapping;
+    for (std::size_t i = 2; i < words.size(); i += 2) {
+        const std::string part = i + 1 < words.size() ? words[i + 1] : "";
+        merge(mapping, mapping_of(context, models, words[1], "Part,Label",
+                                  quoted(part) + "," + quoted(words[i])));
+    }
+    return mapping;
+}
+
+/// Takes all labels of a node away.
+Exit clear_node(Context& context, const ProjectArguments& arguments)
 {
     const auto& words = arguments.words;
     controller::Project project = open_project(words[0]);
     ModelSet models = open_models(project);
-    const bool is_cleared = words[2].empty();
-    const bool has_part = words.size() > 3 && !(is_cleared && words[3] == "Scaling");
-    const std::string part = has_part ? words[3] : "";
-    const Mapping changed = mapping_of(context, models, words[1], "Part,Label",
-                                       quoted(part) + "," + quoted(is_cleared ? "x" : words[2]));
-    if (is_cleared) {
-        for (const auto& [node, mapping] : changed.variables) {
-            models.mapping().variables.erase(node);
-        }
-        for (const auto& [node, mapping] : changed.methods) {
-            models.mapping().methods.erase(node);
-        }
-    } else {
-        merge(models.mapping(), changed);
+    const model::NodeIndex node = controller::find_table_node(words[1], models.space());
+    if (node == model::no_node) {
+        throw Failure{Exit::Failed, safe(words[1]) + ": there is no such node",
+                      "`busbar project tree` lists the nodes"};
     }
+    const NodeId id = models.space().node_id(node);
+    models.mapping().variables.erase(id);
+    models.mapping().methods.erase(id);
+    keep_mapping(context, words[0], project, models, {});
+    return admin::report(context, safe(words[1]) + ": nothing is mapped");
+}
+
+/// A label for a node or, with PART, for a part of it; "" takes all labels of the node away.
+Exit map_node(Context& context, const ProjectArguments& arguments)
+{
+    const auto& words = arguments.words;
+    if (words[2].empty()) {
+        return clear_node(context, arguments);
+    }
+    controller::Project project = open_project(words[0]);
+    ModelSet models = open_models(project);
+    const Mapping changed = labels_of(context, models, words);
+    merge(models.mapping(), changed);
     keep_mapping(context, words[0], project, models, changed);
-    return admin::report(
-        context, safe(words[1]) + (is_cleared ? ": nothing is mapped" : " is " + safe(words[2])));
+    return admin::report(context,
+                         safe(words[1]) +
+                             (words.size() <= 4
+                                  ? " is " + safe(words[2])
+                                  : " has " + std::to_string(count_labels(changed)) + " labels"));
 }
 
 /// Rank and dimensions of an array that does not say them itself (SH-082679, 9.5), with the first
@@ -254,9 +282,13 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
     controller::Project project = open_project(path);
     ModelSet models = open_models(project);
     if (arguments.table.empty()) {
-        context.out.write(arguments.wants_all
-                              ? controller::write_mappable_table(models)
-                              : controller::write_mapping_table(models.space(), models.mapping()));
+        using controller::PartsWritten;
+        const bool wants_parts = arguments.wants_all || arguments.wants_unmapped;
+        context.out.write(
+            wants_parts
+                ? controller::write_mappable_table(
+                      models, arguments.wants_unmapped ? PartsWritten::Unmapped : PartsWritten::All)
+                : controller::write_mapping_table(models.space(), models.mapping()));
         return Exit::Good;
     }
     auto read = controller::read_mapping_table(
@@ -282,8 +314,14 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
 void add_mapping(CLI::App& project, Run& run)
 {
     const auto arguments = std::make_shared<ProjectArguments>();
-    add_offline(project, run, "map", "Maps a node, or a part of it, to a label; \"\" unmaps it.", 3,
-                4, "FILE NODE LABEL [PART]", map_node, arguments);
+    constexpr std::size_t most_words = 512;
+    auto* map =
+        add_offline(project, run, "map", "Maps a node, or parts of it, to labels; \"\" unmaps it.",
+                    3, most_words, "FILE NODE LABEL [PART] [LABEL PART]...", map_node, arguments);
+    map->footer("PART is .Name, [0] or [0].Name of a structure or an array, Quality or Scaling\n"
+                "(0..27648=0..1500) of a Variable, Handle, Done, Input[0] or Output[0] of a\n"
+                "Method: `busbar project csv FILE --unmapped` lists them with their types,\n"
+                "`busbar project types` the types of labels.");
     auto* array =
         add_offline(project, run, "array", "Sets the dimensions that an array is mapped with.", 3,
                     6, "FILE NODE RANK [DIM]...", specify_array, arguments);
@@ -300,9 +338,13 @@ void add_mapping(CLI::App& project, Run& run)
                   "drops the mapping that the table does not have")
         ->needs(in);
     csv->add_flag("--yes", arguments->is_sure, "takes labels away without a question");
-    csv->add_flag("--all", arguments->wants_all,
-                  "prints a line for each part that could have a label, too")
-        ->excludes(in);
+    auto* all = csv->add_flag("--all", arguments->wants_all,
+                              "prints a line for each part that could have a label, too")
+                    ->excludes(in);
+    csv->add_flag("--unmapped", arguments->wants_unmapped,
+                  "prints the parts that could have a label and have none")
+        ->excludes(in)
+        ->excludes(all);
     add_offline(project, run, "types", "Lists the types of labels and what can be mapped to them.",
                 0, 0, "", list_label_types, arguments);
 }

@@ -191,6 +191,10 @@ TEST_CASE("9.4 Table: all that there is to map, mapped or not", "[9.4][9.5]")
     const ReadMappingTable read = read_mapping_table(text, project.models.space());
     CHECK(read.reports.is_empty());
     CHECK(read.mapping == project.models.mapping());
+    CHECK(write_mappable_table(project.models, PartsWritten::Unmapped) ==
+          with_type + "nsu=urn:t;s=Start,/Objects/1:Cell/1:Start,Handle,,,,,,UInt16\r\n"
+                      "nsu=urn:t;s=Two,/Objects/1:Two,[0].A,,,,,,Int32\r\n"
+                      "nsu=urn:t;s=Two,/Objects/1:Two,[1].A,,,,,,Int32\r\n");
 
     // A label that cannot be there is shown, too.
     project.map("Guid", "Line.Guid");

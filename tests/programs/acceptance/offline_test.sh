@@ -248,7 +248,13 @@ says '^NodeId,Path,Part,Label,Rank,Dim1,Dim2,Dim3,Type'
 says '/Objects/1:Cell/1:aInt16,,Line.Speed,,,,,Int16'
 says '/Objects/1:Cell/1:Order,\.Recipe\.Size,,,,,,Int16'
 sed 's#\(/1:aUInt16,,\),#\1Line.Count,#; s#\(/1:aDouble,,\),#\1Line.Force,#' out > table.csv
+project 0 csv cell.busbar --unmapped
+says '/1:aUInt16,,,'
 project 0 csv cell.busbar --in table.csv
+project 0 csv cell.busbar --unmapped
+says '^NodeId,Path,Part,Label,Rank,Dim1,Dim2,Dim3,Type.$'
+says '/1:aSByte,,,'
+says_not '/1:aUInt16,,'
 project 0 csv cell.busbar
 says '/1:aUInt16,,Line.Count,'
 says '/1:aDouble,,Line.Force,'

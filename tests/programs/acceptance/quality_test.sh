@@ -104,6 +104,15 @@ cp out all.csv
 cp tank.busbar before
 project 0 csv tank.busbar --in all.csv --replace
 cmp -s tank.busbar before || fail "the table is not all of the mapping"
+# The parts of a Method count together, so that one command maps them.
+project 0 map tank.busbar "$(node Weigh)" ''
+project 1 map tank.busbar "$(node Weigh)" Start Handle
+says 'M319 '
+project 2 map tank.busbar "$(node Weigh)" Start Handle Ready
+says 'a label without its part'
+project 0 map tank.busbar "$(node Weigh)" Start Handle Ready Done Scale 'Input[0]' Weight 'Output[0]'
+says 'has 4 labels'
+cmp -s tank.busbar before || fail "one command maps a Method otherwise than a table"
 # What cannot be is refused, with node, found and expected.
 project 0 map tank.busbar "$(node Name)" Name
 project 1 map tank.busbar "$(node Name)" 0..1=0..2 Scaling
