@@ -122,7 +122,9 @@ constexpr std::array nodes{
     Row{status::Bad_SyntaxError, {"the text cannot be read as a value of this type", ""}},
     Row{status::Bad_WaitingForInitialData, {"the server has no value yet", "try again"}},
     Row{status::Bad_WriteNotSupported,
-        {"the server cannot write status or time with the value", ""}},
+        {"the server writes neither a status or time, nor a part of this array, nor fewer or more "
+         "elements than it has",
+         ""}},
     Row{status::Bad_MethodInvalid,
         {"the object has no such method", "look with `busbar browse OBJECT`"}},
     Row{status::Bad_NotExecutable, {"the method may not be called now", ""}},
