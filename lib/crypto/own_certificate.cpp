@@ -7,7 +7,6 @@
 #include <busbar/crypto/signing_request.hpp>
 
 #include "certificate_order.hpp"
-#include "own_certificate_checks.hpp"
 #include "own_certificate_state.hpp"
 
 namespace busbar::crypto {

@@ -1,4 +1,4 @@
-#include "own_certificate_checks.hpp"
+#include "own_certificate_state.hpp"
 
 #include <utility>
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "openssl.hpp"
-#include "own_certificate_checks.hpp"
 
 namespace busbar::crypto::detail {
 

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include <busbar/core/refusal.hpp>
+#include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 
 #include "own_certificate_files.hpp"
@@ -48,5 +52,22 @@ struct OwnCertificateState {
 [[nodiscard]] Checked<void> stage(const OwnCertificateFiles& files,
                                   const OwnCertificateState& state, const OwnCertificate& own,
                                   FileTransaction& change);
+
+[[nodiscard]] Refusal own_certificate_refusal(StatusCode status, std::string found,
+                                              std::string remedy);
+/// Returns the refusal of a certificate.
+[[nodiscard]] Refusal own_certificate_refusal(const Certificate& certificate, StatusCode status,
+                                              std::string found, std::string remedy);
+/// Returns the refusal of unusable contents of the store.
+[[nodiscard]] Refusal broken(std::string found);
+[[nodiscard]] Refusal unwritable(const std::string& file);
+
+/// Checks key size, ApplicationUri (Part 6, 6.2.2; ignored if empty) and whether it fits in the
+/// store. `chain` is not empty.
+[[nodiscard]] std::optional<Refusal> check_certificates(const CertificateChain& chain,
+                                                        std::string_view application_uri);
+/// Checks whether certificate and key exist, can be read and belong together.
+[[nodiscard]] std::optional<Refusal> check_files(const OwnCertificateFiles& files,
+                                                 const OwnCertificateState& state);
 
 } // namespace busbar::crypto::detail

@@ -10,7 +10,6 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
-#include "descriptor.hpp"
 #include "names.hpp"
 #include "posix_file.hpp"
 

@@ -8,8 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "descriptor.hpp"
-
 namespace busbar::storage::detail {
 
 namespace {

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "controller/conversion/shift_jis.hpp"
-
 namespace busbar::controller::detail {
 
 namespace {

@@ -1,4 +1,4 @@
-#include "controller/conversion/shift_jis.hpp"
+#include "label_text.hpp"
 
 #include <algorithm>
 #include <array>
