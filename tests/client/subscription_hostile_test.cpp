@@ -68,6 +68,69 @@ TEST_CASE_METHOD(PuppetFixture, "Parts of messages that are no notifications are
     CHECK(heard.gaps[0].from == time_of(1));
 }
 
+TEST_CASE_METHOD(PuppetFixture, "A server that counts from elsewhere is heard again", "[client]")
+{
+    start();
+    for (std::uint32_t number = 1; number <= 5; ++number) {
+        publish(message(number));
+    }
+    CHECK(heard.take_values() == Values{1, 2, 3, 4, 5});
+    publish(message(1));
+    publish(message(2));
+    CHECK(heard.data.empty()); // they may still be repeated ones
+    publish(message(3));
+    CHECK(heard.take_values() == Values{3});
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].reason == status::Bad_SequenceNumberUnknown);
+    publish(message(4));
+    CHECK(heard.take_values() == Values{4});
+    CHECK(heard.gaps.size() == 1);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "Single messages that are sent again are no new ones", "[client]")
+{
+    start();
+    for (std::uint32_t number = 1; number <= 9; ++number) {
+        publish(message(number));
+        publish(message(number));
+    }
+    CHECK(heard.take_values() == Values{1, 2, 3, 4, 5, 6, 7, 8, 9});
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A server that answers Read alone does not keep a Subscription",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    for (int i = 0; i < 600 && requester.count<DeleteSubscriptionsRequest>() == 0; ++i) {
+        pass(1s);
+        if (requester.count<RepublishRequest>() != 0) {
+            static_cast<void>(requester.take<RepublishRequest>());
+            refuse(status::Bad_Timeout);
+        }
+        if (requester.count<ReadRequest>() != 0) {
+            static_cast<void>(requester.take<ReadRequest>());
+            reply(ReadResponse{});
+        }
+    }
+    CHECK(requester.take<DeleteSubscriptionsRequest>().subscription_ids ==
+          Array<std::uint32_t>{server_id});
+    CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A keep-alive interval of years is not waited for", "[client]")
+{
+    subscription = subscriptions.create({}, heard.handlers()).value();
+    settle();
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    auto response = created();
+    response.revised_max_keep_alive_count = ~0U;
+    reply(response);
+    pass(1min);
+    CHECK(requester.count<RepublishRequest>() == 1);
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A Subscription that nobody knows is deleted", "[client]")
 {
     start();

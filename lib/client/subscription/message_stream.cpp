@@ -66,6 +66,14 @@ bool MessageStream::needs_republish()
     return is_needed;
 }
 
+bool MessageStream::is_renumbered(std::uint32_t number)
+{
+    constexpr std::uint32_t many = 3;
+    repeated_count = number == repeated_number + 1 ? repeated_count + 1 : 1;
+    repeated_number = number;
+    return repeated_count >= many;
+}
+
 void MessageStream::republished()
 {
     republish_failures = 0;

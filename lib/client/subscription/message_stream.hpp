@@ -45,6 +45,9 @@ struct MessageStream {
 
     /// Returns true if Republish is needed. Ends the catching up if it is not.
     bool needs_republish();
+    /// A message arrived by Publish with the number of an earlier one. Returns true if it is one of
+    /// several in a row, so that the server must count from elsewhere now.
+    [[nodiscard]] bool is_renumbered(std::uint32_t number);
     /// A message arrived by Republish. A server that never ends is not probed for ever.
     void republished();
 
@@ -56,6 +59,9 @@ struct MessageStream {
     bool is_catching_up{false};
     std::size_t probe_count{0};
     std::uint32_t republish_failures{0};
+    /// Published messages in a row with numbers of earlier ones, and the last number.
+    std::uint32_t repeated_count{0};
+    std::uint32_t repeated_number{0};
     TimePoint republish_at{};
     Duration keep_alive_interval{0};
     TimePoint silent_at{no_deadline};

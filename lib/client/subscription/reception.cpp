@@ -34,12 +34,28 @@ void Reception::receive(PublishResponse response)
     }
     subscription->messages.heard(message.publish_time, requests_.now());
     if (!message.notification_data.empty()) {
-        accept(handle, std::move(message));
+        accept_published(handle, std::move(message));
     } else if (!subscription->messages.sequence.expect_before(message.sequence_number)) {
         // Part 4, 5.14.1.1: a keep-alive message has the number of the next message.
         jump_to(handle, message.sequence_number);
     }
     settle(handle);
+}
+
+/// A server that counts from elsewhere, as after a restart of its own, would never be heard again:
+/// all its messages had numbers of earlier ones.
+void Reception::accept_published(SubscriptionHandle handle, NotificationMessage message)
+{
+    WatchedSubscription& subscription = *subscriptions_.find(handle);
+    MessageStream& messages = subscription.messages;
+    if (!messages.sequence.has_passed(message.sequence_number)) {
+        messages.repeated_count = 0;
+    } else if (messages.is_renumbered(message.sequence_number)) {
+        messages.repeated_count = 0;
+        subscription.lose(status::Bad_SequenceNumberUnknown);
+        messages.sequence.restart(message.sequence_number);
+    }
+    accept(handle, std::move(message));
 }
 
 void Reception::accept(SubscriptionHandle handle, NotificationMessage message)

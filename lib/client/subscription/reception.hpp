@@ -28,6 +28,7 @@ public:
     void watch(WatchedSubscription& subscription, TimePoint now);
 
 private:
+    void accept_published(SubscriptionHandle handle, NotificationMessage message);
     void accept(SubscriptionHandle handle, NotificationMessage message);
     void jump_to(SubscriptionHandle handle, std::uint32_t sequence_number);
     void deliver_kept(SubscriptionHandle handle);

@@ -13,6 +13,7 @@ namespace {
 constexpr std::uint32_t max_republishes = 3;
 constexpr std::uint32_t patient_silences = 2;
 constexpr std::uint32_t max_silences = 5;
+constexpr std::uint32_t max_silences_without_sign = 10;
 constexpr Duration republish_pause = std::chrono::seconds{1};
 
 /// True if the server answered, and the message is not available.
@@ -164,7 +165,9 @@ void Reception::probe_all()
 }
 
 /// Part 4, 5.14.1.1: a message comes within each keep-alive interval. A server that answers
-/// Republish and sends none for several intervals does not publish this Subscription any more.
+/// Republish and sends none for several intervals does not publish this Subscription any more. One
+/// that answers neither may be at the end of a slow line, with the messages on their way, but not
+/// for ever: then it is only other services that it answers.
 void Reception::watch(WatchedSubscription& subscription, TimePoint now)
 {
     if (subscription.phase != Phase::Live || now < subscription.messages.silent_at) {
@@ -173,7 +176,7 @@ void Reception::watch(WatchedSubscription& subscription, TimePoint now)
     }
     const bool is_server_alive = subscription.messages.is_server_alive;
     const std::uint32_t silences = subscription.messages.fall_silent(now);
-    if (silences >= max_silences && is_server_alive) {
+    if (silences >= (is_server_alive ? max_silences : max_silences_without_sign)) {
         ends_.lost(subscription, status::Bad_Timeout, true);
         requests_.call_for_work();
         return;

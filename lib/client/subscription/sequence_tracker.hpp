@@ -22,6 +22,11 @@ public:
 
     explicit SequenceTracker(std::size_t max_missing) : max_missing_{max_missing} {}
 
+    /// True if the message with that number was taken before.
+    [[nodiscard]] bool has_passed(std::uint32_t sequence_number) const
+    {
+        return !distance_to(sequence_number);
+    }
     /// Moves from `message` if it is kept.
     Arrival put(NotificationMessage& message);
     /// Returns the next message, if it has arrived.

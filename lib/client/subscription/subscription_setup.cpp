@@ -108,7 +108,14 @@ void SubscriptionSetup::revise(WatchedSubscription& subscription,
     const std::uint32_t count = revised.revised_max_keep_alive_count != 0
                                     ? revised.revised_max_keep_alive_count
                                     : subscription.settings.max_keep_alive_count;
-    subscription.messages.keep_alive_interval = keep_alive_interval(interval, count);
+    const Duration revised_time = keep_alive_interval(interval, count);
+    // A server that says nothing for a day, unasked, would not be missed if it were gone.
+    subscription.messages.keep_alive_interval =
+        revised_time < longest_keep_alive
+            ? revised_time
+            : keep_alive_interval(
+                  sensible(subscription.settings.publishing_interval.count(), 1'000),
+                  subscription.settings.max_keep_alive_count);
     subscription.messages.heard(subscription.messages.heard_time, requests_.now());
 }
 
