@@ -442,14 +442,14 @@ TEST_CASE("a task has its priority even if who starts it gives way")
 {
     const auto plc = std::move(Plc::create(PlcConfig{}).value());
     const StoppedClock clock;
-    PlcTask::keep_priority();
+    ThreadMaker threads;
     const int ours = ::getpriority(PRIO_PROCESS, 0);
     int of_starter = 0;
     std::atomic<int> of_task{-100};
     std::thread{[&] { // a thread cannot raise its priority again
         ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), ours + 3);
         of_starter = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
-        PlcTask task{*plc, clock, 1ms, 0};
+        PlcTask task{*plc, clock, 1ms, 0, &threads};
         task.after_scan([&of_task](DateTime) {
             of_task = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
         });

@@ -13,12 +13,37 @@
 
 namespace busbar::controller {
 
+/// Makes threads with the priority that its creator had when it was made, even if that, or the
+/// thread that asks for one, has lowered its own by then: a thread inherits the priority of its
+/// creator and cannot raise it. Thread-safe.
+class BUSBAR_API ThreadMaker {
+public:
+    ThreadMaker() : thread_{[this] { run(); }} {}
+    ThreadMaker(const ThreadMaker&) = delete;
+    ThreadMaker& operator=(const ThreadMaker&) = delete;
+    /// The threads that it made continue.
+    ~ThreadMaker();
+
+    /// Throws the exceptions of std::thread.
+    [[nodiscard]] std::thread make(std::function<void()> body);
+
+private:
+    void run();
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    /// The job to start; empty between jobs.
+    std::function<void()> job_;
+    bool is_over_{false};
+    std::thread thread_;
+};
+
 /// Runs a PLC's scans in its own thread, at equal intervals.
 ///
 /// The thread requests SCHED_FIFO with `realtime_priority`, 1 to 99 or 0 for none, from the system;
 /// that requires a privilege (CAP_SYS_NICE, or RLIMIT_RTPRIO as high); realtime_priority() returns
 /// what was granted. Without it, anything that runs on the machine can delay a scan: see
-/// keep_priority().
+/// ThreadMaker.
 ///
 /// `plc` and `clock` must outlive it; from start() to stop() no other code may use the scan's side
 /// of `plc`. start() and stop() belong to one thread.
@@ -27,8 +52,9 @@ public:
     /// Above most threads of a system, below those of its drivers.
     static constexpr int usual_priority = 10;
 
+    /// `threads` makes its thread, if it is not null, and must outlive it then.
     PlcTask(Plc& plc, const WallClock& clock, Duration cycle = std::chrono::milliseconds{20},
-            int realtime_priority = usual_priority);
+            int realtime_priority = usual_priority, ThreadMaker* threads = nullptr);
     PlcTask(const PlcTask&) = delete;
     PlcTask& operator=(const PlcTask&) = delete;
     ~PlcTask() { stop(); }
@@ -44,10 +70,6 @@ public:
     /// Within such an action: from the next scan on `plc` is scanned, and the previous one is not
     /// used any more, not even halted. `plc` must outlive the task too.
     void replace(Plc& plc) { plc_ = &plc; }
-    /// Tasks that start later have the priority that the calling thread has now, even if it, or the
-    /// thread that starts them, has lowered its own by then: a thread inherits the priority of its
-    /// creator and cannot raise it. Only the first call has an effect. Any thread.
-    static void keep_priority();
 
     /// Returns when the first scan has ended.
     void start();
@@ -79,6 +101,7 @@ private:
     const WallClock* clock_;
     Duration cycle_;
     int wanted_priority_;
+    ThreadMaker* threads_;
     std::function<void(DateTime)> after_scan_;
     LogSink* log_{nullptr};
     std::thread thread_;

@@ -8,8 +8,6 @@
 
 #include <busbar/core/detail/guarded.hpp>
 
-#include "thread_maker.hpp"
-
 namespace busbar::controller {
 
 namespace {
@@ -38,15 +36,11 @@ void raise(std::atomic<T>& worst, T value)
 
 } // namespace
 
-PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle, int realtime_priority)
-    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}, wanted_priority_{
-                                                                            realtime_priority}
+PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle, int realtime_priority,
+                 ThreadMaker* threads)
+    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})},
+      wanted_priority_{realtime_priority}, threads_{threads}
 {
-}
-
-void PlcTask::keep_priority()
-{
-    static_cast<void>(ThreadMaker::instance());
 }
 
 void PlcTask::start()
@@ -61,7 +55,8 @@ void PlcTask::start()
     missed_cycles_ = 0;
     worst_lateness_ = 0;
     worst_scan_ = 0;
-    thread_ = ThreadMaker::instance().make([this] { run(); });
+    const auto body = [this] { run(); };
+    thread_ = threads_ != nullptr ? threads_->make(body) : std::thread{body};
     std::unique_lock lock{mutex_};
     changed_.wait(lock, [this] { return has_scanned_; });
 }

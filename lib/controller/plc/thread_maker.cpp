@@ -1,15 +1,9 @@
-#include "thread_maker.hpp"
+#include <busbar/controller/plc_task.hpp>
 
 #include <exception>
 #include <utility>
 
 namespace busbar::controller {
-
-ThreadMaker& ThreadMaker::instance()
-{
-    static ThreadMaker maker;
-    return maker;
-}
 
 ThreadMaker::~ThreadMaker()
 {

@@ -38,8 +38,9 @@ Standing standing_of(const ControllerConfig& config)
 
 RunningController::RunningController(Configuration configuration, Beginning beginning,
                                      Runtime& runtime, LogSink& log,
-                                     const ControllerOptions& options)
-    : configuration_{std::move(configuration)}, runtime_{runtime}, log_{log},
+                                     const ControllerOptions& options,
+                                     controller::ThreadMaker& threads)
+    : configuration_{std::move(configuration)}, runtime_{runtime}, log_{log}, threads_{threads},
       takes_signals_{options.takes_signals}, greets_{options.greets},
       listening_{loop_, listeners_of(beginning.reading.config)}, has_terminal_{has_terminal()}
 {
@@ -56,7 +57,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
             throw ConfigError{configuration_.project,
                               "found a project, and this PLC has no labels"};
         }
-        labels_.emplace(config, clock_);
+        labels_.emplace(config, clock_, threads_);
         labels_->tell_left_out(log_, config.labels.program_file);
     }
     if (beginning.last && !beginning.last->project.empty()) {
@@ -182,6 +183,7 @@ Surroundings RunningController::surroundings()
     return {.environment = environment,
             .lines = log_,
             .runtime = runtime_,
+            .threads = threads_,
             .machine = machine_ ? &*machine_ : nullptr,
             .labels = labels_ ? labels_->labels() : runtime_.labels(),
             .label_priority = labels_ ? labels_->task_priority() : 0,

@@ -63,7 +63,7 @@ struct Controller::Parts {
             end_at_once_on_signals();
         }
         try {
-            return start(configuration, runtime, *options.log, options);
+            return start(configuration, runtime, *options.log, options, threads);
         } catch (const ConfigError& error) {
             return Unexpected{error.problem()};
         }
@@ -73,6 +73,8 @@ struct Controller::Parts {
     Runtime& runtime;
     ControllerOptions options;
     net::StderrLog lines{LogLevel::Debug};
+    /// Made before the others give way.
+    controller::ThreadMaker threads;
     std::mutex mutex; // guards the two below
     std::unique_ptr<RunningController> running;
     bool stops{false};
@@ -87,10 +89,9 @@ Controller::create(Configuration configuration, Runtime& runtime, const Controll
     if (options.takes_signals) {
         hold_hangups();
     }
-    // All threads but the PLC's, which so goes before them.
-    controller::PlcTask::keep_priority();
-    net::give_way();
     auto parts = std::make_unique<Parts>(std::move(configuration), runtime, options);
+    // All threads but the PLC's, which so goes before them.
+    net::give_way();
     auto made = parts->make();
     if (!made) {
         return Unexpected{std::move(made).error()};

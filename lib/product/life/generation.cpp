@@ -93,7 +93,7 @@ void Generation::finish()
     if (config_.labels.program == nullptr) {
         after_scan_ = following_scans(plant_, administered_, around_.machine);
         task_.emplace(plant_.plc(), *around_.environment.wall_clock, config_.scan,
-                      config_.realtime_priority);
+                      config_.realtime_priority, &around_.threads);
         task_->after_scan(after_scan_, &around_.lines);
     }
 }

@@ -37,6 +37,7 @@ struct Surroundings {
     server::ServerEnvironment environment;
     LogSink& lines;
     Runtime& runtime;
+    controller::ThreadMaker& threads;
     /// Null for none.
     Machine* machine;
     /// Labels of a project of model mode; null without one.

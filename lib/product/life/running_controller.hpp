@@ -77,10 +77,11 @@ class RunningController final : private RuntimeHost {
 public:
     /// Listens and creates the first generation. If the proper listeners cannot be opened, it uses
     /// the last ones, or listens for administrators at this machine, until they can; a controller
-    /// that never ran and has no machine's program fails instead. Throws ConfigError. `runtime` and
-    /// `log` must outlive this object.
+    /// that never ran and has no machine's program fails instead. Throws ConfigError. `runtime`,
+    /// `log`, and `threads`, which makes those of PLCs, must outlive this object.
     RunningController(Configuration configuration, Beginning beginning, Runtime& runtime,
-                      LogSink& log, const ControllerOptions& options);
+                      LogSink& log, const ControllerOptions& options,
+                      controller::ThreadMaker& threads);
     RunningController(const RunningController&) = delete;
     RunningController& operator=(const RunningController&) = delete;
 
@@ -239,6 +240,7 @@ private:
     Configuration configuration_;
     Runtime& runtime_;
     LogSink& log_;
+    controller::ThreadMaker& threads_;
     bool takes_signals_;
     bool greets_;
     net::SystemWallClock clock_;

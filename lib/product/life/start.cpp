@@ -275,14 +275,15 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Configuration&
 } // namespace
 
 std::unique_ptr<RunningController> start(const Configuration& configuration, Runtime& runtime,
-                                         LogSink& log, const ControllerOptions& options)
+                                         LogSink& log, const ControllerOptions& options,
+                                         controller::ThreadMaker& threads)
 {
     storage::FolderStorage folder{kept_in(configuration)};
     DamagedLists lists{folder};
     const auto make = [&](Beginning beginning) {
         lists.give(beginning.reading.config.users);
         return std::make_unique<RunningController>(configuration, std::move(beginning), runtime,
-                                                   log, options);
+                                                   log, options, threads);
     };
     auto last = TakenOverFiles{folder}.read();
     if (last && !configuration.file.empty() && !last->files.contains(configuration.file)) {

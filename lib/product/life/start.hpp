@@ -13,9 +13,11 @@ namespace busbar::product {
 /// replaced and why; nothing present is lost. Settings that are not used are kept beside the others
 /// as "settings.json.refused".
 ///
-/// Throws ConfigError if that fails as well, or if the controller never ran.
+/// `threads` makes those of PLCs. Throws ConfigError if that fails as well, or if the controller
+/// never ran.
 [[nodiscard]] std::unique_ptr<RunningController> start(const Configuration& configuration,
                                                        Runtime& runtime, LogSink& log,
-                                                       const ControllerOptions& options);
+                                                       const ControllerOptions& options,
+                                                       controller::ThreadMaker& threads);
 
 } // namespace busbar::product

@@ -17,12 +17,13 @@ bool is_same(const std::shared_ptr<const std::string>& one,
 
 } // namespace
 
-LabelPlant::LabelPlant(const ControllerConfig& config, const WallClock& clock)
+LabelPlant::LabelPlant(const ControllerConfig& config, const WallClock& clock,
+                       controller::ThreadMaker& threads)
     : clock_{clock}, labels_{make_labels(config.labels)}, program_text_{config.labels.program_text}
 {
     plcs_.push_back(make_plc(config));
     current_ = plcs_.front().get();
-    task_.emplace(*current_, clock, config.scan, config.realtime_priority);
+    task_.emplace(*current_, clock, config.scan, config.realtime_priority, &threads);
     task_->after_scan([this](DateTime time) { end_of_scan(time); });
 }
 

@@ -22,7 +22,8 @@ namespace busbar::product {
 class LabelPlant {
 public:
     /// Throws ConfigError. `clock` must outlive it.
-    LabelPlant(const ControllerConfig& config, const WallClock& clock);
+    LabelPlant(const ControllerConfig& config, const WallClock& clock,
+               controller::ThreadMaker& threads);
     LabelPlant(const LabelPlant&) = delete;
     LabelPlant& operator=(const LabelPlant&) = delete;
     ~LabelPlant() { stop(); }
