@@ -328,6 +328,33 @@ void check_calls(const File& file, Findings& findings)
     }
 }
 
+void check_state(const File& file, Findings& findings)
+{
+    const Layer* const layer = layer_of(file.path);
+    if (layer == nullptr) {
+        return;
+    }
+    // A handler of a signal knows nothing but variables of the program.
+    const bool has_handlers = layer->name == "tool";
+    static const std::regex kept{
+        R"(^ +(inline )?static (?!(inline )?const(expr)?\b)(?!.*operator)[\w:<>,&* ]+ \w+ *[;={])"};
+    static const std::regex global{
+        R"(^(?!(inline |static |constinit )*(const|constexpr|extern|using|typedef|template|struct|)"
+        R"(class|enum|union|namespace|friend|return|requires|concept|operator|static_assert)\b))"
+        R"((?!.*operator)[A-Za-z_][\w:<>,&* ]*[ *&][\w:]+(;|\{.*|\[.*| = .*)$)"};
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        const std::string code = file.lines[i].substr(0, file.lines[i].find("//"));
+        if (has_sign(code, Signs{"thread_local"})) {
+            report(file, i, "state of a thread: pass it to whoever needs it", findings);
+        } else if (code.find(" static ") != std::string::npos && std::regex_search(code, kept)) {
+            report(file, i, "state of the process: make it a member", findings);
+        } else if (!has_handlers && code.find_first_of(";={") != std::string::npos &&
+                   code.front() != ' ' && std::regex_search(code, global)) {
+            report(file, i, "a variable of the process: make it a member", findings);
+        }
+    }
+}
+
 void check_traces(const File& file, Findings& findings)
 {
     static const std::regex machine_path{R"((^|[^\w])/(home|root|Users|work|mnt|tmp)/\w)"};
@@ -414,6 +441,7 @@ Findings check(const File& file)
     check_floors(file, findings);
     check_lengths(file, findings);
     check_calls(file, findings);
+    check_state(file, findings);
     check_traces(file, findings);
     check_virtuals(file, findings);
     return findings;

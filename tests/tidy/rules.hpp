@@ -26,6 +26,8 @@ void check_floors(const File& file, Findings& findings);
 void check_lengths(const File& file, Findings& findings);
 /// Calls that the layer must not make.
 void check_calls(const File& file, Findings& findings);
+/// Variables of a thread or of the process: two servers in one process share nothing.
+void check_state(const File& file, Findings& findings);
 /// Absolute paths of somebody's machine, and headers that can be included twice.
 void check_traces(const File& file, Findings& findings);
 /// In a public header a virtual function that is defined elsewhere: the class's typeinfo is then

@@ -129,7 +129,7 @@ TEST_CASE("an include that leads up a floor of the server is found", "[tidy]")
     CHECK(count("lib/server/view/x.cpp", "#include \"server/session/x.hpp\"\n") == 0);
     CHECK(count("lib/server/view/x.cpp", "#include <busbar/server/server.hpp>\n") == 1);
     CHECK(count("lib/server/view/x.cpp", "struct Core;\n") == 1);
-    CHECK(count("lib/server/x.cpp", "int x;\n") == 1);
+    CHECK(count("lib/server/x.cpp", "class X;\n") == 1);
 }
 
 TEST_CASE("what is too long is found", "[tidy]")
@@ -152,18 +152,18 @@ TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
     const auto count = [](const char* path, const char* text) {
         return tidy::check(make_file(path, text)).size();
     };
-    CHECK(count("lib/model/x.cpp", "auto t = std::chrono::steady_clock::"
+    CHECK(count("lib/model/x.cpp", "    auto t = std::chrono::steady_clock::"
                                    "now();\n") == 1);
-    CHECK(count("lib/net/x.cpp", "auto t = std::chrono::steady_clock::"
+    CHECK(count("lib/net/x.cpp", "    auto t = std::chrono::steady_clock::"
                                  "now();\n") == 0);
     CHECK(count("lib/channel/x.cpp", "std::memcpy(a, b, 4);\n") == 1);
     CHECK(count("lib/core/x.cpp", "// std::rand() is not used\n") == 0);
-    CHECK(count("lib/core/x.cpp", "int i = rand();\n") == 1);
+    CHECK(count("lib/core/x.cpp", "    int i = rand();\n") == 1);
     CHECK(count("lib/core/x.cpp", "assert(size > 0);\n") == 1);
     CHECK(count("lib/core/x.cpp", "static_assert(true);\n") == 0);
-    CHECK(count("lib/core/x.cpp", "auto p = \"/ho"
+    CHECK(count("lib/core/x.cpp", "    auto p = \"/ho"
                                   "me/me\";\n") == 1);
-    CHECK(count("lib/core/x.hpp", "int i;\n") == 1);
+    CHECK(count("lib/core/x.hpp", "class X;\n") == 1);
     CHECK(count("lib/model/x.cpp", "space.find(NodeId{0, 85});\n") == 1);
     CHECK(count("include/busbar/model/x.cpp", "space.find(ExpandedNodeId{0,85});\n") == 1);
     CHECK(count("lib/model/x.cpp", "return type.is(45);\n") == 1);
@@ -174,6 +174,39 @@ TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
     CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#elif defined(BUSBAR_X)\n") == 1);
     CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#if defined(__GNUC__)\n") == 0);
     CHECK(count("lib/core/x.cpp", "#ifdef BUSBAR_KEY_LOG\n") == 0);
+}
+
+TEST_CASE("a variable that outlives its servers and clients is found", "[tidy]")
+{
+    const auto count = [](const char* path, const char* text) {
+        return tidy::check(make_file(path, text)).size();
+    };
+    for (const char* const path : {"lib/core/x.cpp", "lib/controller/x.cpp", "lib/net/x.cpp"}) {
+        for (const char* const bad :
+             {"thread_local KeptMemory* in_use = nullptr;\n", "    static ThreadMaker maker;\n",
+              "    static std::map<int, String> names{{1, String{}}};\n",
+              "    static int calls = 0;\n", "    static inline std::size_t count;\n",
+              "inline thread_local bool is_it{false};\n", "std::atomic<int> calls{0};\n",
+              "static Cache cache;\n", "int Counter::calls = 0;\n", "Table* table = nullptr;\n",
+              "std::byte buffer[64];\n"}) {
+            INFO(path << ": " << bad);
+            CHECK(count(path, bad) == 1);
+        }
+        for (const char* const good :
+             {"    static const std::regex pattern{text};\n",
+              "    static constexpr int most = 4;\n", "    static Result<int> create(int value);\n",
+              "const String none{text};\n", "constinit const Module module{name};\n",
+              "constexpr std::array table{1, 2};\n",
+              "bool operator==(const A& a, const A& b) = default;\n", "using Table = int;\n",
+              "class ThreadMaker;\n", "Result<void> run()\n", "    int calls = 0;\n",
+              "    static void own(StatusCode&) {}\n"}) {
+            INFO(path << ": " << good);
+            CHECK(count(path, good) == 0);
+        }
+    }
+    CHECK(count("lib/tool/x.cpp", "std::atomic<bool> has_interrupt{false};\n") == 0);
+    CHECK(count("lib/tool/x.cpp", "thread_local int calls{0};\n") == 1);
+    CHECK(count("tests/x.cpp", "thread_local int calls{0};\n") == 0);
 }
 
 TEST_CASE("a virtual function of a public class that is defined elsewhere is found", "[tidy]")
