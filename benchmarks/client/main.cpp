@@ -9,7 +9,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <busbar/client/attributes.hpp>
+#include <busbar/crypto/asymmetric.hpp>
 #include <busbar/types/attribute.hpp>
+#include <busbar/types/secure_channel.hpp>
 
 #include "command_line/program_options.hpp"
 #include "plant.hpp"
@@ -109,6 +112,74 @@ double read_cost(Plant& plant, std::uint32_t values, int rounds)
     return user.watch.seconds() * 1e9 / rounds / values;
 }
 
+/// The same through client::read, which splits lists by the server's limits. In ns, and how much
+/// of that copying the list takes, which the user keeps.
+std::pair<double, double> service_read_cost(Plant& plant, std::uint32_t values, int rounds)
+{
+    User user{plant};
+    const Array<ReadValueId> nodes = read_of(values).nodes_to_read;
+    const std::vector<ReadValueId> kept(nodes.begin(), nodes.end());
+    client::ReadSettings settings;
+    settings.timestamps = TimestampsToReturn::Source;
+    Stopwatch copies;
+    const auto read = [&] {
+        bool is_done = false;
+        client::Operation operation;
+        copies.time([&] { std::vector<ReadValueId>{kept}; });
+        user.watch.time([&] {
+            operation = client::read(
+                user.client, kept,
+                [&](const std::vector<DataValue>& results) {
+                    is_done = results.size() == values && !results.back().status.is_bad();
+                },
+                settings);
+        });
+        user.run();
+        if (!is_done) {
+            give_up("client::read", user.client.last_error());
+        }
+    };
+    read();
+    user.watch.reset();
+    copies.reset();
+    for (int i = 0; i < rounds; ++i) {
+        read();
+    }
+    return {user.watch.seconds() * 1e9 / rounds / values, copies.seconds() * 1e9 / rounds / values};
+}
+
+/// From add_items to the last answer, in ns.
+double item_cost(Plant& plant, int rounds)
+{
+    Stopwatch all;
+    for (int i = 0; i < rounds; ++i) {
+        User user{plant};
+        std::size_t made = 0;
+        client::SubscriptionHandlers handlers;
+        handlers.on_item = [&](client::ItemHandle, const client::ItemStatus& status) {
+            made += status.status.is_bad() ? 0 : 1;
+        };
+        auto& subscriptions = user.client.subscriptions();
+        const auto subscription = expect("create", subscriptions.create({}, handlers));
+        user.run();
+        std::vector<client::ItemSettings> items(variable_count);
+        for (std::uint32_t j = 0; j < variable_count; ++j) {
+            items[j].node = NodeId{1, j};
+        }
+        user.watch.reset();
+        user.watch.time([&] {
+            static_cast<void>(
+                expect("items", subscriptions.add_items(subscription, std::move(items))));
+        });
+        user.run();
+        if (made != variable_count) {
+            give_up("items are missing", status::Bad_Timeout);
+        }
+        all.add(user.watch);
+    }
+    return all.seconds() * 1e9 / rounds / variable_count;
+}
+
 double notification_cost(Plant& plant, std::uint32_t rounds)
 {
     User user{plant};
@@ -202,6 +273,37 @@ std::pair<double, double> connects_per_second(Plant& plant, int rounds)
     return {rounds / both.seconds(), own.seconds() / both.seconds()};
 }
 
+/// The RSA that such a connection cannot do without, both sides, in s: each signs and verifies an
+/// OpenSecureChannel and a nonce, and encrypts and decrypts an OpenSecureChannel.
+double rsa_of_connect(Plant& plant, int rounds)
+{
+    const channel::ApplicationIdentity& identity = *plant.client_environment().identity;
+    const crypto::SecurityPolicy& policy = *plant.connection_config().channel.security.policy;
+    const crypto::Certificate& certificate = identity.certificates.front();
+    const std::size_t block = crypto::plain_block_size(policy, certificate.key_size());
+    const std::vector<std::byte> text(block);
+    OpenSecureChannelRequest open;
+    open.client_nonce = ByteString{std::vector<std::byte>(policy.nonce_size)};
+    // After the header of the sequence, and before padding and signature.
+    const std::size_t size =
+        8 + expect("a request", binary::to_bytes(open)).size() + 1 + certificate.key_size();
+    const auto cipher = expect("encrypting", crypto::asymmetric_encrypt(policy, certificate, text));
+    const auto signature = expect("signing", crypto::asymmetric_sign(policy, identity.key, text));
+    Stopwatch watch;
+    watch.time([&] {
+        for (int i = 0; i < 4 * rounds; ++i) {
+            static_cast<void>(crypto::asymmetric_sign(policy, identity.key, text));
+            static_cast<void>(crypto::asymmetric_verify(policy, certificate, text, signature));
+        }
+        for (std::size_t i = 0;
+             i < 2 * ((size + block - 1) / block) * static_cast<std::size_t>(rounds); ++i) {
+            static_cast<void>(crypto::asymmetric_encrypt(policy, certificate, text));
+            static_cast<void>(crypto::asymmetric_decrypt(policy, identity.key, cipher));
+        }
+    });
+    return watch.seconds() / rounds;
+}
+
 void print(const char* what, double none, double secure, const char* unit)
 {
     std::printf("%-42s %12.0f %12.0f %s\n", what, none, secure, unit);
@@ -227,6 +329,12 @@ int main(int argc, char** argv)
     std::printf("%-42s %12s %12s\n", "", "None", "Sign+Encrypt");
     print("client, a value of Read 1,000", read_cost(none, 1'000, rounds(500)),
           read_cost(secure, 1'000, rounds(500)), "ns");
+    const auto service = service_read_cost(none, 1'000, rounds(500));
+    const auto secure_service = service_read_cost(secure, 1'000, rounds(500));
+    print("client, a value of client::read 1,000", service.first, secure_service.first, "ns");
+    print("of that a copy of the list", service.second, secure_service.second, "ns");
+    print("client, an item of 25,000 created", item_cost(none, rounds(5)),
+          item_cost(secure, rounds(5)), "ns");
     print("client, a value of Read 25,000", read_cost(none, 25'000, rounds(40)),
           read_cost(secure, 25'000, rounds(40)), "ns");
     const auto scans = static_cast<std::uint32_t>(rounds(40));
@@ -238,5 +346,6 @@ int main(int argc, char** argv)
     const auto encrypted = connects_per_second(secure, rounds(100));
     print("connect, activate, close, both sides", plain.first, encrypted.first, "/s");
     print("of that the client's part", plain.second * 100, encrypted.second * 100, "%");
+    print("its RSA alone", 0, encrypted.first * rsa_of_connect(secure, rounds(100)) * 100, "%");
     return 0;
 }

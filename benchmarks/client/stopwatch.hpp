@@ -17,6 +17,7 @@ public:
         spent_ += now() - begin;
     }
     void reset() { spent_ = {}; }
+    void add(const Stopwatch& other) { spent_ += other.spent_; }
     [[nodiscard]] double seconds() const { return std::chrono::duration<double>{spent_}.count(); }
 
 private:

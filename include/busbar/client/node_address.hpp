@@ -41,7 +41,7 @@ public:
     [[nodiscard]] static Result<NodeAddress> parse(std::string_view text);
 
     /// A text that parse() reads as this address.
-    [[nodiscard]] const std::string& text() const { return text_; }
+    [[nodiscard]] std::string text() const;
     [[nodiscard]] bool is_path() const { return !path_.empty(); }
 
     /// Returns the NodeId, if the server need not be asked for it. Bad_NodeIdUnknown if the server
@@ -57,13 +57,12 @@ public:
 
     friend bool operator==(const NodeAddress& a, const NodeAddress& b)
     {
-        return a.text_ == b.text_;
+        return a.id_ == b.id_ && a.path_ == b.path_;
     }
 
 private:
-    std::string text_;
     ExpandedNodeId id_;
-    std::string path_;
+    std::string path_; // empty for a NodeId
 };
 
 /// The NodeId of `id` on this server; errors as NodeAddress::node_id.

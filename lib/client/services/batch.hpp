@@ -41,6 +41,31 @@ void set_failed(T& outcome, StatusCode why)
     outcome.status_code = why;
 }
 
+/// A request that ends with a list, which stays with its Batch: it is encoded from there, not
+/// copied. Valid as long as the request's handler, which keeps the Batch.
+template <typename Request, typename Item>
+struct BorrowingRequest {
+    static constexpr std::uint32_t binary_encoding_id = Request::binary_encoding_id;
+
+    friend void encode(binary::Writer& writer, const BorrowingRequest& request)
+    {
+        encode(writer, request.request_header);
+        if (request.encode_others != nullptr) {
+            request.encode_others(writer, request.others);
+        }
+        writer.length(request.items.size());
+        for (const Item& item : request.items) {
+            encode(writer, item);
+        }
+    }
+
+    std::span<const Item> items;
+    /// The fields between the header and the list, if there are any.
+    Request others{};
+    void (*encode_others)(binary::Writer&, const Request&){nullptr};
+    RequestHeader request_header{};
+};
+
 /// One service over a list of items, in parts of which a few are under way at a time.
 ///
 /// Service has Item, Outcome, Response, is_repeatable, limit(OperationLimits), request(span of

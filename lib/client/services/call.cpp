@@ -16,11 +16,10 @@ struct CallService {
     {
         return limits.max_nodes_per_method_call;
     }
-    [[nodiscard]] static CallRequest request(std::span<const CallMethodRequest> items)
+    [[nodiscard]] static detail::BorrowingRequest<CallRequest, CallMethodRequest>
+    request(std::span<const CallMethodRequest> items)
     {
-        CallRequest request;
-        request.methods_to_call = Array<CallMethodRequest>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     static Array<CallMethodResult> results(CallResponse& response, std::size_t /*count*/)
     {

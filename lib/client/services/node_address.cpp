@@ -90,7 +90,16 @@ std::optional<std::string> take_bracketed(std::string_view& text)
 
 } // namespace
 
-NodeAddress::NodeAddress(ExpandedNodeId id) : text_{to_string(id)}, id_{std::move(id)} {}
+NodeAddress::NodeAddress(ExpandedNodeId id) : id_{std::move(id)} {}
+
+std::string NodeAddress::text() const
+{
+    if (!is_path()) {
+        return to_string(id_);
+    }
+    const bool is_from_root = id_ == ExpandedNodeId{NodeId{0, id::RootFolder}};
+    return (is_from_root ? std::string{} : bracketed(to_string(id_))) + path_;
+}
 
 Result<NodeAddress> NodeAddress::path(std::string_view text, ExpandedNodeId start)
 {
@@ -98,8 +107,6 @@ Result<NodeAddress> NodeAddress::path(std::string_view text, ExpandedNodeId star
         return fail(status::Bad_BrowseNameInvalid);
     }
     NodeAddress address{std::move(start)};
-    const bool from_root = address.id_ == ExpandedNodeId{NodeId{0, id::RootFolder}};
-    address.text_ = (from_root ? std::string{} : bracketed(address.text_)) + std::string{text};
     address.path_ = text;
     return address;
 }

@@ -16,13 +16,19 @@ struct ReadService {
     {
         return limits.max_nodes_per_read;
     }
-    [[nodiscard]] ReadRequest request(std::span<const ReadValueId> items) const
+    [[nodiscard]] detail::BorrowingRequest<ReadRequest, ReadValueId>
+    request(std::span<const ReadValueId> items) const
     {
-        ReadRequest request;
-        request.max_age = to_milliseconds(settings.max_age);
-        request.timestamps_to_return = settings.timestamps;
-        request.nodes_to_read = Array<ReadValueId>{items};
-        return request;
+        ReadRequest others;
+        others.max_age = to_milliseconds(settings.max_age);
+        others.timestamps_to_return = settings.timestamps;
+        return {items,
+                std::move(others),
+                [](binary::Writer& writer, const ReadRequest& request) {
+                    writer.number(request.max_age);
+                    writer.number(request.timestamps_to_return);
+                },
+                {}};
     }
     static Array<DataValue> results(ReadResponse& response, std::size_t /*count*/)
     {

@@ -17,11 +17,10 @@ struct WriteService {
     {
         return limits.max_nodes_per_write;
     }
-    [[nodiscard]] static WriteRequest request(std::span<const WriteValue> items)
+    [[nodiscard]] static detail::BorrowingRequest<WriteRequest, WriteValue>
+    request(std::span<const WriteValue> items)
     {
-        WriteRequest request;
-        request.nodes_to_write = Array<WriteValue>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     static Array<StatusCode> results(WriteResponse& response, std::size_t /*count*/)
     {

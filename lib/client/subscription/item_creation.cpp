@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <unordered_set>
 
 #include "item_creation.hpp"
 
@@ -12,12 +11,23 @@ template <typename IsDue>
 std::vector<ItemHandle> take_batch(std::deque<ItemHandle>& queue, std::size_t limit, IsDue is_due)
 {
     std::vector<ItemHandle> batch;
-    std::unordered_set<ItemHandle> taken;
+    batch.reserve(std::min(queue.size(), limit));
+    bool is_rising = true; // as of items that were added together, of which none is there twice
     while (!queue.empty() && batch.size() < limit) {
-        if (is_due(queue.front()) && taken.insert(queue.front()).second) {
-            batch.push_back(queue.front());
+        const ItemHandle next = queue.front();
+        if (is_due(next)) {
+            is_rising = is_rising && (batch.empty() || batch.back() < next);
+            batch.push_back(next);
         }
         queue.pop_front();
+    }
+    if (!is_rising) {
+        std::vector<ItemHandle> sorted = batch;
+        std::sort(sorted.begin(), sorted.end());
+        if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+            sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+            batch = std::move(sorted);
+        }
     }
     return batch;
 }
@@ -50,26 +60,38 @@ bool ItemCreation::create(WatchedSubscription& subscription)
 
 void ItemCreation::resolve_items(WatchedSubscription& subscription, std::vector<ItemHandle> items)
 {
-    std::vector<NodeAddress> addresses;
-    addresses.reserve(items.size());
+    bool has_paths = false;
     for (const ItemHandle handle : items) {
         Item& item = *items_.find(handle);
         item.is_modified = item.is_mode_changed = false;
-        addresses.push_back(item.node);
+        has_paths = has_paths || item.node.is_path();
     }
     subscription.is_busy = true;
     subscription.under_way = std::move(items);
+    if (!has_paths) {
+        std::vector<Result<NodeId>> nodes;
+        nodes.reserve(subscription.under_way.size());
+        for (const ItemHandle handle : subscription.under_way) {
+            nodes.push_back(items_.find(handle)->node.node_id(requests_.server()));
+        }
+        return items_resolved(subscription.handle, std::move(nodes));
+    }
+    std::vector<NodeAddress> addresses;
+    addresses.reserve(subscription.under_way.size());
+    for (const ItemHandle handle : subscription.under_way) {
+        addresses.push_back(items_.find(handle)->node);
+    }
     changes_.resolve_nodes(
         subscription, std::move(addresses),
         [this, handle = subscription.handle](const auto& nodes) { items_resolved(handle, nodes); });
 }
 
-void ItemCreation::items_resolved(SubscriptionHandle handle,
-                                  const std::vector<Result<NodeId>>& nodes)
+void ItemCreation::items_resolved(SubscriptionHandle handle, std::vector<Result<NodeId>> nodes)
 {
     WatchedSubscription& subscription = *subscriptions_.find(handle);
     const auto items = std::exchange(subscription.under_way, {});
     Array<MonitoredItemCreateRequest> requests;
+    requests.reserve(items.size());
     ItemStatuses statuses;
     auto timestamps = TimestampsToReturn::Both;
     bool is_late = false;
@@ -88,7 +110,7 @@ void ItemCreation::items_resolved(SubscriptionHandle handle,
         } else {
             timestamps = item->parameters->timestamps;
             MonitoredItemCreateRequest& request = requests.emplace_back();
-            request.item_to_monitor.node_id = *nodes[i];
+            request.item_to_monitor.node_id = *std::move(nodes[i]);
             request.item_to_monitor.attribute_id =
                 static_cast<std::uint32_t>(item->parameters->attribute);
             request.item_to_monitor.index_range = item->parameters->index_range;

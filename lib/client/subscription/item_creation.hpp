@@ -22,7 +22,7 @@ public:
 
 private:
     void resolve_items(WatchedSubscription& subscription, std::vector<ItemHandle> items);
-    void items_resolved(SubscriptionHandle handle, const std::vector<Result<NodeId>>& nodes);
+    void items_resolved(SubscriptionHandle handle, std::vector<Result<NodeId>> nodes);
     void send_creation(WatchedSubscription& subscription,
                        Array<MonitoredItemCreateRequest> requests, TimestampsToReturn timestamps);
     void items_created(WatchedSubscription& subscription,

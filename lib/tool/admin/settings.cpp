@@ -78,7 +78,7 @@ std::vector<std::string> names_of(Connection& connection, const NodeId& root,
     std::vector<std::string> names;
     const auto below = variables_below(connection, {to_string(root)}, max_settings);
     for (const VariableBelow& variable : below.variables) {
-        const std::string_view id = variable.node.address.text();
+        const std::string id = variable.node.address.text();
         const std::size_t found = id.find(root_name);
         if (found == std::string_view::npos) {
             continue;
