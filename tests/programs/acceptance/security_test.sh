@@ -27,7 +27,8 @@ chief 1 admin user add "$url" pat --new-password-file other
 grep -q 'Bad_InvalidState' out || fail "a user in RUN: $(cat out)"
 chief 1 admin role grant "$url" chief Supervisor
 grep -q 'Bad_InvalidState' out || fail "a role in RUN: $(cat out)"
-logged 'users and roles: cannot change while the machine is in RUN' || fail "the log has no reason"
+logged 'users and roles failed: cannot change while the machine is in RUN' ||
+    fail "the log has no reason"
 chief 1 admin setting set "$url" users.anonymous read
 # Nor by the file: they wait for PROGRAM, and the status says so.
 one_step
