@@ -79,7 +79,8 @@ public:
             break;
         case 6: {
             const std::uint8_t what = script_->byte();
-            plc_.happen(static_cast<harness::SlmpMishap>(what % 8), what / 64, 0xC000U + what);
+            plc_.happen(static_cast<harness::SlmpMishap>(what % 8), what / 64U,
+                        static_cast<std::uint16_t>(0xC000U + what));
             break;
         }
         default:

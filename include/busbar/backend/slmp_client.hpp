@@ -95,6 +95,7 @@ public:
 
     /// Takes bytes of the PLC; one datagram over UDP. An error ends the connection.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    /// Returns the next occurrence.
     [[nodiscard]] std::optional<SlmpEvent> next_event();
     /// Returns the bytes to send next, at most one frame: over UDP a datagram, which consume()
     /// takes as a whole. Empty if there is nothing.
@@ -110,6 +111,7 @@ public:
     /// Bad_ConnectionClosed a RemoteReset under way ends as done, since a PLC does not answer it
     /// but closes the connection.
     void close(StatusCode reason);
+    /// Returns whether Closed has come, or waits in next_event().
     [[nodiscard]] bool is_closed() const;
     /// The work so far.
     [[nodiscard]] const SlmpClientCounters& counters() const;
