@@ -23,6 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/net/system.hpp>
@@ -165,10 +166,11 @@ int serve(const std::string& file, bool is_model, std::atomic<double>& longest_m
         configuration.file = file;
         configuration.project = is_model ? "project" : "";
         product::SimulatedRuntime runtime;
+        controller::ThreadMaker threads;
         net::StderrLog log{LogLevel::Debug};
         bool starts = true;
         while (starts) {
-            const auto controller = product::start(configuration, runtime, log, {});
+            const auto controller = product::start(configuration, runtime, log, {}, threads);
             const PieceMeter meter{*controller, longest_ms};
             starts = controller->run();
         }
@@ -287,7 +289,7 @@ bool OwnController::write_program(std::size_t number, std::string_view file) con
     return write_file(fs::path{folder_} / file, text.str());
 }
 
-bool OwnController::write_project(std::string_view file) const
+bool OwnController::write_project(std::string_view file, const std::string& name) const
 {
     MappedModel model;
     model.objects = options_.variables / model.variables;
@@ -297,6 +299,7 @@ bool OwnController::write_project(std::string_view file) const
     project.security.policies.clear();
     project.security.mode = MessageSecurityMode::None;
     project.security.allows_anonymous = true;
+    project.certificate.server_name = name;
     project.models = model_files(model);
     const auto document = controller::document_of(project);
     return document && write_file(fs::path{folder_} / file, *document);

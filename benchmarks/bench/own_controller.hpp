@@ -60,8 +60,9 @@ public:
     /// others have other variables.
     [[nodiscard]] bool write_program(std::size_t number,
                                      std::string_view file = program_file) const;
-    /// Writes a project into the folder whose Variables are the labels.
-    [[nodiscard]] bool write_project(std::string_view file) const;
+    /// Writes a project into the folder whose Variables are the labels, with this name for the
+    /// server's certificate.
+    [[nodiscard]] bool write_project(std::string_view file, const std::string& name) const;
     /// Has it read its files again, SIGHUP.
     void reload() const;
     [[nodiscard]] bool is_running();

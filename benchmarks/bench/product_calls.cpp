@@ -40,13 +40,16 @@ constexpr std::array<ProductCommand, 15> machine_commands{{
     {"restore", "admin restore all.backup --yes"}, // it starts again some seconds later
 }};
 
-constexpr std::array<ProductCommand, 6> model_commands{{
+constexpr std::array<ProductCommand, 9> model_commands{{
     {"project write, the first", "project write first.busbar --yes"},
     {"project update", "project update --yes"},
     {"project verify", "project verify first.busbar"},
     {"project write, the same", "project write first.busbar --yes"},
     {"project read", "project read read.busbar --yes"},
     {"project restart", "project restart --yes"},
+    {"project write, another", "project write second.busbar --yes"},
+    {"project restart, another", "project restart --yes"},
+    {"labels read again", {}},
 }};
 
 Result<HostileRow> play(Load& load, OwnController& controller, const ToolUser& tool,
@@ -85,7 +88,8 @@ Result<HostileRow> play(Load& load, OwnController& controller, const ToolUser& t
 Result<std::vector<HostileRow>> administer(Load& load, OwnController& controller,
                                            const ToolUser& tool, bool is_model)
 {
-    const bool has_files = is_model ? controller.write_project("first.busbar")
+    const bool has_files = is_model ? controller.write_project("first.busbar", "First") &&
+                                          controller.write_project("second.busbar", "Second")
                                     : controller.write_program(0, "first.st") &&
                                           controller.write_program(3, "added.st") &&
                                           controller.write_program(11, "other.st");

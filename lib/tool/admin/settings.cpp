@@ -83,7 +83,7 @@ std::vector<std::string> names_of(Connection& connection, const NodeId& root,
         if (found == std::string_view::npos) {
             continue;
         }
-        const std::string_view name = id.substr(found + root_name.size());
+        const std::string name = id.substr(found + root_name.size());
         if (parts.empty() || std::any_of(parts.begin(), parts.end(), [&](const std::string& part) {
                 return name.starts_with(part);
             })) {

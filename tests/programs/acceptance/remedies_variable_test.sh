@@ -100,13 +100,21 @@ program_of() {
     "$@"
     printf 'END_VAR\n'
 }
+# take_over: the file's program, whose variables may have the names of the one before.
+taken_over() { grep -c -e 'downloaded: press.st' -e 'edited online: press.st' log; }
+is_taken_over() { [ "$(taken_over)" -gt "$taken_before" ]; }
+take_over() {
+    taken_before=$(taken_over)
+    kill -HUP "$pid"
+    await is_taken_over
+    await reaches read "$url" "$(node z00001)" # it may start again for it
+}
 # too_many BIT CODE NAME COMMAND...: with so many and with fewer.
 too_many() {
     bit=$1 event=$2 name=$3 kind=$4 fewer=$6
     left_out=$(printf 'z%05d' "$5") shown=$(printf 'z%05d' "$6")
     program_of "$kind" "$5" > press.st
-    kill -HUP "$pid"
-    await reaches read "$url" "$(node z00001)"
+    take_over
     chief 0 read --value "$url" "$(node Controller/DeviceState/UnpublishedVariablesStatus)"
     [ $(($(tail -n 1 out) >> bit & 1)) -eq 1 ] || fail "bit $bit of $(cat out)"
     recorded SERVER 0100 "$name"
