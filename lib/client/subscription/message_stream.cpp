@@ -9,14 +9,17 @@ void MessageStream::heard(DateTime time, TimePoint now)
     heard_time = time;
     silences = 0;
     is_server_alive = false;
+    has_sign = false;
     silent_at = now + keep_alive_interval + keep_alive_interval / 2 + std::chrono::seconds{1};
 }
 
 std::uint32_t MessageStream::fall_silent(TimePoint now)
 {
     const std::uint32_t count = silences + 1;
+    const bool had_sign = has_sign;
     heard(heard_time, now);
     silences = count;
+    has_sign = had_sign;
     is_probing = true;
     probe_count = 0;
     return count;

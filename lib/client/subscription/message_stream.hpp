@@ -68,6 +68,8 @@ struct MessageStream {
     std::uint32_t silences{0};
     /// Since the last message or silence the server has answered a Republish that it has none.
     bool is_server_alive{false};
+    /// Since the last message the server has answered something else.
+    bool has_sign{false};
     DateTime heard_time;     // of the last message
     DateTime complete_until; // null before the first message
     std::optional<Loss> loss;

@@ -124,6 +124,8 @@ void Publishing::failed(StatusCode status)
         return; // another one goes out
     }
     publish_at_ = requests_.now() + pause_after_failure;
+    subscriptions_.for_each(
+        [](WatchedSubscription& subscription) { subscription.messages.has_sign = true; });
     if (status == status::Bad_NoSubscription) {
         reception_.probe_all(); // Republish tells which of them do not exist
     }

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint32_t max_republishes = 3;
 constexpr std::uint32_t patient_silences = 2;
 constexpr std::uint32_t max_silences = 5;
-constexpr std::uint32_t max_silences_without_sign = 10;
+constexpr std::uint32_t max_silences_of_others = 10;
 constexpr Duration republish_pause = std::chrono::seconds{1};
 
 /// True if the server answered, and the message is not available.
@@ -132,6 +132,8 @@ void Reception::ask_for_life(WatchedSubscription& subscription)
                 found->messages.is_republishing = false;
                 if (!response && response.error() == status::Bad_Timeout) {
                     found->messages.republish_failures = 0;
+                } else {
+                    found->messages.has_sign = true;
                 }
             }
             go_on(handle, incarnation);
@@ -176,7 +178,8 @@ void Reception::watch(WatchedSubscription& subscription, TimePoint now)
     }
     const bool is_server_alive = subscription.messages.is_server_alive;
     const std::uint32_t silences = subscription.messages.fall_silent(now);
-    if (silences >= (is_server_alive ? max_silences : max_silences_without_sign)) {
+    if ((silences >= max_silences && is_server_alive) ||
+        (silences >= max_silences_of_others && subscription.messages.has_sign)) {
         ends_.lost(subscription, status::Bad_Timeout, true);
         requests_.call_for_work();
         return;
