@@ -7,6 +7,7 @@
 #include "tool/connection/failure.hpp"
 #include "tool/connection/url.hpp"
 #include "tool/connection/usage.hpp"
+#include "tool/connection/verbose_log.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"
@@ -42,6 +43,29 @@ TEST_CASE("text is cut and wrapped by the columns that it takes")
     CHECK(cut_front("数量数量", 6) == "...量");
     CHECK(wrap("one two three", 9, 2) == "one two\n  three");
     CHECK(wrap("", 9, 2).empty());
+}
+
+TEST_CASE("what this side refuses of a server is told as its own refusal")
+{
+    VerboseLog log{false};
+    explain(log, "channel",
+            {status::Bad_TcpMessageTooLarge, "message size", "more than 16,777,216 bytes",
+             "Part 6, 7.1.2.4", "Accept more"});
+    CHECK(log.refusal_with(status::Bad_TcpMessageTooLarge) ==
+          "message size failed: more than 16,777,216 bytes");
+    // The server said these, or the network broke.
+    CHECK(log.refusal_with(status::Bad_TcpServerTooBusy).empty());
+    CHECK(log.refusal_with(status::Bad_ConnectionClosed).empty());
+    CHECK(log.refusal_with({}).empty());
+    log.write(LogLevel::Warning, "net", "cannot connect to x: it failed: Bad_Timeout, y");
+    CHECK(log.refusal_with(status::Bad_Timeout).empty());
+
+    const Failure failure = refused_by_us(status::Bad_TcpMessageTooLarge, "opc.tcp://x",
+                                          log.refusal_with(status::Bad_TcpMessageTooLarge));
+    const std::string text = text_of(failure, Output{stdout});
+    CHECK(text.find("we ended the connection") != std::string::npos);
+    CHECK(text.find("16,777,216") != std::string::npos);
+    CHECK(text.find("trust our certificate") == std::string::npos);
 }
 
 TEST_CASE("a table fits, and cuts what may be cut")

@@ -27,11 +27,13 @@ enum class ModbusTable : std::uint8_t { Coil, DiscreteInput, InputRegister, Hold
 
 /// The place and type of a value in a device.
 struct ModbusAddress {
+    /// The table that it is in.
     ModbusTable table{ModbusTable::HoldingRegister};
     /// The first coil, input or register as on the wire, from 0.
     std::uint16_t offset{0};
     /// The bit of a register, 0 (lowest) to 15, for a Bool in a table of registers.
     std::optional<std::uint8_t> bit{};
+    /// The type of its value.
     ModbusValueType value{};
     /// The unit behind a gateway; none: that of the connection.
     std::optional<std::uint8_t> unit{};

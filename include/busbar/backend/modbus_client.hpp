@@ -23,9 +23,10 @@ struct ModbusClientOptions {
     /// The peer is a gateway to a serial line: one request at a time, whatever max_under_way says,
     /// and unit 0 is a broadcast, which no unit answers.
     bool is_gateway{false};
-    /// How long an answer may take from the moment at which its request is in output().
+    /// The time that an answer may take from the moment at which its request is in output().
     Duration timeout{std::chrono::seconds{1}};
-    /// How long a gateway's line is left alone after a broadcast, so that units can execute it.
+    /// The time for which a gateway's line is left alone after a broadcast, so that units can
+    /// execute it.
     Duration broadcast_pause{std::chrono::milliseconds{100}};
     /// So many timeouts one after the other, without any byte in between, end the connection with
     /// Bad_Timeout: the peer may be gone without having said so. Of requests that were under way
@@ -35,8 +36,9 @@ struct ModbusClientOptions {
     std::size_t max_requests{1024};
 };
 
-/// Something that happened to a ModbusClient.
+/// An event of a ModbusClient.
 struct ModbusEvent {
+    /// The kinds of events.
     enum class Kind : std::uint8_t {
         /// The request `id` is finished.
         Answer,
@@ -45,31 +47,37 @@ struct ModbusEvent {
         Closed,
     };
 
+    /// Says which members are set.
     Kind kind{Kind::Answer};
+    /// The number of the request, as send() returned it.
     std::uint64_t id{0};
     /// Good if `response` has what was requested. Otherwise status_of() the exception in
-    /// `response`, or Bad_Timeout, Bad_UnknownResponse for bytes that are no response to this
+    /// `response`, or Bad_Timeout, Bad_UnknownResponse for bytes that do not respond to this
     /// request, or the status with which the connection ended.
     StatusCode status{};
+    /// The response, exceptions included.
     ModbusResponse response{};
     /// Time from sending to the answer; 0 if there was none.
     Duration round_trip{};
+    /// The reason in words, for a log.
     std::string reason{};
 };
 
-/// What a client has counted since it was made.
+/// The counters of a client, which start at 0.
 struct ModbusCounters {
     /// Requests that were sent.
     std::uint64_t requests{0};
     /// Responses to these, exceptions included.
     std::uint64_t answers{0};
+    /// Those of the answers that are exceptions.
     std::uint64_t exceptions{0};
+    /// Requests without an answer in time.
     std::uint64_t timeouts{0};
     /// Responses that no request waited for: late, doubled, or of a wrong transaction.
     std::uint64_t unexpected{0};
     /// Responses with the transaction of a request, but another unit, which are dropped also.
     std::uint64_t wrong_units{0};
-    /// Responses whose bytes are no answer to their request.
+    /// Responses whose bytes do not answer their request.
     std::uint64_t malformed{0};
 };
 
@@ -93,23 +101,27 @@ public:
     /// end.
     [[nodiscard]] Result<std::uint64_t> send(ModbusRequest request, std::uint8_t unit,
                                              TimePoint now);
-    /// Takes bytes of the peer. If these are no frames of Modbus TCP, the status with which the
-    /// connection ended, now or before; there is an event for it, too.
+    /// Takes bytes of the peer. If these are not frames of Modbus TCP, it returns the status with
+    /// which the connection ended, now or before; there is an event for it, too.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     /// Returns what happened next; none if there is nothing.
     [[nodiscard]] std::optional<ModbusEvent> next_event();
     /// Bytes for the peer, which consume() removes from the front; valid until the next call.
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes sent bytes from output().
     void consume(std::size_t size);
     /// When handle_deadline() has to be called; no_deadline if nothing is waited for.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Lets time pass; call it when next_deadline() is reached.
     void handle_deadline(TimePoint now);
     /// Ends the connection: every request that has no answer has this bad status.
     void close(StatusCode status, std::string reason);
 
+    /// True once the connection has ended.
     [[nodiscard]] bool is_closed() const;
     /// Requests that have been sent and wait for their answer.
     [[nodiscard]] std::size_t under_way() const;
+    /// Returns what was counted so far.
     [[nodiscard]] const ModbusCounters& counters() const;
 
 private:

@@ -36,11 +36,13 @@ enum class ModbusFunction : std::uint8_t {
 /// True if the function changes the device.
 [[nodiscard]] BUSBAR_API bool is_write(ModbusFunction function);
 
-// Maximum numbers of items of a request (6.1 to 6.17).
-
+/// Maximum number of coils or inputs of a request that reads them (6.1, 6.2).
 inline constexpr std::size_t max_modbus_read_bits = 2000;
+/// Maximum number of registers of a request that reads them (6.3, 6.4).
 inline constexpr std::size_t max_modbus_read_registers = 125;
+/// Maximum number of coils of a request that writes them (6.11).
 inline constexpr std::size_t max_modbus_write_coils = 1968;
+/// Maximum number of registers of a request that writes them (6.12).
 inline constexpr std::size_t max_modbus_write_registers = 123;
 /// Registers that function 23 may write.
 inline constexpr std::size_t max_modbus_read_write_registers = 121;
@@ -74,6 +76,7 @@ enum class ModbusException : std::uint8_t {
 
 /// A request. Functions that have no use for a member ignore it.
 struct ModbusRequest {
+    /// The function that is asked for.
     ModbusFunction function{ModbusFunction::ReadHoldingRegisters};
     /// The first item, from 0: the one read by function 23, otherwise that read or written.
     std::uint16_t address{0};
@@ -85,6 +88,7 @@ struct ModbusRequest {
     std::uint16_t write_address{0};
     /// Function 22: the register becomes (old AND and_mask) OR (or_mask AND NOT and_mask).
     std::uint16_t and_mask{0};
+    /// The bits that the mask leaves to set (6.16).
     std::uint16_t or_mask{0};
     /// Function 43: 1 basic, 2 regular, 3 extended, 4 one object (6.21).
     std::uint8_t read_code{1};
@@ -96,18 +100,23 @@ struct ModbusRequest {
 
 /// The description that a device gives of itself (6.21).
 struct ModbusIdentification {
+    /// One of its texts, such as the vendor's name.
     struct Object {
+        /// The object's number (6.21).
         std::uint8_t id{0};
+        /// The bytes as the device sends them, mostly ASCII.
         std::string value{};
 
         friend bool operator==(const Object&, const Object&) = default;
     };
 
+    /// The read code of the request.
     std::uint8_t read_code{1};
     /// The most detailed read code that it serves; with 80 hexadecimal, single objects also.
     std::uint8_t conformity{1};
     /// The object to go on with, if not all of them fit.
     std::optional<std::uint8_t> next{};
+    /// The objects in the order of their numbers.
     std::vector<Object> objects{};
 
     friend bool operator==(const ModbusIdentification&, const ModbusIdentification&) = default;
@@ -115,6 +124,7 @@ struct ModbusIdentification {
 
 /// The answer to a request.
 struct ModbusResponse {
+    /// The function that is answered.
     ModbusFunction function{ModbusFunction::ReadHoldingRegisters};
     /// If set, the device refuses, and the following members are empty.
     std::optional<ModbusException> exception{};
@@ -150,7 +160,9 @@ parse_modbus_response(const ModbusRequest& asked, std::span<const std::byte> pdu
 
 /// The header of a request or response over TCP (Messaging on TCP/IP, 3.1.3).
 struct ModbusHeader {
+    /// The number that a response repeats.
     std::uint16_t transaction{0};
+    /// The unit behind a gateway; 0 or 255 for the device itself.
     std::uint8_t unit{255};
     /// Size of the request or response that follows, 1 to max_modbus_pdu_size.
     std::size_t pdu_size{1};

@@ -46,7 +46,9 @@ enum class ModbusOrder : std::uint8_t {
 
 /// The type of a value, with what is needed to find it in its registers.
 struct ModbusValueType {
+    /// The type.
     ModbusType type{ModbusType::UInt16};
+    /// The order of its words and bytes.
     ModbusOrder order{ModbusOrder::ABCD};
     /// Text: the number of bytes, 1 to 250. Otherwise 0.
     std::uint8_t length{0};

@@ -27,6 +27,7 @@ struct PlanAddress {
     /// Number of units, at least 1.
     std::uint32_t width{1};
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the compiler's own comparison has a 0
     friend auto operator<=>(const PlanAddress&, const PlanAddress&) = default;
 };
 

@@ -54,6 +54,7 @@ struct SlmpDevice {
     /// 0, or where it is: F8 a module's buffer memory, F9 a link, FA another CPU's buffer memory.
     std::uint8_t direct_memory{0};
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the compiler's own comparison has a 0
     friend auto operator<=>(const SlmpDevice&, const SlmpDevice&) = default;
 };
 

@@ -31,6 +31,7 @@ struct SlmpStation {
     /// Station of a multidrop connection, 0 for none.
     std::uint8_t multidrop{0};
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the compiler's own comparison has a 0
     friend auto operator<=>(const SlmpStation&, const SlmpStation&) = default;
 };
 

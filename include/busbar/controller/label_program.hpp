@@ -38,7 +38,7 @@ class BUSBAR_API LabelProgram {
 public:
     /// `program` is without label_types(); if it declares a type with one of those names, that is a
     /// Problem. With Unserved::LeaveOut a declaration with a problem, or a type with one of those
-    /// names, is left out; its variables are no labels.
+    /// names, is left out; its variables are not labels.
     [[nodiscard]] static Configured<std::shared_ptr<LabelProgram>>
     create(Program program, Unserved unserved = Unserved::Refuse,
            const server::ImageOptions& options = {.max_pins = 1, .max_queued_scans = 1});

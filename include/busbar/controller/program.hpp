@@ -171,7 +171,7 @@ struct ProgramInstance {
     std::string task{};
 };
 
-/// What a reader does with declarations that it cannot serve.
+/// Says what a reader does with declarations that it cannot serve.
 enum class Unserved : std::uint8_t {
     Refuse,   // the whole program
     LeaveOut, // only the declaration
@@ -179,6 +179,7 @@ enum class Unserved : std::uint8_t {
 
 /// A declaration that is not served.
 struct LeftOut {
+    /// The kinds of declarations that can be left out.
     enum class Kind : std::uint8_t {
         Part, // a passage without a name
         Type,
@@ -187,10 +188,11 @@ struct LeftOut {
         Variable,
     };
 
+    /// Says what was declared.
     Kind kind{Kind::Part};
     /// The declaration as far as it was understood: a name, a place and whether to publish it.
     GlobalVariable declared{};
-    /// Why; `where` begins with line and column if they are known, without the file's name.
+    /// The reason; `where` begins with line and column if they are known, without the file's name.
     Problem problem{};
 };
 

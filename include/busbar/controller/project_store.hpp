@@ -108,6 +108,7 @@ private:
     std::string folder_;
     /// Tells the files that are staged here from those of the stores of the same folder before.
     std::uint32_t generation_{0};
+    mutable std::uint32_t staged_count_{0};
     Check check_;
     Check check_new_;
     ProjectLimits limits_;

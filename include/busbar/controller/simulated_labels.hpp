@@ -31,7 +31,7 @@ struct SimulatedLabelsOptions {
     bool can_sample{true};
     /// The points of one Sample request, which are rounded up to the next multiple of 8,192.
     std::uint32_t max_sampled_points{32'768};
-    /// What happens to declarations that cannot be labels.
+    /// Says what happens to declarations that cannot be labels.
     Unserved unserved{Unserved::Refuse};
 
     friend bool operator==(const SimulatedLabelsOptions&, const SimulatedLabelsOptions&) = default;

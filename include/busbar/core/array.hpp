@@ -100,7 +100,7 @@ public:
             relocate(capacity == 0 ? 1 : capacity);
         }
     }
-    /// As above, with the memory of `memory`, which may be null, if there is much.
+    /// Does the same with the memory of `memory`, which may be null, if there is much.
     void reserve(std::size_t capacity, detail::KeptMemory* memory)
     {
         if (data_ == nullptr || capacity > capacity_) {

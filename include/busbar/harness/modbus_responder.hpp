@@ -23,6 +23,7 @@ namespace busbar::harness {
 
 /// One fault, which happens to one response.
 struct ModbusFault {
+    /// The kinds of faults.
     enum class Kind : std::uint8_t {
         /// The request is executed and not answered.
         Silent,
@@ -47,11 +48,15 @@ struct ModbusFault {
         Long,
     };
 
+    /// Says what goes wrong.
     Kind kind{Kind::Silent};
     /// Responses that are sent as they should be before it.
     std::size_t after{0};
+    /// The exception, for faults that answer with one.
     backend::ModbusException exception{backend::ModbusException::DeviceFailure};
+    /// The additional delay of an answer.
     Duration delay{std::chrono::milliseconds{100}};
+    /// A number of bytes, for faults of an answer's length.
     std::size_t bytes{0};
 };
 
@@ -67,6 +72,7 @@ struct ModbusDeviceOptions {
     bool answers_for_missing_units{true};
     /// Registers that a read or write may have, if the device takes fewer than the protocol.
     std::size_t max_registers{backend::max_modbus_read_registers};
+    /// The conformity level of the identification (6.21).
     std::uint8_t conformity{0x81};
     /// Objects of its identification, by increasing id.
     std::vector<backend::ModbusIdentification::Object> objects{};
@@ -120,13 +126,14 @@ private:
 
 /// The configuration of a ModbusResponder.
 struct ModbusResponderOptions {
-    /// What it does with a request while another one is not answered.
+    /// Selects the treatment of a request while another one is not answered.
     enum class Overlap : std::uint8_t { Queue, Busy, Ignore };
 
     /// The time that a request takes; requests in a queue take it one after the other.
     Duration latency{0};
     /// Requests are executed at multiples of it only, as by a PLC between two scans; 0: at once.
     Duration scan{0};
+    /// The treatment of overlapping requests.
     Overlap overlap{Overlap::Queue};
     /// Requests in the queue; others are answered with exception 6.
     std::size_t max_queue{64};
@@ -143,9 +150,13 @@ public:
 
     /// Takes bytes of the client. Bad_DecodingError, and is_closed(), if they are not Modbus TCP.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    /// Returns the bytes to send.
     [[nodiscard]] std::span<const std::byte> output() const;
+    /// Removes sent bytes from output().
     void consume(std::size_t size);
+    /// Returns the time at which handle_deadline() has something to do.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Lets time pass; call it when next_deadline() is reached.
     void handle_deadline(TimePoint now);
     /// True if the connection ends when output() has been sent.
     [[nodiscard]] bool is_closed() const;

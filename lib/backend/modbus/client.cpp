@@ -205,7 +205,7 @@ Result<void> ModbusClient::feed(std::span<const std::byte> in, TimePoint now)
         in = in.subspan(impl_->input.take(in));
         const auto frame = impl_->input.frame();
         if (!frame) {
-            impl_->close(frame.error(), "the peer sent bytes that are no Modbus TCP");
+            impl_->close(frame.error(), "the peer sent bytes that are not Modbus TCP");
         } else if (*frame) {
             impl_->take_frame((*frame)->header, (*frame)->pdu, now);
             impl_->input.drop_frame();

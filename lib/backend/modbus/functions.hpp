@@ -7,7 +7,7 @@
 
 namespace busbar::backend::detail {
 
-/// What requests of a function have.
+/// The parts of a function's requests.
 struct ModbusForm {
     ModbusFunction function;
     bool has_bits;

@@ -41,7 +41,7 @@ void write_identification(const ModbusIdentification& identification, ModbusWrit
     writer.replace(identification_head_size - 1, count);
 }
 
-/// What a response to a request that only writes repeats of it, from the address on.
+/// Writes the part of a request that the response to a pure write repeats, from the address on.
 void write_echo(const ModbusRequest& asked, const ModbusForm& form, ModbusWriter& writer)
 {
     writer.word(asked.address);

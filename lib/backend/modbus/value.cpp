@@ -19,7 +19,7 @@ constexpr unsigned bits_of_word = 16;
 constexpr unsigned bits_of_digit = 4;
 constexpr std::uint64_t decimal = 10;
 
-/// What is known of each type, in the order of the enumeration.
+/// The properties of each type, in the order of the enumeration.
 struct ModbusTypeRow {
     BuiltInType built_in;
     std::uint8_t registers;

@@ -9,8 +9,7 @@
 
 namespace busbar::backend::detail {
 
-/// What a plan has learned of its peer: which addresses it refuses, and between which ranges there
-/// is something that it does not let read.
+/// Remembers what a peer refuses: addresses, and gaps between ranges that cannot be read across.
 class PlanMemory {
 public:
     struct Refusal {
@@ -37,7 +36,7 @@ public:
 private:
     std::size_t limit_;
     std::map<PlanAddress, Refusal> refusals_;
-    /// By area and offset.
+    /// Keyed by area and offset.
     std::map<std::pair<std::uint32_t, std::uint32_t>, TimePoint> cuts_;
 };
 

@@ -11,8 +11,8 @@ namespace {
 
 using enum SlmpFault;
 
-/// By code. PLCs of different families use some of them for different reasons; then the text has
-/// both.
+/// Sorted by code. PLCs of different families use some of them for different reasons; then the text
+/// has both.
 constexpr std::array end_codes{
     SlmpEndCode{0x0000, None, status::Good, "done"},
     SlmpEndCode{0x0050, Request, status::Bad_CommunicationError,

@@ -43,7 +43,7 @@ private:
     Program* program_;
     const ProgramLimits* limits_;
     ProgramTypes types_;
-    /// Why types are left out, by their folded names.
+    /// The reasons for which types are left out, keyed by their folded names.
     std::unordered_map<std::string, std::string> reasons_{};
 };
 

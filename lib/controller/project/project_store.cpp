@@ -210,7 +210,9 @@ Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> 
     if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
         return storage_problem(*storage_, folder_, made.error());
     }
-    auto file = std::make_shared<Staged::File>(*storage_, staged());
+    // The one before may still be there, and removes its file when it goes.
+    auto file =
+        std::make_shared<Staged::File>(*storage_, staged() + "-" + std::to_string(++staged_count_));
     if (auto put = storage_->replace(file->name, document, FileAccess::Owner); !put) {
         return storage_problem(*storage_, file->name, put.error());
     }
@@ -224,7 +226,8 @@ Configured<ProjectStore::Staged> ProjectStore::stage(std::span<const std::byte> 
 Configured<void> ProjectStore::take_up(Staged staged_project)
 {
     // What may fail comes first: after the move it is the current project.
-    const std::string from = staged();
+    const std::string from =
+        staged_project.file_ != nullptr ? staged_project.file_->name : staged();
     const std::string to = file();
     auto project = std::make_shared<const Project>(std::move(staged_project.project_));
     if (auto moved = storage_->move(from, to, WhenThere::Replace); !moved) {

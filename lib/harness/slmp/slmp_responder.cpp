@@ -79,7 +79,7 @@ struct SlmpResponder::Impl {
 
     void take(std::span<const std::byte> frame, TimePoint now);
     void serve(std::span<const std::byte> frame);
-    void send(const SlmpHead& head, const SlmpOperation& operation, SlmpAnswer answer,
+    void send(const SlmpHead& head, const SlmpOperation& operation, const SlmpAnswer& answer,
               const Mishap& mishap);
     [[nodiscard]] Mishap next_mishap();
 
@@ -332,11 +332,11 @@ void SlmpResponder::Impl::serve(std::span<const std::byte> frame)
         is_closed = true;
         return;
     }
-    send(**head, known, std::move(answer), mishap);
+    send(**head, known, answer, mishap);
 }
 
 void SlmpResponder::Impl::send(const SlmpHead& request, const SlmpOperation& operation,
-                               SlmpAnswer answer, const Mishap& mishap)
+                               const SlmpAnswer& answer, const Mishap& mishap)
 {
     SlmpHead head = request;
     if (mishap.kind == SlmpMishap::WrongSerial) {

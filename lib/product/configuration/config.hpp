@@ -111,7 +111,7 @@ struct MachineConfig {
     std::string program_name;
     /// Text of the program's file, for comparing; null without a program.
     std::shared_ptr<const std::string> program_text;
-    /// What happens to declarations of the program that cannot be served.
+    /// Says what happens to declarations of the program that cannot be served.
     controller::Unserved unserved{controller::Unserved::LeaveOut};
     /// True if another program may leave out what the one before it does not.
     bool may_leave_out_more{false};

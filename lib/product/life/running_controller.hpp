@@ -127,7 +127,7 @@ private:
     void read_again_with_labels(const SourceFiles::Prepared& labels);
     /// Throws ConfigError.
     void read_files_again();
-    /// What could not be used at the start can be by now.
+    /// Notes that what could not be used at the start can be used by now.
     void end_refusal();
     /// Calls `act`, which may throw a ConfigError, for SIGHUP.
     void try_to_read(FunctionRef<void()> act);

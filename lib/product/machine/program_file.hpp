@@ -44,8 +44,8 @@ read_labels(std::string_view text, const std::string& name, controller::Unserved
 
 /// Adds the file's name to a problem of the whole program.
 [[nodiscard]] Problem in_file(Problem problem, const std::string& file);
-/// What is left out of a program, each with file, place and reason; without units, which are no
-/// variables.
+/// Lists what is left out of a program, each with file, place and reason; without units, which are
+/// no variables.
 [[nodiscard]] std::vector<std::string> left_out_texts(const controller::Program& program,
                                                       const std::string& file);
 /// Tells the log what is left out of a program, except for variables that were to be published.

@@ -25,7 +25,7 @@ public:
     /// The last error and the last event, each with its time; a code of 0 is none.
     struct Last {
         std::uint16_t error_code{0};
-        /// As in the log, with label and node.
+        /// The text of the log, with label and node.
         std::string error{};
         DateTime error_time{};
         std::uint32_t error_count{0};
@@ -54,7 +54,7 @@ private:
     Last last_{};
 };
 
-/// What a LabelLog has last, as Variables beside the module's buffer memory: LastErrorCode,
+/// Shows what a LabelLog has last as Variables beside the module's buffer memory: LastErrorCode,
 /// LastError, LastErrorTime, ErrorCount, LastEventCode and LastEventTime.
 class LabelLogNodes final : public server::DataSource {
 public:

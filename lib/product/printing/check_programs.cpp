@@ -16,7 +16,7 @@ namespace busbar::product {
 
 namespace {
 
-/// What came of one file.
+/// The result for one file.
 struct CheckedFile {
     std::string name;
     /// Empty unless the whole file is refused.
@@ -32,7 +32,7 @@ struct CheckedFile {
                program->publication().left_out() == 0 &&
                std::ranges::none_of(program->program().left_out, is_part);
     }
-    /// What is left out and is not listed as a variable that is not published.
+    /// Lists what is left out and is not listed as a variable that is not published.
     [[nodiscard]] std::vector<std::string> left_out() const
     {
         std::vector<std::string> all;

@@ -44,7 +44,7 @@ public:
     struct Prepared {
         Text text{};
         Program program{};
-        /// Of a file of labels, instead.
+        /// The labels, if it is a file of labels.
         Labels labels{};
         std::shared_ptr<const PlcTrial> tried{};
     };

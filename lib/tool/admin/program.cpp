@@ -214,7 +214,7 @@ std::string verb_of(const AdminArguments& arguments, std::string verb)
     return arguments.leaves_out ? verb + "-leaving-out" : verb;
 }
 
-/// Has the controller check the program in a file, and tells what it would leave out.
+/// Asks the controller to check the program in a file, and prints what it would leave out.
 Json checked(Context& context, RemoteTransfer& transfer, const AdminArguments& arguments)
 {
     send_file(context, transfer, verb_of(arguments, "check"), arguments.words[0]);

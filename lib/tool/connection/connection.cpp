@@ -63,6 +63,10 @@ void Connection::close()
     release_interrupt();
     if (client_ && !is_closed_) {
         is_closed_ = true;
+        // Of single nodes only the end of the connection was told.
+        if (const std::string refusal = own_refusal(); !refusal.empty() && !has_told_refusal_) {
+            context_->warn("refused", refused_by_us({}, {}, refusal).reason);
+        }
         client_->close();
     }
 }
@@ -175,6 +179,14 @@ void Connection::warn_of_insecurity()
 void Connection::fail_to_connect(StatusCode status) const
 {
     const std::string& url = context_->options.url;
+    // These have a help of their own.
+    const bool has_help = name(status).starts_with("Bad_Certificate") ||
+                          status == status::Bad_SecurityPolicyRejected ||
+                          status == status::Bad_IdentityTokenRejected;
+    if (const std::string refusal = log_.refusal_with(status); !has_help && !refusal.empty()) {
+        has_told_refusal_ = true;
+        throw refused_by_us(status, url, refusal);
+    }
     if (context_->options.user == "setup" && exit_of(status) == Exit::Refused) {
         throw Failure{status, url,
                       "the code is wrong, or the setup is over, even if it was interrupted at its "
@@ -192,10 +204,22 @@ void Connection::fail_to_connect(StatusCode status) const
     throw Interrupted{};
 }
 
+std::string Connection::own_refusal() const
+{
+    return log_.refusal_with(client_->client().last_error());
+}
+
 void Connection::fail_with(StatusCode status, const std::string& what) const
 {
     if (status == status::Bad_RequestInterrupted) {
         throw Interrupted{};
+    }
+    const bool is_lost = status == status::Bad_SecureChannelClosed ||
+                         status == status::Bad_ConnectionClosed ||
+                         status == status::Bad_ServerNotConnected;
+    if (const std::string refusal = own_refusal(); is_lost && !refusal.empty()) {
+        has_told_refusal_ = true;
+        throw refused_by_us(client_->client().last_error(), what, refusal);
     }
     throw Failure{status, what};
 }

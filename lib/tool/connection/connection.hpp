@@ -72,6 +72,8 @@ public:
 private:
     void wait_until(const std::function<bool()>& is_done);
     [[noreturn]] void fail_with(StatusCode status, const std::string& what) const;
+    /// Returns what this side refused, if that ended the connection; empty if it did not.
+    [[nodiscard]] std::string own_refusal() const;
     [[noreturn]] void fail_to_connect(StatusCode status) const;
     [[nodiscard]] client::ClientConfig config(Endurance endurance);
     void connect(Endurance endurance);
@@ -87,6 +89,7 @@ private:
     std::unique_ptr<net::BlockingClient> client_;
     std::optional<client::TypeCache> types_;
     bool is_closed_{false};
+    mutable bool has_told_refusal_{false};
 };
 
 } // namespace busbar::tool

@@ -30,6 +30,9 @@ DiscoveryConnection::DiscoveryConnection(Context& context)
 {
     const auto connected = client_.connect(timeout_of(context.options));
     if (!connected) {
+        if (const std::string refusal = log_.refusal_with(connected.error()); !refusal.empty()) {
+            throw refused_by_us(connected.error(), url_, refusal);
+        }
         throw connect_failure(connected.error(), url_, log_.why_unconnected());
     }
 }

@@ -136,6 +136,14 @@ Failure connect_failure(StatusCode status, const std::string& url, const std::st
     return {status, url + ": " + why, std::move(advice)};
 }
 
+Failure refused_by_us(StatusCode status, const std::string& what, const std::string& refusal)
+{
+    Failure failure{status, what, "-v shows all that was said about it"};
+    failure.reason =
+        "we ended the connection, as the server's answer is not acceptable: " + refusal;
+    return failure;
+}
+
 std::string text_of(const Failure& failure, const Output& out)
 {
     const std::size_t columns = std::min<std::size_t>(out.columns(), 100);

@@ -62,6 +62,11 @@ public:
 [[nodiscard]] Failure connect_failure(StatusCode status, const std::string& url,
                                       const std::string& why);
 
+/// This side ended the connection with `status`, since it does not accept what `refusal` says of
+/// the server.
+[[nodiscard]] Failure refused_by_us(StatusCode status, const std::string& what,
+                                    const std::string& refusal);
+
 [[nodiscard]] Exit exit_of(StatusCode status);
 
 /// For people: one line for what failed and the status, one for what to do.

@@ -3,12 +3,14 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/text.hpp>
 #include <busbar/net/system.hpp>
 
 namespace busbar::tool {
 
-/// Prints the library's log on standard error if requested. Keeps the reason why there is no
-/// connection for a Failure, since a StatusCode says little about it.
+/// Prints the library's log on standard error if requested. Keeps for a Failure the reason why
+/// there is no connection and what this side refused, since a StatusCode says little about it, and
+/// not who sent it.
 class VerboseLog final : public LogSink {
 public:
     explicit VerboseLog(bool is_verbose) : is_verbose_{is_verbose} {}
@@ -19,6 +21,11 @@ public:
         if (source == "net" && text.starts_with(no_connection)) {
             why_unconnected_ = text.substr(text.rfind(": ") + 2);
         }
+        // The form of explain(): the check, the finding, the status, the rule, the remedy.
+        if (level == LogLevel::Warning && (source == "channel" || source == "client") &&
+            text.find(" failed: ") != std::string_view::npos) {
+            refusal_ = text;
+        }
         if (is_verbose_) {
             log_.write(level, source, text);
         }
@@ -26,10 +33,19 @@ public:
 
     /// "Connection refused"; empty if no attempt has failed.
     [[nodiscard]] const std::string& why_unconnected() const { return why_unconnected_; }
+    /// Returns what this side did not accept of the server, if it ended the connection with this
+    /// status; empty if the server, or the network, ended it.
+    [[nodiscard]] std::string refusal_with(StatusCode status) const
+    {
+        const std::size_t end = refusal_.rfind(": " + std::string{name(status)} + ", ");
+        return status.is_bad() && end != std::string::npos ? refusal_.substr(0, end)
+                                                           : std::string{};
+    }
 
 private:
     bool is_verbose_;
     std::string why_unconnected_;
+    std::string refusal_;
     net::StderrLog log_{LogLevel::Debug};
 };
 

@@ -68,6 +68,7 @@ chief 0 admin events "$url"
 says '35D40000 Unsupported Data Type: 0100'
 
 # What it left out before it leaves out again; what is new has to be meant.
+# told 'a changed program is refused because of such a declaration'
 program edited.st 'Width : INT := 8;'
 as designer 0 admin program check "$url" edited.st
 says 'left out: edited.st:10:5: .*TON'

@@ -53,7 +53,7 @@ private:
     // plcopen_variables.cpp
     [[nodiscard]] bool read_variables(const pugi::xml_node& xml);
     [[nodiscard]] bool read_variable(const pugi::xml_node& xml, GlobalVariable variable);
-    /// How a variable that is left out was to be published, as far as it says so.
+    /// Returns the publish attribute of a variable that is left out, as far as it can be read.
     [[nodiscard]] static NetworkPublish publish_of_variable(const pugi::xml_node& xml,
                                                             NetworkPublish common);
     [[nodiscard]] bool read_publish(const pugi::xml_node& xml, NetworkPublish& publish);
