@@ -71,6 +71,7 @@ public:
     [[nodiscard]] Strings strings() const { return strings_; }
     /// Large arrays take their memory from `memory` from now on; null, as at first, is the heap.
     void keep_memory_in(busbar::detail::KeptMemory* memory) { memory_ = memory; }
+    /// Returns the memory of large arrays; null is the heap.
     [[nodiscard]] busbar::detail::KeptMemory* kept_memory() const { return memory_; }
 
     /// An integer, enumeration or floating-point number; 0 and failed past the end.
