@@ -87,6 +87,8 @@ struct ServerLoop::Impl {
     /// The next one of the servers and of memory_return. Asio has no timer for it, as setting one
     /// takes two system calls at each change; waiting for sockets until then takes none.
     TimePoint deadline{no_deadline};
+    /// Whether the last turn was for a deadline.
+    bool had_deadline{false};
     bool awaits_hangup{false};
     bool is_stopping{false};
     bool is_told_to_stop{false}; // everything is

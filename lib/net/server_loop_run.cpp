@@ -120,10 +120,15 @@ void ServerLoop::Impl::run()
     }
 }
 
-/// Handles what is due or else the next occurrence, of which there may be none for a while.
+/// Handles what is due or else the next occurrence, of which there may be none for a while. Where
+/// deadlines never end, sockets and they have turns alternately.
 void ServerLoop::Impl::turn(bool is_behind)
 {
-    if (deadline <= detail::now()) {
+    const bool is_due = deadline <= detail::now();
+    const bool has_had_turn = std::exchange(had_deadline, is_due && !had_deadline);
+    if (is_due && has_had_turn) {
+        context.poll();
+    } else if (is_due) {
         handle_deadline();
     } else if (is_behind) {
         context.run_for(retry_pause);
