@@ -157,7 +157,7 @@ double item_cost(Plant& plant, int rounds)
         std::size_t made = 0;
         client::SubscriptionHandlers handlers;
         handlers.on_item = [&](client::ItemHandle, const client::ItemStatus& status) {
-            made += status.status.is_bad() ? 0 : 1;
+            made += status.status.is_bad() ? 0 : 1U;
         };
         auto& subscriptions = user.client.subscriptions();
         const auto subscription = expect("create", subscriptions.create({}, handlers));

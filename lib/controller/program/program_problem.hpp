@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
 
 namespace busbar::controller::detail {
@@ -21,7 +22,8 @@ namespace busbar::controller::detail {
 
 /// Makes the note about a declaration that is left out because of a problem at this place. A Part
 /// has no name.
-[[nodiscard]] LeftOut left_out(LeftOut::Kind kind, std::string name, NetworkPublish publish,
-                               const ProgramPlace& place, const std::string& text);
+[[nodiscard]] BUSBAR_API LeftOut left_out(LeftOut::Kind kind, std::string name,
+                                          NetworkPublish publish, const ProgramPlace& place,
+                                          const std::string& text);
 
 } // namespace busbar::controller::detail
