@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -103,6 +104,8 @@ private:
     void skip_to_block();
     /// True at a word that begins a block, or at the end: the block before it has no end.
     [[nodiscard]] bool is_after_block() const;
+    /// True where the block that `last` ends has no end: also at the end of another block.
+    [[nodiscard]] bool is_out_of_block(std::string_view last) const;
     /// Parses what only a whole program has: units, namespaces, variables that are not global.
     /// False without a problem if there is none.
     [[nodiscard]] bool read_beside(bool& is_part);
@@ -121,6 +124,8 @@ private:
     /// The names of the declaration that is being read, and whether to publish it.
     std::vector<Name> declaring_{};
     NetworkPublish declaring_publish_{};
+    /// The place of the last problem; a second one there skips a token.
+    std::size_t last_problem_{SIZE_MAX};
     /// Structures and unions around the current token.
     std::size_t depth_{0};
     /// The names of namespaces that were entered, folded.

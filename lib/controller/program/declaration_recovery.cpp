@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <busbar/controller/program_types.hpp>
 
@@ -65,6 +66,12 @@ bool DeclarationParser::leave_out(LeftOut::Kind kind)
         }
     }
     declaring_.clear();
+    // Whatever the text is, reading it comes to an end.
+    const std::size_t here = cursor_->now().offset;
+    if (std::exchange(last_problem_, here) == here) {
+        cursor_->take();
+        cursor_->pass_wrong();
+    }
     if (!is_line_lost) {
         skip_declaration();
     }
@@ -118,6 +125,11 @@ void DeclarationParser::skip_to_block()
 bool DeclarationParser::is_after_block() const
 {
     return cursor_->is_end() || is_at_one_of(*cursor_, block_begins);
+}
+
+bool DeclarationParser::is_out_of_block(std::string_view last) const
+{
+    return is_after_block() || (is_at_one_of(*cursor_, block_ends) && !cursor_->is_word(last));
 }
 
 bool DeclarationParser::read_beside(bool& is_part)

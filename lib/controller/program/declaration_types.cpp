@@ -13,7 +13,7 @@ bool DeclarationParser::read_types()
             if (!leave_out(LeftOut::Kind::Type)) {
                 return false;
             }
-            if (is_after_block()) {
+            if (is_out_of_block("END_TYPE")) {
                 return true;
             }
         }

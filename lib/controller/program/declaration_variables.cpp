@@ -14,7 +14,7 @@ bool DeclarationParser::read_variables(NetworkPublish publish)
             if (!leave_out(LeftOut::Kind::Variable)) {
                 return false;
             }
-            if (is_after_block()) {
+            if (is_out_of_block("END_VAR")) {
                 return true;
             }
         }
