@@ -95,6 +95,7 @@ bool DeclarationParser::add_variables(const GlobalVariable& variable)
         added.name = std::move(name.text);
         added.place = name.place;
     }
+    declaring_.clear();
     return true;
 }
 

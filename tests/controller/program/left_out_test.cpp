@@ -161,6 +161,14 @@ TEST_CASE("A type of a namespace is found by its name and by that with the names
     CHECK(served((*program)->program()) == "a b");
 }
 
+TEST_CASE("A passage after declarations of several names is left out once")
+{
+    const auto program = read("VAR_GLOBAL a, b : INT; END_VAR stray");
+    REQUIRE(program);
+    CHECK(served((*program)->program()) == "a b");
+    CHECK(left_out((*program)->program()).size() == 1);
+}
+
 TEST_CASE("A text of which nothing is understood is refused with its first mistake")
 {
     const auto program = read("# Read me\n\nThis is no program.");
