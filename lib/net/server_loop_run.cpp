@@ -121,13 +121,14 @@ void ServerLoop::Impl::run()
 }
 
 /// Handles what is due or else the next occurrence, of which there may be none for a while. Where
-/// deadlines never end, sockets and they have turns alternately.
+/// deadlines never end, they and the sockets have turns alternately. A turn of the sockets is one
+/// occurrence, since these may never end either: a flood of connections is always ready.
 void ServerLoop::Impl::turn(bool is_behind)
 {
     const bool is_due = deadline <= detail::now();
     const bool has_had_turn = std::exchange(had_deadline, is_due && !had_deadline);
     if (is_due && has_had_turn) {
-        context.poll();
+        context.poll_one();
     } else if (is_due) {
         handle_deadline();
     } else if (is_behind) {
