@@ -146,7 +146,7 @@ private:
                 require(event->status.is_bad() && !event->reason.empty());
             } else {
                 require(pending_.erase(event->id) == 1);
-                require(!event->response.exception || !(event->status == status::Good));
+                require(!event->answer.exception || !(event->status == status::Good));
             }
         }
         require(pending_.size() <= max_requests);

@@ -52,7 +52,7 @@ void check_messages(std::span<const std::byte> input)
 class Fixture {
 public:
     explicit Fixture(fuzz::Script& script)
-        : script_{&script}, client_{client_config(script.byte())}, plc_{plc_config()}
+        : script_{&script}, client_{client_options(script.byte())}, plc_{plc_options()}
     {
         for (const char* const kind : {"D", "M", "X", "LTN", "U1\\G"}) {
             require(plc_.add_devices(kind, 64));
@@ -91,30 +91,30 @@ public:
     /// Every request has one answer in the end.
     void finish()
     {
-        client_.close(status::Bad_ConnectionClosed);
+        client_.close(status::Bad_ConnectionClosed, "the test ends it");
         poll();
         require(open_.empty() && client_.is_closed() && client_.output().empty());
         require(client_.next_deadline() == no_deadline);
     }
 
 private:
-    [[nodiscard]] SlmpClientConfig client_config(std::uint8_t choice)
+    [[nodiscard]] SlmpClientOptions client_options(std::uint8_t choice)
     {
         is_datagram_ = (choice & 1U) != 0;
         return {.frame = (choice & 2U) != 0 ? SlmpFrame::Frame3E : SlmpFrame::Frame4E,
                 .is_datagram = is_datagram_,
                 .max_under_way = 1U + choice / 4U % 4U,
-                .max_waiting = 4,
+                .max_requests = max_requests,
                 .max_response = 1000};
     }
-    [[nodiscard]] harness::SlmpPlcConfig plc_config()
+    [[nodiscard]] harness::SlmpPlcOptions plc_options()
     {
-        harness::SlmpPlcConfig config;
-        config.is_datagram = is_datagram_;
-        config.is_fx5 = script_->byte() % 2 != 0;
-        config.scan = std::chrono::milliseconds{script_->byte()};
-        config.max_waiting = 4;
-        return config;
+        harness::SlmpPlcOptions options;
+        options.is_datagram = is_datagram_;
+        options.is_fx5 = script_->byte() % 2 != 0;
+        options.scan = std::chrono::milliseconds{script_->byte()};
+        options.max_waiting = 4;
+        return options;
     }
 
     [[nodiscard]] SlmpDevice device()
@@ -159,18 +159,18 @@ private:
             return;
         }
         const SlmpOperation next = operation();
-        if (const auto handle = client_.send(next, now_)) {
-            require(open_.emplace(*handle, next).second);
+        if (const auto id = client_.send(next, now_)) {
+            require(open_.emplace(*id, next).second);
         }
     }
     void poll()
     {
         while (const auto event = client_.next_event()) {
             if (event->kind == SlmpEvent::Kind::Closed) {
-                require(event->status.is_bad() && client_.is_closed());
+                require(event->status.is_bad() && !event->reason.empty() && client_.is_closed());
                 continue;
             }
-            const auto request = open_.find(event->handle);
+            const auto request = open_.find(event->id);
             require(request != open_.end());
             if (event->status.is_good() && event->answer.end_code == 0) {
                 check_size(request->second, event->answer);
@@ -245,8 +245,8 @@ private:
     TimePoint now_{};
     SlmpClient client_;
     harness::SlmpResponder plc_;
-    /// By handle.
-    std::map<std::uint32_t, SlmpOperation> open_{};
+    /// By id.
+    std::map<std::uint64_t, SlmpOperation> open_{};
 };
 
 } // namespace

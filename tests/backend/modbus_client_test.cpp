@@ -135,12 +135,12 @@ TEST_CASE("A Modbus client has one request under way unless it may have more")
     f.feed(Fixture::answer_to(sent[0], {77}));
     const ModbusEvent event = f.answer(first);
     CHECK(event.status == status::Good);
-    CHECK(event.response.values == std::vector<std::uint16_t>{77});
+    CHECK(event.answer.values == std::vector<std::uint16_t>{77});
     CHECK(event.round_trip == 5ms);
     sent = f.take_sent();
     REQUIRE(sent.size() == 1);
     f.feed(Fixture::answer_to(sent[0], {78}));
-    CHECK(f.answer(second).response.values[0] == 78);
+    CHECK(f.answer(second).answer.values[0] == 78);
     CHECK(f.client.counters().requests == 2);
     CHECK(f.client.counters().answers == 2);
 }
@@ -156,7 +156,7 @@ TEST_CASE("Answers in any order belong to the request with their transaction")
     REQUIRE(sent.size() == 4);
     for (const std::size_t at : {2U, 0U, 3U, 1U}) {
         f.feed(Fixture::answer_to(sent[at], {sent[at].request.address}));
-        CHECK(f.answer(ids[at]).response.values[0] == at);
+        CHECK(f.answer(ids[at]).answer.values[0] == at);
     }
     CHECK(f.take_sent().size() == 1);
 }
@@ -175,7 +175,7 @@ TEST_CASE("Answers that no request waits for are dropped and counted")
     CHECK_FALSE(f.client.next_event());
     f.feed(Fixture::answer_to(sent, {3}));
     f.feed(Fixture::answer_to(sent, {4}));
-    CHECK(f.answer(id).response.values[0] == 3);
+    CHECK(f.answer(id).answer.values[0] == 3);
     CHECK_FALSE(f.client.next_event());
     CHECK(f.client.counters().unexpected == 2);
     CHECK(f.client.counters().wrong_units == 1);
@@ -195,7 +195,7 @@ TEST_CASE("A request without an answer times out alone, and its late answer is d
     CHECK_FALSE(f.client.next_event());
     f.feed(Fixture::answer_to(first, {1}));
     f.feed(Fixture::answer_to(second, {2}));
-    CHECK(f.answer(kept).response.values[0] == 2);
+    CHECK(f.answer(kept).answer.values[0] == 2);
     CHECK(f.client.counters().unexpected == 1);
     CHECK(f.client.counters().timeouts == 1);
 }
@@ -235,7 +235,7 @@ TEST_CASE("An exception is the status of its request")
     f.feed(Fixture::frame(sent.header, {std::byte{0x83}, std::byte{2}}));
     const ModbusEvent event = f.answer(id);
     CHECK(event.status == status::Bad_ConfigurationError);
-    CHECK(event.response.exception == ModbusException::IllegalDataAddress);
+    CHECK(event.answer.exception == ModbusException::IllegalDataAddress);
     CHECK(f.client.counters().exceptions == 1);
 }
 
@@ -301,7 +301,7 @@ TEST_CASE("Answers may arrive in pieces of any size")
                 f.client.feed(std::span{all}.subspan(at, std::min(piece, all.size() - at)), f.now));
         }
         for (std::uint64_t id = 1; id <= 3; ++id) {
-            CHECK(f.answer(id).response.values ==
+            CHECK(f.answer(id).answer.values ==
                   std::vector(10, static_cast<std::uint16_t>(id - 1)));
         }
     }
@@ -372,7 +372,7 @@ TEST_CASE("Transactions are numbered again from 0 without two of them under way"
         REQUIRE(f.client.next_event()->status == status::Good);
     }
     f.feed(Fixture::answer_to(first, {9}));
-    CHECK(f.answer(old).response.values[0] == 9);
+    CHECK(f.answer(old).answer.values[0] == 9);
 }
 
 } // namespace modbus_client_test

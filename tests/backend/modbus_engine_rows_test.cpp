@@ -76,7 +76,7 @@ TEST_CASE("A client sends the requests of other implementations and takes their 
         const auto event = client.next_event();
         REQUIRE(event);
         CHECK(event->id == *id);
-        CHECK(event->response == row.answered);
+        CHECK(event->answer == row.answered);
         CHECK(event->status.is_good() == !row.answered.exception);
         ++count;
     }

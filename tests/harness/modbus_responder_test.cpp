@@ -163,9 +163,9 @@ ModbusResponderOptions slow(Duration latency, Duration scan = {})
 TEST_CASE("A Modbus device keeps what is written and answers what is read")
 {
     Plant plant;
-    CHECK(plant.wait(plant.read(10, 3)).response.values == std::vector<std::uint16_t>{10, 11, 12});
+    CHECK(plant.wait(plant.read(10, 3)).answer.values == std::vector<std::uint16_t>{10, 11, 12});
     CHECK(plant.wait(plant.write(11, 500)).status == status::Good);
-    CHECK(plant.wait(plant.read(11)).response.values[0] == 500);
+    CHECK(plant.wait(plant.read(11)).answer.values[0] == 500);
     CHECK(plant.device.table(ModbusTable::HoldingRegister)[11] == 500);
 
     // The example of the specification (6.16).
@@ -185,7 +185,7 @@ TEST_CASE("A Modbus device keeps what is written and answers what is read")
     both.quantity = 2;
     both.write_address = 21;
     both.values = {77};
-    CHECK(plant.wait(plant.send(both)).response.values == std::vector<std::uint16_t>{20, 77});
+    CHECK(plant.wait(plant.send(both)).answer.values == std::vector<std::uint16_t>{20, 77});
 
     ModbusRequest coils;
     coils.function = ModbusFunction::WriteCoils;
@@ -195,8 +195,7 @@ TEST_CASE("A Modbus device keeps what is written and answers what is read")
     coils.function = ModbusFunction::ReadCoils;
     coils.address = 2;
     coils.quantity = 5;
-    CHECK(plant.wait(plant.send(coils)).response.values ==
-          std::vector<std::uint16_t>{0, 1, 0, 1, 0});
+    CHECK(plant.wait(plant.send(coils)).answer.values == std::vector<std::uint16_t>{0, 1, 0, 1, 0});
 }
 
 TEST_CASE("A Modbus device refuses what it does not have")
@@ -222,9 +221,9 @@ TEST_CASE("A Modbus device refuses what it does not have")
     CHECK(plant.wait(plant.send(request, 2)).status == status::Good);
     CHECK(plant.wait(plant.send(request, 3)).status == status::Bad_NoCommunication);
     request.function = ModbusFunction::ReadDeviceIdentification;
-    CHECK(plant.wait(plant.send(request)).response.identification.objects.size() == 2);
+    CHECK(plant.wait(plant.send(request)).answer.identification.objects.size() == 2);
     request.read_code = 3;
-    CHECK(plant.wait(plant.send(request)).response.identification.objects.size() == 3);
+    CHECK(plant.wait(plant.send(request)).answer.identification.objects.size() == 3);
     request.read_code = 4;
     request.object = 7;
     CHECK(plant.wait(plant.send(request)).status == status::Bad_ConfigurationError);
@@ -248,7 +247,7 @@ TEST_CASE("A device that takes one request at a time says that it is busy or ign
     options.overlap = ModbusResponderOptions::Overlap::Busy;
     Plant busy{with_under_way(2), options};
     const auto first = busy.read(0);
-    CHECK(busy.wait(busy.read(1)).response.exception == ModbusException::DeviceBusy);
+    CHECK(busy.wait(busy.read(1)).answer.exception == ModbusException::DeviceBusy);
     CHECK(busy.wait(first).status == status::Good);
 
     options.overlap = ModbusResponderOptions::Overlap::Ignore;
@@ -299,9 +298,9 @@ TEST_CASE("A fault of the device hits one request, and the next ones have their 
     CHECK(plant.wait(next).status == (row.ends_connection ? row.status : status::Good));
     CHECK(plant.client.is_closed() == row.ends_connection);
     if (!row.ends_connection) {
-        CHECK(plant.wait(plant.read(3)).response.values[0] == 3);
+        CHECK(plant.wait(plant.read(3)).answer.values[0] == 3);
         plant.scheduler.run_for(3s);
-        CHECK(plant.wait(plant.read(4)).response.values[0] == 4);
+        CHECK(plant.wait(plant.read(4)).answer.values[0] == 4);
     }
 }
 
@@ -348,7 +347,7 @@ TEST_CASE("Faults of the network cost at most the connection")
         ids.push_back(pieces.read(i, 100));
     }
     for (std::uint16_t i = 0; i < 50; ++i) {
-        CHECK(pieces.wait(ids[i]).response.values.at(0) == i);
+        CHECK(pieces.wait(ids[i]).answer.values.at(0) == i);
     }
 }
 

@@ -23,19 +23,19 @@ SlmpResponder plc_for(const Json& row)
 {
     const auto name = row["name"].get<std::string>();
     const Json& response = row["response_fields"];
-    SlmpPlcConfig config;
-    config.is_fx5 = name.find("FX5U") != std::string::npos;
-    config.has_monitor = !config.is_fx5;
-    config.takes_mixed_blocks = name == "block write two blocks";
-    config.is_written_in_run = name.find("while running is disabled") == std::string::npos;
+    SlmpPlcOptions options;
+    options.is_fx5 = name.find("FX5U") != std::string::npos;
+    options.has_monitor = !options.is_fx5;
+    options.takes_mixed_blocks = name == "block write two blocks";
+    options.is_written_in_run = name.find("while running is disabled") == std::string::npos;
     if (name.find("locked port") == 0 || name.find("password") != std::string::npos) {
-        config.password = "secret1";
+        options.password = "secret1";
     }
     if (!response.is_null() && response.contains("model")) {
-        config.type_name = response["model"].get<std::string>();
-        config.model = code_of(response["model_code"]);
+        options.type_name = response["model"].get<std::string>();
+        options.model = code_of(response["model_code"]);
     }
-    SlmpResponder plc{config};
+    SlmpResponder plc{options};
     for (const auto& [kind, count] :
          std::initializer_list<std::pair<const char*, std::uint32_t>>{{"D", 12288},
                                                                       {"M", 8192},
@@ -128,9 +128,9 @@ void prepare(SlmpResponder& plc, const Json& row, SlmpOperation operation)
 /// A client and a PLC in virtual time; what one says the other one hears at once.
 class Fixture {
 public:
-    explicit Fixture(SlmpClientConfig client_config = {.max_under_way = 4},
-                     SlmpPlcConfig plc_config = {})
-        : client{client_config}, plc{std::move(plc_config)}
+    explicit Fixture(SlmpClientOptions client_options = {.max_under_way = 4},
+                     SlmpPlcOptions plc_options = {})
+        : client{client_options}, plc{std::move(plc_options)}
     {
         REQUIRE(plc.add_devices("D", 1000));
         REQUIRE(plc.add_devices("M", 1000));
@@ -149,17 +149,17 @@ public:
             }
         }
         if (plc.is_closed()) {
-            client.close(status::Bad_ConnectionClosed);
+            client.close(status::Bad_ConnectionClosed, "the test ends it");
         }
     }
     SlmpEvent ask(const SlmpOperation& operation)
     {
-        const auto handle = client.send(operation, now);
-        REQUIRE(handle);
+        const auto id = client.send(operation, now);
+        REQUIRE(id);
         exchange();
         for (int turn = 0; turn < 10; ++turn) {
             if (auto event = client.next_event()) {
-                CHECK(event->handle == *handle);
+                CHECK(event->id == *id);
                 return std::move(*event);
             }
             now = std::min(client.next_deadline(), plc.next_deadline());

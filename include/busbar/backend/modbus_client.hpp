@@ -51,12 +51,12 @@ struct ModbusEvent {
     Kind kind{Kind::Answer};
     /// The number of the request, as send() returned it.
     std::uint64_t id{0};
-    /// Good if `response` has what was requested. Otherwise status_of() the exception in
-    /// `response`, or Bad_Timeout, Bad_UnknownResponse for bytes that do not respond to this
-    /// request, or the status with which the connection ended.
+    /// Good if `answer` has what was requested. Otherwise status_of() the exception in `answer`, or
+    /// Bad_Timeout, Bad_UnknownResponse for bytes that do not respond to this request, or the
+    /// status with which the connection ended.
     StatusCode status{};
-    /// The response, exceptions included.
-    ModbusResponse response{};
+    /// The answer of the device, exceptions included.
+    ModbusResponse answer{};
     /// Time from sending to the answer; 0 if there was none.
     Duration round_trip{};
     /// The reason in words, for a log.
@@ -64,10 +64,10 @@ struct ModbusEvent {
 };
 
 /// The counters of a client, which start at 0.
-struct ModbusCounters {
+struct ModbusClientCounters {
     /// Requests that were sent.
     std::uint64_t requests{0};
-    /// Responses to these, exceptions included.
+    /// Answers to these, exceptions included.
     std::uint64_t answers{0};
     /// Those of the answers that are exceptions.
     std::uint64_t exceptions{0};
@@ -122,7 +122,7 @@ public:
     /// Requests that have been sent and wait for their answer.
     [[nodiscard]] std::size_t under_way() const;
     /// Returns what was counted so far.
-    [[nodiscard]] const ModbusCounters& counters() const;
+    [[nodiscard]] const ModbusClientCounters& counters() const;
 
 private:
     struct Impl;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include <busbar/backend/slmp_message.hpp>
 #include <busbar/core/api.hpp>
@@ -16,7 +17,7 @@
 namespace busbar::backend {
 
 /// The configuration of an SlmpClient. Every limit is finite.
-struct SlmpClientConfig {
+struct SlmpClientOptions {
     /// The form of frames; PLCs that have only 3E do not answer 4E at all.
     SlmpFrame frame{SlmpFrame::Frame4E};
     /// UDP, where each frame is a datagram, else TCP.
@@ -30,41 +31,46 @@ struct SlmpClientConfig {
     Duration timeout{std::chrono::seconds{5}};
     /// Requests that the PLC has at a time; with 3E always one, since answers have no number there.
     std::size_t max_under_way{1};
-    /// Requests that wait for their turn; beyond: Bad_TooManyOperations.
-    std::size_t max_waiting{256};
+    /// Requests that wait or are under way; beyond: Bad_TooManyOperations.
+    std::size_t max_requests{256};
     /// The connection ends after so many requests in a row without an answer.
     std::size_t max_silent{3};
     /// Size of the largest response; a larger one ends the connection.
     std::size_t max_response{16'384};
 };
 
-/// An occurrence on a connection to a PLC.
+/// An event of an SlmpClient.
 struct SlmpEvent {
-    /// The kind of occurrence.
+    /// The kinds of events.
     enum class Kind : std::uint8_t {
-        Answer, // to the request with `handle`
-        Closed, // the last event
+        /// The request `id` is finished.
+        Answer,
+        /// The connection is of no use any more and has to be closed; `reason` says why. Comes
+        /// once, after the answers to all requests, and is the last event.
+        Closed,
     };
-    /// Its kind.
-    Kind kind{Kind::Closed};
-    /// The request.
-    std::uint32_t handle{0};
-    /// Answer: Good if `answer` is one, whatever its end code; else the reason why there is none.
-    /// Closed: the reason.
+    /// Says which members are set.
+    Kind kind{Kind::Answer};
+    /// The number of the request, as send() returned it.
+    std::uint64_t id{0};
+    /// Good if `answer` is one, whatever its end code. Otherwise Bad_Timeout, Bad_DecodingError for
+    /// bytes that do not answer this request, or the status with which the connection ended.
     StatusCode status{};
-    /// The answer of the PLC.
+    /// The answer of the PLC, end codes included.
     SlmpAnswer answer{};
-    /// Answer: the time since the request was in output().
+    /// Time from sending to the answer; 0 if there was none.
     Duration round_trip{0};
+    /// The reason in words, for a log.
+    std::string reason{};
 };
 
-/// Counts the work of an SlmpClient.
+/// The counters of a client, which start at 0.
 struct SlmpClientCounters {
-    /// Requests in output().
+    /// Requests that were sent.
     std::uint64_t requests{0};
-    /// Requests with an answer.
+    /// Answers to these, end codes included.
     std::uint64_t answers{0};
-    /// Requests that ended with Bad_Timeout.
+    /// Requests without an answer in time.
     std::uint64_t timeouts{0};
     /// Responses that no request waited for: late, doubled, or of a wrong serial number.
     std::uint64_t unexpected{0};
@@ -80,45 +86,44 @@ struct SlmpClientCounters {
 /// datagram that fits the next request, too, cannot be noticed: prefer 4E, or TCP.
 class BUSBAR_API SlmpClient {
 public:
-    explicit SlmpClient(SlmpClientConfig config);
+    explicit SlmpClient(SlmpClientOptions options);
     SlmpClient(SlmpClient&&) noexcept;
     SlmpClient& operator=(SlmpClient&&) noexcept;
     ~SlmpClient();
 
-    /// Sends an operation, or lets it wait for its turn, and returns the handle that its Answer
-    /// has. `timeout` zero: as configured. Bad_TooManyOperations, Bad_ConnectionClosed, or what
+    /// Sends an operation, or lets it wait until fewer are under way, and returns the id of its
+    /// answer. `timeout` zero: as configured. Bad_TooManyOperations, Bad_ConnectionClosed, or what
     /// encode_slmp_request() refuses it with; then nothing is sent.
-    [[nodiscard]] Result<std::uint32_t> send(SlmpOperation operation, TimePoint now,
+    [[nodiscard]] Result<std::uint64_t> send(SlmpOperation operation, TimePoint now,
                                              Duration timeout = {});
-    /// Requests that may be sent without waiting for their turn.
-    [[nodiscard]] std::size_t free_places() const;
-
-    /// Takes bytes of the PLC; one datagram over UDP. An error ends the connection.
+    /// Takes bytes of the PLC; one datagram over UDP. If they end the connection, or it has ended
+    /// before, it returns the status of that; there is an event for it, too.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    /// Returns the next occurrence.
+    /// Returns what happened next; none if there is nothing.
     [[nodiscard]] std::optional<SlmpEvent> next_event();
-    /// Returns the bytes to send next, at most one frame: over UDP a datagram, which consume()
-    /// takes as a whole. Empty if there is nothing.
+    /// Bytes for the PLC, at most one frame, which consume() removes from the front; valid until
+    /// the next call. Over UDP a datagram, to be consumed as a whole.
     [[nodiscard]] std::span<const std::byte> output() const;
-    /// Removes the first `size` bytes of output(), which were sent.
+    /// Removes sent bytes from output().
     void consume(std::size_t size);
-    /// The time at which handle_deadline() has something to do; no_deadline if it has nothing.
+    /// When handle_deadline() has to be called; no_deadline if nothing is waited for.
     [[nodiscard]] TimePoint next_deadline() const;
-    /// Ends requests whose time is over at `now`.
+    /// Lets time pass; call it when next_deadline() is reached.
     void handle_deadline(TimePoint now);
-
-    /// The connection is lost, or not wanted any more: all requests end with `reason`. With
+    /// Ends the connection: every request that has no answer has this bad status. With
     /// Bad_ConnectionClosed a RemoteReset under way ends as done, since a PLC does not answer it
     /// but closes the connection.
-    void close(StatusCode reason);
-    /// Returns whether Closed has come, or waits in next_event().
+    void close(StatusCode status, std::string reason);
+
+    /// True once the connection has ended.
     [[nodiscard]] bool is_closed() const;
-    /// The work so far.
+    /// Requests that have been sent and wait for their answer.
+    [[nodiscard]] std::size_t under_way() const;
+    /// Returns what was counted so far.
     [[nodiscard]] const SlmpClientCounters& counters() const;
 
 private:
     struct Impl;
-
     std::unique_ptr<Impl> impl_;
 };
 

@@ -17,7 +17,7 @@ namespace busbar::harness {
 
 /// The configuration of an SlmpResponder; the default is like an iQ-R CPU. The limits are those
 /// that PLCs were measured with.
-struct SlmpPlcConfig {
+struct SlmpPlcOptions {
     /// The answer to TypeName.
     std::string type_name{"R08CPU"};
     /// Its code.
@@ -71,7 +71,7 @@ enum class SlmpMishap : std::uint8_t {
 /// outlive reconnect(), as a PLC's do a connection.
 class BUSBAR_API SlmpResponder {
 public:
-    explicit SlmpResponder(SlmpPlcConfig config = {});
+    explicit SlmpResponder(SlmpPlcOptions options = {});
     SlmpResponder(SlmpResponder&&) noexcept;
     SlmpResponder& operator=(SlmpResponder&&) noexcept;
     ~SlmpResponder();

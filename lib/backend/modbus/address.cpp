@@ -8,7 +8,7 @@
 #include <busbar/core/text.hpp>
 
 #include "core/ascii_case.hpp"
-#include "functions.hpp"
+#include "wire.hpp"
 
 namespace busbar::backend {
 

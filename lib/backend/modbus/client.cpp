@@ -88,11 +88,11 @@ struct ModbusClient::Impl {
             event.status = response.error();
         } else {
             ++counters.answers;
-            event.response = std::move(*response);
+            event.answer = std::move(*response);
         }
-        if (event.response.exception) {
+        if (event.answer.exception) {
             ++counters.exceptions;
-            event.status = status_of(*event.response.exception, request.request.function);
+            event.status = status_of(*event.answer.exception, request.request.function);
         }
         events.push_back(std::move(event));
     }
@@ -107,7 +107,7 @@ struct ModbusClient::Impl {
             }
             ModbusEvent event;
             event.id = at->id;
-            event.response.function = at->request.function;
+            event.answer.function = at->request.function;
             if (!at->is_broadcast) {
                 event.status = status::Bad_Timeout;
                 ++counters.timeouts;
@@ -138,7 +138,7 @@ struct ModbusClient::Impl {
             ModbusEvent event;
             event.id = request.id;
             event.status = status;
-            event.response.function = request.request.function;
+            event.answer.function = request.request.function;
             events.push_back(std::move(event));
         };
         std::ranges::for_each(sent, end);
@@ -153,7 +153,7 @@ struct ModbusClient::Impl {
     }
 
     ModbusClientOptions options;
-    ModbusCounters counters;
+    ModbusClientCounters counters;
     std::deque<PendingRequest> waiting;
     /// In the order of sending.
     std::vector<PendingRequest> sent;
@@ -267,7 +267,7 @@ std::size_t ModbusClient::under_way() const
     return impl_->sent.size();
 }
 
-const ModbusCounters& ModbusClient::counters() const
+const ModbusClientCounters& ModbusClient::counters() const
 {
     return impl_->counters;
 }

@@ -1,4 +1,4 @@
-#include "functions.hpp"
+#include "wire.hpp"
 
 #include <algorithm>
 #include <array>

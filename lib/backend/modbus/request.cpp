@@ -2,7 +2,6 @@
 
 #include <busbar/backend/modbus_pdu.hpp>
 
-#include "functions.hpp"
 #include "wire.hpp"
 
 namespace busbar::backend {

@@ -2,18 +2,24 @@
 
 #include <algorithm>
 #include <deque>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <busbar/core/status_codes.hpp>
 
+#include "frame_queue.hpp"
+
 namespace busbar::backend {
 
 namespace {
 
+constexpr const char* unknown_response =
+    "the PLC sent a response that does not belong to the request under way";
+
 /// A request from send() to its answer.
 struct SlmpRequest {
-    std::uint32_t handle{0};
+    std::uint64_t id{0};
     std::uint16_t serial{0};
     SlmpOperation operation{};
     Duration timeout{0};
@@ -26,14 +32,14 @@ struct SlmpRequest {
 } // namespace
 
 struct SlmpClient::Impl {
-    explicit Impl(SlmpClientConfig given) : config{given}
+    explicit Impl(SlmpClientOptions given) : options{given}
     {
-        if (config.frame == SlmpFrame::Frame3E || config.max_under_way == 0) {
-            config.max_under_way = 1;
+        if (options.frame == SlmpFrame::Frame3E || options.max_under_way == 0) {
+            options.max_under_way = 1;
         }
     }
 
-    [[nodiscard]] bool has_serial() const { return config.frame == SlmpFrame::Frame4E; }
+    [[nodiscard]] bool has_serial() const { return options.frame == SlmpFrame::Frame4E; }
     [[nodiscard]] std::uint16_t free_serial();
     void start_waiting(TimePoint now);
     void take_stream(std::span<const std::byte> in, TimePoint now);
@@ -44,17 +50,15 @@ struct SlmpClient::Impl {
     void refuse_frame(std::vector<SlmpRequest>::iterator request);
     void end(std::vector<SlmpRequest>::iterator request, StatusCode status, SlmpAnswer answer,
              Duration round_trip);
-    void close(StatusCode reason);
+    void close(StatusCode status, std::string reason);
 
-    SlmpClientConfig config;
+    SlmpClientOptions options;
     std::deque<SlmpRequest> waiting{};
     std::vector<SlmpRequest> under_way{};
-    std::deque<std::vector<std::byte>> output{};
-    /// Bytes of the first frame of the output that were sent.
-    std::size_t consumed{0};
+    detail::SlmpFrameQueue output{};
     std::vector<std::byte> input{};
     std::deque<SlmpEvent> events{};
-    std::uint32_t last_handle{0};
+    std::uint64_t last_id{0};
     std::uint16_t last_serial{0};
     std::size_t silent{0};
     std::optional<StatusCode> closed{};
@@ -76,9 +80,9 @@ std::uint16_t SlmpClient::Impl::free_serial()
 
 void SlmpClient::Impl::start_waiting(TimePoint now)
 {
-    while (!waiting.empty() && under_way.size() < config.max_under_way) {
+    while (!waiting.empty() && under_way.size() < options.max_under_way) {
         SlmpRequest& request = waiting.front();
-        output.push_back(std::move(request.frame));
+        output.push(std::move(request.frame));
         request.sent = now;
         request.deadline = now + request.timeout;
         under_way.push_back(std::move(request));
@@ -89,7 +93,7 @@ void SlmpClient::Impl::start_waiting(TimePoint now)
 
 std::vector<SlmpRequest>::iterator SlmpClient::Impl::find_request(const SlmpHead& head)
 {
-    if (!head.is_response || head.frame != config.frame || head.station != config.station) {
+    if (!head.is_response || head.frame != options.frame || head.station != options.station) {
         return under_way.end();
     }
     return std::find_if(under_way.begin(), under_way.end(), [&](const SlmpRequest& request) {
@@ -103,8 +107,8 @@ void SlmpClient::Impl::take_frame(const SlmpHead& head, std::span<const std::byt
     const auto request = find_request(head);
     if (request == under_way.end()) {
         ++counters.unexpected;
-        if (!has_serial() && !config.is_datagram) {
-            close(status::Bad_UnknownResponse);
+        if (!has_serial() && !options.is_datagram) {
+            close(status::Bad_UnknownResponse, unknown_response);
         }
         return;
     }
@@ -133,8 +137,8 @@ void SlmpClient::Impl::refuse_frame(std::vector<SlmpRequest>::iterator request)
     }
     // It may be the answer to an earlier request, and the next one the answer to this.
     ++counters.unexpected;
-    if (!config.is_datagram) {
-        close(status::Bad_UnknownResponse);
+    if (!options.is_datagram) {
+        close(status::Bad_UnknownResponse, unknown_response);
     }
 }
 
@@ -145,11 +149,13 @@ void SlmpClient::Impl::take_stream(std::span<const std::byte> in, TimePoint now)
     while (!closed) {
         const auto head = read_slmp_head(rest);
         if (!head) {
-            close(status::Bad_CommunicationError);
+            close(status::Bad_CommunicationError, "the PLC sent bytes that are not SLMP");
             break;
         }
-        if (*head && (*head)->size > config.max_response) {
-            close(status::Bad_ResponseTooLarge);
+        if (*head && (*head)->size > options.max_response) {
+            close(status::Bad_ResponseTooLarge,
+                  "the PLC sent a response of " + std::to_string((*head)->size) +
+                      " bytes, more than the limit of " + std::to_string(options.max_response));
             break;
         }
         if (!*head || rest.size() < (*head)->size) {
@@ -164,7 +170,7 @@ void SlmpClient::Impl::take_stream(std::span<const std::byte> in, TimePoint now)
 void SlmpClient::Impl::take_datagram(std::span<const std::byte> in, TimePoint now)
 {
     const auto head = read_slmp_head(in);
-    if (head && *head && (*head)->size == in.size() && in.size() <= config.max_response) {
+    if (head && *head && (*head)->size == in.size() && in.size() <= options.max_response) {
         take_frame(**head, in, now);
     } else {
         ++counters.unexpected;
@@ -174,74 +180,76 @@ void SlmpClient::Impl::take_datagram(std::span<const std::byte> in, TimePoint no
 void SlmpClient::Impl::end(std::vector<SlmpRequest>::iterator request, StatusCode status,
                            SlmpAnswer answer, Duration round_trip)
 {
-    events.push_back(
-        {SlmpEvent::Kind::Answer, request->handle, status, std::move(answer), round_trip});
+    SlmpEvent event;
+    event.id = request->id;
+    event.status = status;
+    event.answer = std::move(answer);
+    event.round_trip = round_trip;
+    events.push_back(std::move(event));
     under_way.erase(request);
 }
 
-void SlmpClient::Impl::close(StatusCode reason)
+void SlmpClient::Impl::close(StatusCode status, std::string reason)
 {
     if (closed) {
         return;
     }
-    closed = reason;
+    closed = status;
     while (!under_way.empty()) {
         const bool is_reset = under_way.front().operation.command == SlmpCommand::RemoteReset;
-        const bool is_by_peer = reason == StatusCode{status::Bad_ConnectionClosed};
-        end(under_way.begin(), is_reset && is_by_peer ? StatusCode{} : reason, {}, {});
+        const bool is_by_peer = status == StatusCode{status::Bad_ConnectionClosed};
+        end(under_way.begin(), is_reset && is_by_peer ? StatusCode{} : status, {}, {});
     }
     for (const SlmpRequest& request : waiting) {
-        events.push_back({SlmpEvent::Kind::Answer, request.handle, reason});
+        SlmpEvent event;
+        event.id = request.id;
+        event.status = status;
+        events.push_back(std::move(event));
     }
     waiting.clear();
     output.clear();
-    consumed = 0;
-    events.push_back({SlmpEvent::Kind::Closed, 0, reason});
+    SlmpEvent last;
+    last.kind = SlmpEvent::Kind::Closed;
+    last.status = status;
+    last.reason = std::move(reason);
+    events.push_back(std::move(last));
 }
 
-SlmpClient::SlmpClient(SlmpClientConfig config) : impl_{std::make_unique<Impl>(config)} {}
+SlmpClient::SlmpClient(SlmpClientOptions options) : impl_{std::make_unique<Impl>(options)} {}
 
 SlmpClient::SlmpClient(SlmpClient&&) noexcept = default;
 SlmpClient& SlmpClient::operator=(SlmpClient&&) noexcept = default;
 SlmpClient::~SlmpClient() = default;
 
-Result<std::uint32_t> SlmpClient::send(SlmpOperation operation, TimePoint now, Duration timeout)
+Result<std::uint64_t> SlmpClient::send(SlmpOperation operation, TimePoint now, Duration timeout)
 {
     if (impl_->closed) {
         return fail(status::Bad_ConnectionClosed);
     }
-    if (impl_->waiting.size() >= impl_->config.max_waiting && free_places() == 0) {
+    if (impl_->waiting.size() + impl_->under_way.size() >= impl_->options.max_requests) {
         return fail(status::Bad_TooManyOperations);
     }
-    SlmpHead head{.frame = impl_->config.frame, .station = impl_->config.station};
+    SlmpHead head{.frame = impl_->options.frame, .station = impl_->options.station};
     head.serial = impl_->has_serial() ? impl_->free_serial() : std::uint16_t{0};
-    auto frame = encode_slmp_request(head, impl_->config.timer, operation);
+    auto frame = encode_slmp_request(head, impl_->options.timer, operation);
     if (!frame) {
         return fail(frame.error());
     }
     SlmpRequest request;
-    request.handle = ++impl_->last_handle;
+    request.id = ++impl_->last_id;
     request.serial = head.serial;
     request.operation = std::move(operation);
-    request.timeout = timeout > Duration{0} ? timeout : impl_->config.timeout;
+    request.timeout = timeout > Duration{0} ? timeout : impl_->options.timeout;
     request.frame = std::move(*frame);
     impl_->waiting.push_back(std::move(request));
     impl_->start_waiting(now);
-    return impl_->last_handle;
-}
-
-std::size_t SlmpClient::free_places() const
-{
-    const std::size_t used = impl_->under_way.size() + impl_->waiting.size();
-    return impl_->closed || used >= impl_->config.max_under_way
-               ? 0
-               : impl_->config.max_under_way - used;
+    return impl_->last_id;
 }
 
 Result<void> SlmpClient::feed(std::span<const std::byte> in, TimePoint now)
 {
     if (!impl_->closed) {
-        if (impl_->config.is_datagram) {
+        if (impl_->options.is_datagram) {
             impl_->take_datagram(in, now);
         } else {
             impl_->take_stream(in, now);
@@ -262,20 +270,12 @@ std::optional<SlmpEvent> SlmpClient::next_event()
 
 std::span<const std::byte> SlmpClient::output() const
 {
-    return impl_->output.empty() ? std::span<const std::byte>{}
-                                 : std::span{impl_->output.front()}.subspan(impl_->consumed);
+    return impl_->output.front();
 }
 
 void SlmpClient::consume(std::size_t size)
 {
-    if (impl_->output.empty()) {
-        return;
-    }
-    impl_->consumed += size;
-    if (impl_->consumed >= impl_->output.front().size()) {
-        impl_->output.pop_front();
-        impl_->consumed = 0;
-    }
+    impl_->output.consume(size);
 }
 
 TimePoint SlmpClient::next_deadline() const
@@ -297,23 +297,30 @@ void SlmpClient::handle_deadline(TimePoint now)
         ++impl_->silent;
         impl_->end(request, status::Bad_Timeout, {}, {});
     }
-    const bool is_lost = impl_->silent >= std::max<std::size_t>(impl_->config.max_silent, 1) ||
+    const bool is_lost = impl_->silent >= std::max<std::size_t>(impl_->options.max_silent, 1) ||
                          (impl_->silent > 0 && !impl_->has_serial());
     if (is_lost) {
-        impl_->close(status::Bad_Timeout);
+        impl_->close(status::Bad_Timeout, "the PLC left " + std::to_string(impl_->silent) +
+                                              " requests without an answer");
     } else {
         impl_->start_waiting(now);
     }
 }
 
-void SlmpClient::close(StatusCode reason)
+void SlmpClient::close(StatusCode status, std::string reason)
 {
-    impl_->close(reason.is_bad() ? reason : StatusCode{status::Bad_ConnectionClosed});
+    impl_->close(status.is_bad() ? status : StatusCode{status::Bad_ConnectionClosed},
+                 std::move(reason));
 }
 
 bool SlmpClient::is_closed() const
 {
     return impl_->closed.has_value();
+}
+
+std::size_t SlmpClient::under_way() const
+{
+    return impl_->under_way.size();
 }
 
 const SlmpClientCounters& SlmpClient::counters() const

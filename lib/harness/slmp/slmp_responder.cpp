@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/slmp/frame_queue.hpp"
 #include "harness/slmp/plc_memory.hpp"
 
 namespace busbar::harness {
@@ -72,9 +73,9 @@ std::size_t points_of(const std::vector<SlmpBlock>& blocks)
 } // namespace
 
 struct SlmpResponder::Impl {
-    explicit Impl(SlmpPlcConfig given) : config{std::move(given)}
+    explicit Impl(SlmpPlcOptions given) : options{std::move(given)}
     {
-        is_locked = !config.password.empty();
+        is_locked = !options.password.empty();
     }
 
     void take(std::span<const std::byte> frame, TimePoint now);
@@ -91,15 +92,14 @@ struct SlmpResponder::Impl {
     [[nodiscard]] std::uint16_t control(const SlmpOperation& operation);
     [[nodiscard]] std::uint16_t end_code_of(Access access) const;
 
-    SlmpPlcConfig config;
+    SlmpPlcOptions options;
     PlcMemory memory{};
     detail::PlcLabels labels{};
     std::optional<SlmpOperation> monitor{};
     std::deque<Mishap> mishaps{};
     std::deque<Waiting> waiting{};
     std::vector<std::byte> input{};
-    std::deque<std::vector<std::byte>> output{};
-    std::size_t consumed{0};
+    backend::detail::SlmpFrameQueue output{};
     std::uint64_t served{0};
     bool is_running{true};
     bool is_locked{false};
@@ -112,9 +112,9 @@ std::uint16_t SlmpResponder::Impl::end_code_of(Access access) const
     case Access::Done:
         return done;
     case Access::UnknownDevice:
-        return config.is_fx5 ? wrong_content : wrong_device;
+        return options.is_fx5 ? wrong_content : wrong_device;
     case Access::OutOfRange:
-        return config.is_fx5 ? 0xC056 : 0x4031;
+        return options.is_fx5 ? 0xC056 : 0x4031;
     case Access::NotInBits:
         break;
     }
@@ -131,28 +131,28 @@ std::uint16_t SlmpResponder::Impl::check_size(const SlmpOperation& operation) co
     case BatchWrite: {
         const std::size_t points = operation.blocks[0].points;
         const bool fits =
-            points > 0 && points <= (operation.is_bits ? config.max_bits : config.max_words);
+            points > 0 && points <= (operation.is_bits ? options.max_bits : options.max_words);
         // FX5 has these two the other way round.
-        return fits ? done : operation.is_bits != config.is_fx5 ? too_many_bits : too_many_words;
+        return fits ? done : operation.is_bits != options.is_fx5 ? too_many_bits : too_many_words;
     }
     case RandomRead:
     case RegisterMonitor:
-        return random > 0 && random <= config.max_random / divisor ? done : too_many_random;
+        return random > 0 && random <= options.max_random / divisor ? done : too_many_random;
     case RandomWrite:
         if (operation.is_bits) {
-            return random <= config.max_random_bits / divisor ? done : too_many_random_bits;
+            return random <= options.max_random_bits / divisor ? done : too_many_random_bits;
         }
         return 12 * operation.blocks.size() + 14 * operation.more_blocks.size() <=
-                       2 * config.max_words / divisor
+                       2 * options.max_words / divisor
                    ? done
                    : too_many_random;
     case BlockRead:
-        return points_of(operation.blocks) + points_of(operation.more_blocks) <= config.max_words
+        return points_of(operation.blocks) + points_of(operation.more_blocks) <= options.max_words
                    ? done
                    : too_many_words;
     case BlockWrite:
         return points_of(operation.blocks) + points_of(operation.more_blocks) + 9 * random <=
-                       config.max_words
+                       options.max_words
                    ? done
                    : too_many_words;
     default:
@@ -168,16 +168,16 @@ std::uint16_t SlmpResponder::Impl::check(const SlmpOperation& operation) const
     }
     const bool is_monitor =
         operation.command == RegisterMonitor || operation.command == ReadMonitor;
-    if ((operation.has_long_form && !config.takes_long_form) ||
-        (is_label(operation.command) && !config.has_labels) ||
-        (is_monitor && !config.has_monitor)) {
+    if ((operation.has_long_form && !options.takes_long_form) ||
+        (is_label(operation.command) && !options.has_labels) ||
+        (is_monitor && !options.has_monitor)) {
         return unknown_command;
     }
-    if (is_write(operation.command) && is_running && !config.is_written_in_run) {
+    if (is_write(operation.command) && is_running && !options.is_written_in_run) {
         return not_in_run;
     }
     if (operation.command == BlockWrite && !operation.blocks.empty() &&
-        !operation.more_blocks.empty() && !config.takes_mixed_blocks) {
+        !operation.more_blocks.empty() && !options.takes_mixed_blocks) {
         return wrong_device;
     }
     return check_size(operation);
@@ -230,13 +230,13 @@ std::uint16_t SlmpResponder::Impl::control(const SlmpOperation& operation)
 {
     switch (operation.command) {
     case SlmpCommand::Unlock:
-        if (!config.password.empty() && operation.text != config.password) {
+        if (!options.password.empty() && operation.text != options.password) {
             return wrong_password;
         }
         is_locked = false;
         return done;
     case SlmpCommand::Lock:
-        is_locked = !config.password.empty();
+        is_locked = !options.password.empty();
         return done;
     case SlmpCommand::RemoteRun:
         is_running = true;
@@ -284,8 +284,8 @@ std::uint16_t SlmpResponder::Impl::serve(const SlmpOperation& operation, SlmpAns
     case LabelRandomWrite:
         return labels.serve(operation, answer);
     case TypeName:
-        answer.text = config.type_name;
-        answer.model = config.model;
+        answer.text = options.type_name;
+        answer.model = options.model;
         return done;
     case SelfTest:
         answer.text = operation.text;
@@ -362,23 +362,23 @@ void SlmpResponder::Impl::send(const SlmpHead& request, const SlmpOperation& ope
         frame->resize(frame->size() / 2);
     }
     if (mishap.kind == SlmpMishap::Twice) {
-        output.push_back(*frame);
+        output.push(*frame);
     }
-    output.push_back(std::move(*frame));
+    output.push(std::move(*frame));
 }
 
 void SlmpResponder::Impl::take(std::span<const std::byte> frame, TimePoint now)
 {
     const auto head = backend::read_slmp_head(frame);
-    const bool has_answer =
-        !(*head)->is_response && (config.takes_4e || (*head)->frame == backend::SlmpFrame::Frame3E);
-    if (has_answer && waiting.size() < std::max<std::size_t>(config.max_waiting, 1)) {
-        waiting.push_back({now + config.scan, {frame.begin(), frame.end()}});
+    const bool has_answer = !(*head)->is_response &&
+                            (options.takes_4e || (*head)->frame == backend::SlmpFrame::Frame3E);
+    if (has_answer && waiting.size() < std::max<std::size_t>(options.max_waiting, 1)) {
+        waiting.push_back({now + options.scan, {frame.begin(), frame.end()}});
     }
 }
 
-SlmpResponder::SlmpResponder(SlmpPlcConfig config)
-    : impl_{std::make_unique<Impl>(std::move(config))}
+SlmpResponder::SlmpResponder(SlmpPlcOptions options)
+    : impl_{std::make_unique<Impl>(std::move(options))}
 {
 }
 
@@ -393,7 +393,7 @@ bool SlmpResponder::add_devices(std::string_view kind, std::uint32_t count)
 
 bool SlmpResponder::set(std::string_view text, std::uint16_t value, std::uint32_t word)
 {
-    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->config.is_fx5});
+    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->options.is_fx5});
     if (!address) {
         return false;
     }
@@ -411,7 +411,7 @@ bool SlmpResponder::set(std::string_view text, std::uint16_t value, std::uint32_
 
 std::uint16_t SlmpResponder::get(std::string_view text, std::uint32_t word) const
 {
-    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->config.is_fx5});
+    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->options.is_fx5});
     if (!address) {
         return 0;
     }
@@ -452,9 +452,8 @@ void SlmpResponder::reconnect()
     impl_->waiting.clear();
     impl_->input.clear();
     impl_->output.clear();
-    impl_->consumed = 0;
     impl_->is_closed = false;
-    impl_->is_locked = !impl_->config.password.empty();
+    impl_->is_locked = !impl_->options.password.empty();
 }
 
 void SlmpResponder::set_running(bool is_running)
@@ -477,7 +476,7 @@ void SlmpResponder::feed(std::span<const std::byte> in, TimePoint now)
     if (impl_->is_closed) {
         return;
     }
-    if (impl_->config.is_datagram) {
+    if (impl_->options.is_datagram) {
         const auto head = backend::read_slmp_head(in);
         if (head && *head && (*head)->size == in.size() && in.size() <= max_request) {
             impl_->take(in, now);
@@ -507,20 +506,12 @@ void SlmpResponder::feed(std::span<const std::byte> in, TimePoint now)
 
 std::span<const std::byte> SlmpResponder::output() const
 {
-    return impl_->output.empty() ? std::span<const std::byte>{}
-                                 : std::span{impl_->output.front()}.subspan(impl_->consumed);
+    return impl_->output.front();
 }
 
 void SlmpResponder::consume(std::size_t size)
 {
-    if (impl_->output.empty()) {
-        return;
-    }
-    impl_->consumed += size;
-    if (impl_->consumed >= impl_->output.front().size()) {
-        impl_->output.pop_front();
-        impl_->consumed = 0;
-    }
+    impl_->output.consume(size);
 }
 
 TimePoint SlmpResponder::next_deadline() const

@@ -22,13 +22,13 @@ SlmpOperation read_d(std::uint32_t number, std::uint16_t points = 1)
 /// A client and what is needed to answer it by hand.
 class Fixture {
 public:
-    explicit Fixture(SlmpClientConfig config = {}) : client{config} {}
+    explicit Fixture(SlmpClientOptions options = {}) : client{options} {}
 
-    std::uint32_t send(const SlmpOperation& operation, Duration timeout = {})
+    std::uint64_t send(const SlmpOperation& operation, Duration timeout = {})
     {
-        const auto handle = client.send(operation, now, timeout);
-        REQUIRE(handle);
-        return *handle;
+        const auto id = client.send(operation, now, timeout);
+        REQUIRE(id);
+        return *id;
     }
     /// The frames that the client sends now.
     std::vector<Bytes> sent()
@@ -68,11 +68,12 @@ public:
         const auto event = next();
         CHECK(event.kind == SlmpEvent::Kind::Closed);
         CHECK(event.status == reason);
+        CHECK_FALSE(event.reason.empty());
         CHECK(client.is_closed());
         CHECK_FALSE(client.next_event());
         CHECK_FALSE(client.feed({}, now));
         CHECK_FALSE(client.send(read_d(1), now));
-        CHECK(client.free_places() == 0);
+        CHECK(client.under_way() == 0);
         CHECK(client.next_deadline() == no_deadline);
         CHECK(client.output().empty());
     }
@@ -81,17 +82,17 @@ public:
     TimePoint now{};
 };
 
-constexpr SlmpClientConfig three{.frame = SlmpFrame::Frame3E};
-constexpr SlmpClientConfig several{.max_under_way = 3};
-constexpr SlmpClientConfig datagrams{.is_datagram = true, .max_under_way = 3};
+constexpr SlmpClientOptions three{.frame = SlmpFrame::Frame3E};
+constexpr SlmpClientOptions several{.max_under_way = 3};
+constexpr SlmpClientOptions datagrams{.is_datagram = true, .max_under_way = 3};
 
 } // namespace
 
 TEST_CASE("an SLMP client matches answers with requests, whole and in pieces")
 {
-    const auto config = GENERATE(SlmpClientConfig{}, three);
-    Fixture plc{config};
-    const auto handle = plc.send(read_d(100, 2));
+    const auto options = GENERATE(SlmpClientOptions{}, three);
+    Fixture plc{options};
+    const auto id = plc.send(read_d(100, 2));
     const auto frame = plc.sent().at(0);
     CHECK(plc.client.next_deadline() == plc.now + 5s);
     const auto answer = Fixture::answer_to(frame, {1, 2});
@@ -109,7 +110,7 @@ TEST_CASE("an SLMP client matches answers with requests, whole and in pieces")
     }
     const auto event = plc.next();
     CHECK(event.kind == SlmpEvent::Kind::Answer);
-    CHECK(event.handle == handle);
+    CHECK(event.id == id);
     CHECK(event.status.is_good());
     CHECK(event.answer.words == std::vector<std::uint16_t>{1, 2});
     CHECK(event.round_trip == 7ms);
@@ -119,8 +120,8 @@ TEST_CASE("an SLMP client matches answers with requests, whole and in pieces")
 
 TEST_CASE("an end code of the PLC is an answer, and the next request goes on")
 {
-    const auto config = GENERATE(SlmpClientConfig{}, three);
-    Fixture plc{config};
+    const auto options = GENERATE(SlmpClientOptions{}, three);
+    Fixture plc{options};
     plc.send(read_d(100));
     plc.send(read_d(200));
     CHECK(plc.client.feed(Fixture::answer_to(plc.sent().at(0), {}, 0x4031), plc.now));
@@ -135,17 +136,17 @@ TEST_CASE("an SLMP client has no more requests under way than configured, and on
 {
     Fixture plc{several};
     for (std::uint32_t i = 0; i < 5; ++i) {
-        CHECK(plc.client.free_places() == 3 - std::min(i, 3U));
+        CHECK(plc.client.under_way() == std::min(i, 3U));
         plc.send(read_d(i));
     }
     const auto frames = plc.sent();
     CHECK(frames.size() == 3);
     // Answers in another order than the requests.
     CHECK(plc.client.feed(Fixture::answer_to(frames[2], {2}), plc.now));
-    CHECK(plc.next().handle == 3);
+    CHECK(plc.next().id == 3);
     CHECK(plc.sent().size() == 1);
     CHECK(plc.client.feed(Fixture::answer_to(frames[0], {0}), plc.now));
-    CHECK(plc.next().handle == 1);
+    CHECK(plc.next().id == 1);
 
     Fixture one{{.frame = SlmpFrame::Frame3E, .max_under_way = 8}};
     one.send(read_d(1));
@@ -153,9 +154,9 @@ TEST_CASE("an SLMP client has no more requests under way than configured, and on
     CHECK(one.sent().size() == 1);
 }
 
-TEST_CASE("more requests than may wait are refused")
+TEST_CASE("more requests than configured are refused")
 {
-    Fixture plc{{.max_waiting = 2}};
+    Fixture plc{{.max_requests = 3}};
     plc.send(read_d(1));
     plc.send(read_d(2));
     plc.send(read_d(3));
@@ -169,15 +170,15 @@ TEST_CASE("more requests than may wait are refused")
 
 TEST_CASE("answers that are late, doubled or of a wrong serial number are dropped with 4E")
 {
-    const auto config = GENERATE(several, datagrams);
-    Fixture plc{config};
+    const auto options = GENERATE(several, datagrams);
+    Fixture plc{options};
     plc.send(read_d(1));
     plc.send(read_d(2), 1s);
     const auto frames = plc.sent();
     const auto first = Fixture::answer_to(frames[0], {1});
     CHECK(plc.client.feed(first, plc.now));
     CHECK(plc.client.feed(first, plc.now));
-    CHECK(plc.next().handle == 1);
+    CHECK(plc.next().id == 1);
     CHECK_FALSE(plc.client.next_event());
     auto wrong = Fixture::answer_to(frames[1], {2});
     wrong[2] ^= std::byte{0x40};
@@ -192,7 +193,7 @@ TEST_CASE("answers that are late, doubled or of a wrong serial number are droppe
     plc.now += 1s;
     plc.client.handle_deadline(plc.now);
     const auto timeout = plc.next();
-    CHECK(timeout.handle == 2);
+    CHECK(timeout.id == 2);
     CHECK(timeout.status == StatusCode{status::Bad_Timeout});
     CHECK(plc.client.feed(Fixture::answer_to(frames[1], {2}), plc.now));
     CHECK_FALSE(plc.client.next_event());
@@ -210,7 +211,7 @@ TEST_CASE("a PLC that does not answer any more has lost its connection")
     for (std::uint32_t i = 1; i <= 3; ++i) {
         plc.now = plc.client.next_deadline();
         plc.client.handle_deadline(plc.now);
-        CHECK(plc.next().handle == i);
+        CHECK(plc.next().id == i);
     }
     CHECK(plc.next().status == StatusCode{status::Bad_Timeout});
     plc.check_closed(status::Bad_Timeout);
@@ -239,7 +240,7 @@ TEST_CASE("with 3E nothing that could be the answer to another request is taken"
         plc.now += 5s;
         plc.client.handle_deadline(plc.now);
         const auto event = plc.next();
-        CHECK(event.handle == first);
+        CHECK(event.id == first);
         CHECK(event.status == StatusCode{status::Bad_Timeout});
         CHECK(plc.next().status == StatusCode{status::Bad_Timeout});
         plc.check_closed(status::Bad_Timeout);
@@ -281,10 +282,10 @@ TEST_CASE("an answer that does not fit ends one request with 4E, and no other")
     answer[2] = frames[0][2];
     CHECK(plc.client.feed(answer, plc.now));
     const auto event = plc.next();
-    CHECK(event.handle == 1);
+    CHECK(event.id == 1);
     CHECK(event.status == StatusCode{status::Bad_DecodingError});
     CHECK(plc.client.feed(Fixture::answer_to(frames[1], {5}), plc.now));
-    CHECK(plc.next().handle == 2);
+    CHECK(plc.next().id == 2);
 }
 
 TEST_CASE("what is no frame, or too long, ends a stream but no datagrams")
@@ -319,7 +320,7 @@ TEST_CASE("what is no frame, or too long, ends a stream but no datagrams")
     CHECK(udp.client.feed(two, udp.now));
     CHECK_FALSE(udp.client.next_event());
     CHECK(udp.client.feed(right, udp.now));
-    CHECK(udp.next().handle == 1);
+    CHECK(udp.next().id == 1);
 }
 
 TEST_CASE("a lost connection ends every request, and a reset is done then")
@@ -330,14 +331,14 @@ TEST_CASE("a lost connection ends every request, and a reset is done then")
     plc.send(read_d(2));
     plc.send(read_d(3));
     plc.client.consume(5);
-    plc.client.close(status::Bad_ConnectionClosed);
+    plc.client.close(status::Bad_ConnectionClosed, "the test ends it");
     const StatusCode closed{status::Bad_ConnectionClosed};
     CHECK(plc.next().status == closed);
     CHECK(plc.next().status.is_good());
     CHECK(plc.next().status == closed);
     CHECK(plc.next().status == closed);
     plc.check_closed(closed);
-    plc.client.close(status::Bad_Timeout);
+    plc.client.close(status::Bad_Timeout, "the test ends it");
     CHECK_FALSE(plc.client.next_event());
 }
 
