@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include <busbar/backend/device_source.hpp>
+#include <busbar/backend/modbus_client.hpp>
+#include <busbar/backend/slmp_client.hpp>
+#include <busbar/backend/slmp_device.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
+
+/// The protocols of a Device. The points of a protocol are read from the addresses that its
+/// engineers write.
+namespace busbar::backend {
+
+/// A device of Modbus TCP, or a gateway to several ones.
+struct ModbusProtocolOptions {
+    /// Its connections.
+    ModbusClientOptions client{};
+    /// The unit of addresses that name none.
+    std::uint8_t unit{255};
+    /// Registers between two addresses that are read in vain, for one request fewer. Devices that
+    /// have no register there refuse this once; the two are read apart from then on.
+    std::uint16_t max_gap{16};
+    /// Registers of one request; fewer than the protocol's limits for devices that take fewer.
+    std::uint16_t max_read{max_modbus_read_registers};
+    std::uint16_t max_write{max_modbus_write_registers};
+};
+
+/// Reads a point's address (modbus_address.hpp). Bits of holding registers are written by function
+/// 22, which no other bit of the register is touched by.
+[[nodiscard]] BUSBAR_API Configured<DevicePoint>
+parse_modbus_point(std::string_view text, const ModbusProtocolOptions& options = {});
+/// The protocol for a device with these points.
+[[nodiscard]] BUSBAR_API std::unique_ptr<DeviceProtocol>
+make_modbus_protocol(const ModbusProtocolOptions& options, std::span<const DevicePoint> points);
+
+/// A PLC that speaks SLMP.
+struct SlmpProtocolOptions {
+    /// Its connections.
+    SlmpClientOptions client{};
+    /// How its addresses are written.
+    SlmpNotation notation{};
+    /// The frame is found out: 4E first, and 3E if that has no answer, which PLCs that know only 3E
+    /// say nothing to.
+    bool finds_frame{true};
+    /// Words, and bits, between two addresses that are read in vain, for one request fewer.
+    std::uint16_t max_gap{32};
+    /// Words, and bits, of one request.
+    std::uint16_t max_words{960};
+    std::uint16_t max_bits{3'584};
+};
+
+/// Reads a point's address: a device (slmp_device.hpp), then `:type` and `:order` as in Modbus, but
+/// with the lowest word first unless told otherwise: "D100:int32", "W1F:float", "D200:text20",
+/// "X1F", "D10.3". A double word device, such as LZ, has int32 without a type. Bits of words are
+/// read-only, since the protocol has no way to write one of them alone.
+[[nodiscard]] BUSBAR_API Configured<DevicePoint>
+parse_slmp_point(std::string_view text, const SlmpProtocolOptions& options = {});
+/// The protocol for a PLC with these points.
+[[nodiscard]] BUSBAR_API std::unique_ptr<DeviceProtocol>
+make_slmp_protocol(const SlmpProtocolOptions& options, std::span<const DevicePoint> points);
+
+} // namespace busbar::backend

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <busbar/backend/device_protocols.hpp>
+#include <busbar/backend/modbus_address.hpp>
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar::backend {
+
+namespace {
+
+/// The area of a table of a unit.
+std::uint32_t area_of(ModbusTable table, std::uint8_t unit)
+{
+    return static_cast<std::uint32_t>(unit) << 2U | static_cast<std::uint32_t>(table);
+}
+
+ModbusTable table_of(std::uint32_t area)
+{
+    return static_cast<ModbusTable>(area & 3U);
+}
+
+ModbusFunction reading_of(ModbusTable table)
+{
+    switch (table) {
+    case ModbusTable::Coil:
+        return ModbusFunction::ReadCoils;
+    case ModbusTable::DiscreteInput:
+        return ModbusFunction::ReadDiscreteInputs;
+    case ModbusTable::InputRegister:
+        return ModbusFunction::ReadInputRegisters;
+    case ModbusTable::HoldingRegister:
+        break;
+    }
+    return ModbusFunction::ReadHoldingRegisters;
+}
+
+ModbusRequest writing_of(const PlanRequest& request)
+{
+    const PlanAddress& range = request.ranges.front();
+    ModbusRequest made;
+    made.address = static_cast<std::uint16_t>(range.offset);
+    made.quantity = static_cast<std::uint16_t>(range.width);
+    if (request.mask != 0xFFFF) {
+        made.function = ModbusFunction::MaskWriteRegister;
+        made.and_mask = static_cast<std::uint16_t>(~request.mask);
+        made.or_mask = request.words.front();
+        return made;
+    }
+    made.values = request.words;
+    const bool is_one = range.width == 1;
+    if (table_of(range.area) == ModbusTable::Coil) {
+        made.function = is_one ? ModbusFunction::WriteCoil : ModbusFunction::WriteCoils;
+    } else {
+        made.function = is_one ? ModbusFunction::WriteRegister : ModbusFunction::WriteRegisters;
+    }
+    return made;
+}
+
+ModbusRequest request_of(const PlanRequest& request)
+{
+    if (request.is_write) {
+        return writing_of(request);
+    }
+    const PlanAddress& range = request.ranges.front();
+    ModbusRequest made;
+    made.function = reading_of(table_of(range.area));
+    made.address = static_cast<std::uint16_t>(range.offset);
+    made.quantity = static_cast<std::uint16_t>(range.width);
+    return made;
+}
+
+class ModbusLine final : public DeviceLine {
+public:
+    explicit ModbusLine(const ModbusClientOptions& options) : client_{options} {}
+
+    [[nodiscard]] bool is_ready() const override { return true; }
+    Result<void> send(const PlanRequest& request, TimePoint now) override
+    {
+        const auto unit = static_cast<std::uint8_t>(request.ranges.front().area >> 2U);
+        const auto sent = client_.send(request_of(request), unit, now);
+        if (!sent) {
+            return fail(sent.error());
+        }
+        requests_.emplace(*sent, request.id);
+        return {};
+    }
+    [[nodiscard]] std::optional<DeviceAnswer> next_answer() override;
+    Result<void> feed(std::span<const std::byte> in, TimePoint now) override
+    {
+        return client_.feed(in, now);
+    }
+    [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
+    void consume(std::size_t size) override { client_.consume(size); }
+    [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
+    void handle_deadline(TimePoint now) override { client_.handle_deadline(now); }
+    [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
+    [[nodiscard]] std::string reason() const override { return reason_; }
+
+private:
+    ModbusClient client_;
+    /// The plan's number of a request by the client's.
+    std::map<std::uint64_t, std::uint64_t> requests_;
+    std::string reason_;
+};
+
+std::optional<DeviceAnswer> ModbusLine::next_answer()
+{
+    while (auto event = client_.next_event()) {
+        if (event->kind == ModbusEvent::Kind::Closed) {
+            reason_ = std::move(event->reason);
+            continue;
+        }
+        const auto request = requests_.find(event->id);
+        if (request == requests_.end()) {
+            continue;
+        }
+        DeviceAnswer answer;
+        answer.request = request->second;
+        requests_.erase(request);
+        answer.status = event->status;
+        answer.round_trip = event->round_trip;
+        const auto& exception = event->answer.exception;
+        if (!event->status.is_bad()) {
+            answer.kind = DeviceAnswer::Kind::Done;
+            answer.words = std::move(event->answer.values);
+        } else if (exception && is_refusal(*exception)) {
+            answer.kind = DeviceAnswer::Kind::Refused;
+        }
+        return answer;
+    }
+    return std::nullopt;
+}
+
+class ModbusProtocol final : public DeviceProtocol {
+public:
+    ModbusProtocol(const ModbusProtocolOptions& options, std::span<const DevicePoint> points)
+        : options_{options}
+    {
+        for (const DevicePoint& point : points) {
+            areas_.insert(point.address.area);
+        }
+    }
+
+    [[nodiscard]] PlanConfig plan() const override
+    {
+        PlanConfig config;
+        config.max_under_way = options_.client.is_gateway ? 1 : options_.client.max_under_way;
+        for (const std::uint32_t area : areas_) {
+            const bool is_bits = has_bits(table_of(area));
+            PlanRule rule;
+            rule.area = area;
+            rule.max_read = is_bits ? max_modbus_read_bits : options_.max_read;
+            rule.max_write = is_bits ? max_modbus_write_coils : options_.max_write;
+            rule.max_gap = is_bits ? options_.max_gap * 16U : options_.max_gap;
+            config.rules.push_back(rule);
+        }
+        return config;
+    }
+    [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint /*now*/) override
+    {
+        return std::make_unique<ModbusLine>(options_.client);
+    }
+
+private:
+    ModbusProtocolOptions options_;
+    std::set<std::uint32_t> areas_;
+};
+
+} // namespace
+
+Configured<DevicePoint> parse_modbus_point(std::string_view text,
+                                           const ModbusProtocolOptions& options)
+{
+    return parse_modbus_address(text).transform([&](const ModbusAddress& address) {
+        DevicePoint point;
+        point.address.area = area_of(address.table, address.unit.value_or(options.unit));
+        point.address.offset = address.offset;
+        point.address.width = static_cast<std::uint32_t>(registers_of(address.value));
+        point.type = address.value;
+        point.bit = address.bit;
+        point.is_writable = is_writable(address.table);
+        return point;
+    });
+}
+
+std::unique_ptr<DeviceProtocol> make_modbus_protocol(const ModbusProtocolOptions& options,
+                                                     std::span<const DevicePoint> points)
+{
+    return std::make_unique<ModbusProtocol>(options, points);
+}
+
+} // namespace busbar::backend

@@ -1,0 +1,336 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <busbar/backend/device_protocols.hpp>
+#include <busbar/backend/modbus_address.hpp>
+#include <busbar/backend/slmp_end_code.hpp>
+#include <busbar/core/status_codes.hpp>
+
+#include "core/ascii_case.hpp"
+
+namespace busbar::backend {
+
+namespace {
+
+using busbar::detail::is_same_ignoring_case;
+
+// An area has all of a device but its number: codes are below 100 hexadecimal, and what direct
+// memory can be differs in two bits.
+
+constexpr std::uint32_t first_direct = 0xF7;
+
+std::uint32_t area_of(const SlmpDevice& device)
+{
+    const std::uint32_t direct =
+        device.direct_memory == 0 ? 0U : device.direct_memory - first_direct;
+    return static_cast<std::uint32_t>(device.extension) << 16U | direct << 8U | device.code;
+}
+
+SlmpDevice device_of(const PlanAddress& address)
+{
+    SlmpDevice device;
+    device.code = static_cast<std::uint16_t>(address.area & 0xFFU);
+    const std::uint32_t direct = address.area >> 8U & 3U;
+    device.direct_memory = static_cast<std::uint8_t>(direct == 0 ? 0U : direct + first_direct);
+    device.extension = static_cast<std::uint16_t>(address.area >> 16U);
+    device.number = address.offset;
+    return device;
+}
+
+SlmpUnit unit_of(std::uint32_t area)
+{
+    const auto* const type = find_slmp_device_type(static_cast<std::uint16_t>(area & 0xFFU));
+    return type != nullptr ? type->unit : SlmpUnit::Word;
+}
+
+class SlmpLine final : public DeviceLine {
+public:
+    SlmpLine(SlmpClientOptions options, bool has_long_form, SlmpFrame& known, bool& is_known,
+             TimePoint now)
+        : frame_{options.frame},
+          has_long_form_{has_long_form}, client_{options}, known_{known}, is_known_{is_known}
+    {
+        SlmpOperation ask;
+        ask.command = SlmpCommand::TypeName;
+        const auto sent = client_.send(std::move(ask), now);
+        asked_ = sent ? *sent : 0;
+        is_ready_ = !sent;
+    }
+    SlmpLine(const SlmpLine&) = delete;
+    SlmpLine& operator=(const SlmpLine&) = delete;
+    ~SlmpLine() override
+    {
+        // No answer to the first request: the other frame has its turn.
+        if (!is_known_ && !has_answered_) {
+            known_ = frame_ == SlmpFrame::Frame4E ? SlmpFrame::Frame3E : SlmpFrame::Frame4E;
+        }
+    }
+
+    [[nodiscard]] bool is_ready() const override { return is_ready_; }
+    Result<void> send(const PlanRequest& request, TimePoint now) override;
+    [[nodiscard]] std::optional<DeviceAnswer> next_answer() override;
+    Result<void> feed(std::span<const std::byte> in, TimePoint now) override
+    {
+        auto fed = client_.feed(in, now);
+        look();
+        return fed;
+    }
+    [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
+    void consume(std::size_t size) override { client_.consume(size); }
+    [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
+    void handle_deadline(TimePoint now) override
+    {
+        client_.handle_deadline(now);
+        look();
+    }
+    [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
+    [[nodiscard]] std::string reason() const override { return reason_; }
+    [[nodiscard]] std::string identity() const override { return identity_; }
+
+private:
+    void look();
+    [[nodiscard]] DeviceAnswer answer_of(SlmpEvent& event, std::uint64_t request);
+
+    SlmpFrame frame_;
+    bool has_long_form_;
+    SlmpClient client_;
+    /// The protocol's: the frame that a connection begins with, and whether it is known to work.
+    SlmpFrame& known_;
+    bool& is_known_;
+    /// The request for the type's name, which a connection begins with.
+    std::uint64_t asked_{0};
+    bool is_ready_{false};
+    bool has_answered_{false};
+    std::string identity_;
+    std::string reason_;
+    std::map<std::uint64_t, std::uint64_t> requests_;
+    std::vector<DeviceAnswer> answers_;
+};
+
+Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
+{
+    if (request.mask != 0xFFFF) {
+        return fail(status::Bad_NotWritable);
+    }
+    const PlanAddress& range = request.ranges.front();
+    SlmpOperation operation;
+    operation.command = request.is_write ? SlmpCommand::BatchWrite : SlmpCommand::BatchRead;
+    operation.is_bits = unit_of(range.area) == SlmpUnit::Bit;
+    operation.has_long_form = has_long_form_;
+    const std::uint32_t each = unit_of(range.area) == SlmpUnit::DoubleWord ? 2 : 1;
+    operation.blocks.push_back({device_of(range), static_cast<std::uint16_t>(range.width * each)});
+    operation.words = request.words;
+    const auto sent = client_.send(std::move(operation), now);
+    if (!sent) {
+        return fail(sent.error());
+    }
+    requests_.emplace(*sent, request.id);
+    return {};
+}
+
+DeviceAnswer SlmpLine::answer_of(SlmpEvent& event, std::uint64_t request)
+{
+    DeviceAnswer answer;
+    answer.request = request;
+    answer.round_trip = event.round_trip;
+    answer.status = event.status;
+    if (event.status.is_bad()) {
+        return answer;
+    }
+    const SlmpEndCode code = slmp_end_code(event.answer.end_code);
+    if (code.fault == SlmpFault::None) {
+        answer.kind = DeviceAnswer::Kind::Done;
+        answer.words = std::move(event.answer.words);
+        return answer;
+    }
+    answer.status = code.status;
+    const bool is_in_it = code.fault == SlmpFault::Address || code.fault == SlmpFault::Size;
+    answer.kind = is_in_it ? DeviceAnswer::Kind::Refused : DeviceAnswer::Kind::Failed;
+    return answer;
+}
+
+/// Takes what has come, since a connection is ready by the answer to its own request.
+void SlmpLine::look()
+{
+    while (auto event = client_.next_event()) {
+        if (event->kind == SlmpEvent::Kind::Closed) {
+            reason_ = std::move(event->reason);
+            continue;
+        }
+        has_answered_ = has_answered_ || !event->status.is_bad();
+        is_known_ = is_known_ || has_answered_;
+        if (event->id == asked_) {
+            identity_ = std::move(event->answer.text);
+            is_ready_ = !event->status.is_bad();
+            if (!is_ready_) {
+                client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E
+                                                       ? "it has no answer to a frame 4E"
+                                                       : "it has no answer to a frame 3E");
+            }
+            continue;
+        }
+        const auto request = requests_.find(event->id);
+        if (request != requests_.end()) {
+            answers_.push_back(answer_of(*event, request->second));
+            requests_.erase(request);
+        }
+    }
+}
+
+std::optional<DeviceAnswer> SlmpLine::next_answer()
+{
+    look();
+    if (answers_.empty()) {
+        return std::nullopt;
+    }
+    DeviceAnswer first = std::move(answers_.front());
+    answers_.erase(answers_.begin());
+    return first;
+}
+
+class SlmpProtocol final : public DeviceProtocol {
+public:
+    SlmpProtocol(const SlmpProtocolOptions& options, std::span<const DevicePoint> points)
+        : options_{options}, frame_{options.client.frame}, is_known_{!options.finds_frame}
+    {
+        for (const DevicePoint& point : points) {
+            areas_.insert(point.address.area);
+        }
+    }
+
+    [[nodiscard]] PlanConfig plan() const override
+    {
+        PlanConfig config;
+        config.max_under_way = options_.client.max_under_way;
+        for (const std::uint32_t area : areas_) {
+            const SlmpUnit unit = unit_of(area);
+            const bool is_bits = unit == SlmpUnit::Bit;
+            PlanRule rule;
+            rule.area = area;
+            rule.words_per_unit = unit == SlmpUnit::DoubleWord ? 2 : 1;
+            rule.max_read = is_bits ? options_.max_bits : options_.max_words / rule.words_per_unit;
+            rule.max_write = rule.max_read;
+            rule.max_gap = is_bits ? options_.max_gap * 16U : options_.max_gap;
+            config.rules.push_back(rule);
+        }
+        return config;
+    }
+    [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint now) override
+    {
+        SlmpClientOptions client = options_.client;
+        client.frame = frame_;
+        return std::make_unique<SlmpLine>(client, options_.notation.has_long_form, frame_,
+                                          is_known_, now);
+    }
+
+private:
+    SlmpProtocolOptions options_;
+    std::set<std::uint32_t> areas_;
+    SlmpFrame frame_;
+    bool is_known_;
+};
+
+/// Whether the last part of ":int32:CDAB" is an order.
+bool ends_with_order(std::string_view text)
+{
+    constexpr std::array<std::string_view, 6> orders{"ABCD", "CDAB", "BADC", "DCBA", "AB", "BA"};
+    const std::string_view last = text.substr(text.rfind(':') + 1);
+    return std::ranges::any_of(orders,
+                               [&](auto each) { return is_same_ignoring_case(last, each); });
+}
+
+constexpr std::string_view any_register = "holding:0";
+
+/// Reads ":int32:CDAB" by the rules of Modbus, from which a PLC's lowest word first differs. `at`
+/// is where it begins, for a Problem.
+Configured<ModbusValueType> parse_type(std::string_view text, std::size_t at)
+{
+    auto address = parse_modbus_address(std::string{any_register} + std::string{text});
+    if (!address) {
+        Problem problem = std::move(address).error();
+        constexpr std::string_view column = "column ";
+        std::size_t number = 0;
+        if (problem.where.starts_with(column)) {
+            const char* const begin = problem.where.data() + column.size();
+            static_cast<void>(
+                std::from_chars(begin, problem.where.data() + problem.where.size(), number));
+            problem.where = std::string{column} + std::to_string(number + at - any_register.size());
+        }
+        return Unexpected{std::move(problem)};
+    }
+    ModbusValueType type = address->value;
+    if (!ends_with_order(text)) {
+        const bool is_text = type.type == ModbusType::Text;
+        const bool has_words = registers_of(type) > 1;
+        type.order = is_text     ? ModbusOrder::BADC
+                     : has_words ? ModbusOrder::CDAB
+                                 : ModbusOrder::ABCD;
+    }
+    return type;
+}
+
+Configured<DevicePoint> refused(std::size_t column, const std::string& text)
+{
+    return Unexpected{Problem{.where = "column " + std::to_string(column), .text = text}};
+}
+
+} // namespace
+
+Configured<DevicePoint> parse_slmp_point(std::string_view text, const SlmpProtocolOptions& options)
+{
+    const std::size_t end = std::min(text.find(':'), text.size());
+    const auto address = parse_slmp_address(text.substr(0, end), options.notation);
+    if (!address) {
+        return Unexpected{address.error()};
+    }
+    const SlmpUnit unit = unit_of(address->device.code);
+    DevicePoint point;
+    point.address.area = area_of(address->device);
+    point.address.offset = address->device.number;
+    if (unit == SlmpUnit::LongTimer) {
+        return refused(1,
+                       "found a long timer, expected its contact (LTS) or coil (LTC): four words "
+                       "of three values are not read");
+    }
+    if (unit == SlmpUnit::Bit || address->bit) {
+        point.type.type = ModbusType::Bool;
+        point.bit = address->bit;
+        point.is_writable = !address->bit;
+        return end == text.size() ? Configured<DevicePoint>{point}
+                                  : refused(end + 1, "found \"" + std::string{text.substr(end)} +
+                                                         "\", expected nothing: it is a bit");
+    }
+    if (unit == SlmpUnit::DoubleWord) {
+        point.type = {ModbusType::Int32, ModbusOrder::CDAB};
+    }
+    if (end != text.size()) {
+        auto type = parse_type(text.substr(end), end);
+        if (!type) {
+            return Unexpected{std::move(type).error()};
+        }
+        point.type = *type;
+    }
+    const auto words = static_cast<std::uint32_t>(registers_of(point.type));
+    if (unit == SlmpUnit::DoubleWord && words != 2) {
+        return refused(end + 1, "found a type of " + std::to_string(words) +
+                                    " words, expected one of two: int32, uint32, float or bcd32");
+    }
+    if (point.type.type == ModbusType::Bool) {
+        return refused(end + 1, "found bool for a word, expected a bit of it, such as D10.3");
+    }
+    point.address.width = unit == SlmpUnit::DoubleWord ? 1 : words;
+    point.is_writable = true;
+    return point;
+}
+
+std::unique_ptr<DeviceProtocol> make_slmp_protocol(const SlmpProtocolOptions& options,
+                                                   std::span<const DevicePoint> points)
+{
+    return std::make_unique<SlmpProtocol>(options, points);
+}
+
+} // namespace busbar::backend
