@@ -70,8 +70,6 @@ struct DeviceSourceOptions {
     std::chrono::milliseconds timeout{5'000};
     /// For all points.
     WhenAway when_away{WhenAway::Bad};
-    /// The time, in tests; null for the steady clock.
-    TimePoint (*now)(){nullptr};
 };
 
 /// The state of a device as values of Variables, see DeviceSource::status_handle.
@@ -104,9 +102,10 @@ inline constexpr std::size_t device_facts = 12;
 /// left out.
 class BUSBAR_API DeviceSource final : public server::DataSource {
 public:
-    /// The handle of points[i] is i. `device` and `clock` must outlive the object.
+    /// The handle of points[i] is i. `now` returns the time that the device's driver has, too.
+    /// `device` and `clock` must outlive the object.
     DeviceSource(Device& device, std::vector<DevicePoint> points, const WallClock& clock,
-                 DeviceSourceOptions options = {});
+                 TimePoint (*now)(), DeviceSourceOptions options = {});
     ~DeviceSource() override;
 
     /// The points.

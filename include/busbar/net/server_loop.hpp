@@ -111,6 +111,8 @@ public:
     void stop();
 
 private:
+    friend class DeviceDriver;
+
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

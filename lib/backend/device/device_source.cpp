@@ -43,17 +43,12 @@ struct DeviceSource::Impl {
     };
 
     Impl(DeviceSource& o, Device& d, std::vector<DevicePoint> p, const WallClock& c,
-         DeviceSourceOptions s)
-        : owner{&o}, device{&d}, points{std::move(p)}, clock{&c}, options{s}, last(points.size())
+         TimePoint (*n)(), DeviceSourceOptions s)
+        : owner{&o}, device{&d}, points{std::move(p)}, clock{&c}, now{n}, options{s},
+          last(points.size())
     {
     }
 
-    [[nodiscard]] TimePoint now() const
-    {
-        return options.now != nullptr
-                   ? options.now()
-                   : std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
-    }
     [[nodiscard]] bool is_young(const server::ReadBatch& batch) const;
     void answer_at_once(server::ReadBatch& batch) const;
     void answer(const server::ReadItem& item, server::ReadSlot& slot) const;
@@ -67,6 +62,7 @@ struct DeviceSource::Impl {
     Device* device;
     std::vector<DevicePoint> points;
     const WallClock* clock;
+    TimePoint (*now)();
     DeviceSourceOptions options;
     std::vector<Last> last;
     std::unordered_map<std::uint64_t, Waiting> waiting;
@@ -181,8 +177,8 @@ void DeviceSource::Impl::look()
 }
 
 DeviceSource::DeviceSource(Device& device, std::vector<DevicePoint> points, const WallClock& clock,
-                           DeviceSourceOptions options)
-    : impl_{std::make_unique<Impl>(*this, device, std::move(points), clock, options)}
+                           TimePoint (*now)(), DeviceSourceOptions options)
+    : impl_{std::make_unique<Impl>(*this, device, std::move(points), clock, now, options)}
 {
     device.on_change([impl = impl_.get()] { impl->look(); });
 }
