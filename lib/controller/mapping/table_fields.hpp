@@ -5,13 +5,15 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::controller::detail {
 
 /// Appends a field, in quotation marks if necessary (RFC 4180, 2.6).
 void add_field(std::string& to, std::string_view field);
 
 /// Reads comma-separated values (RFC 4180) line by line; line breaks may be CRLF, LF or CR.
-class TableFields {
+class BUSBAR_API TableFields {
 public:
     enum class Line { Read, End, Broken, TooLarge };
 

@@ -180,7 +180,7 @@ std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 ControllerConfig read_root(const TomlTable& root)
 {
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
-                "users", "files", "limits", "machine", "labels", "plc"});
+                "users", "files", "limits", "machine", "labels", "plc", "backend"});
     ControllerConfig config;
     config.machine.types = default_types();
     read_preset(root, config);
@@ -196,6 +196,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_machine(root.table("machine"), config);
     read_labels(root.table("labels"), config);
     read_plc_of_program(root.table("plc"), config);
+    config.backends = read_backends(root);
     check_memory(root.table("limits"), config);
     return config;
 }

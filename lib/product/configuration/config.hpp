@@ -25,6 +25,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/server_config.hpp>
 
+#include "product/backend/backend_config.hpp"
 #include "subject_names.hpp"
 #include "toml_reader.hpp"
 
@@ -199,6 +200,8 @@ struct ControllerConfig {
     LabelConfig labels;
     /// Without variables if the machine has a program, or there are labels.
     controller::PlcConfig plc;
+    /// PLCs behind the network, whose variables are served besides.
+    std::vector<BackendConfig> backends;
 };
 
 /// Refuses a text that cannot be a node's name.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace busbar::product {
 
@@ -145,13 +146,14 @@ server::WorstCaseMemory worst_case_of(const ControllerConfig& config)
 server::WorstCaseMemory worst_case_of(const ControllerConfig& config,
                                       const server::ProcessImage& image)
 {
-    const server::DataSourceOptions source = options_of(config.image);
+    std::vector<server::DataSourceOptions> sources(config.backends.size());
+    sources.push_back(options_of(config.image));
     const server::ProcessImage* const images[] = {&image};
     return server::worst_case_memory(config.server.limits,
                                      {.password_checks = config.users.accounts.empty() ? 0U : 1U,
                                       .password_cost = costliest(config.users),
                                       .has_channel_worker = true,
-                                      .slow_sources = {&source, 1},
+                                      .slow_sources = sources,
                                       .images = images,
                                       .connection_bytes = bytes_of_link});
 }

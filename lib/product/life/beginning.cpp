@@ -182,6 +182,7 @@ Surroundings RunningController::surroundings()
 #endif
     return {.environment = environment,
             .lines = log_,
+            .loop = loop_,
             .runtime = runtime_,
             .threads = threads_,
             .machine = machine_ ? &*machine_ : nullptr,

@@ -68,11 +68,13 @@ std::function<void(DateTime)> following_scans(const Plant& plant, Administered& 
 
 Generation::Generation(const Configuration& configuration, Reading reading,
                        const Surroundings& around, const Requests& requests)
-    : configuration_{configuration}, around_{around},
-      security_changed_{requests.security_changed}, hardware_{requests.hardware},
-      settings_{std::move(reading.settings)}, config_{complete(std::move(reading.config), around)},
-      plant_{config_, around.runtime}, project_{std::move(reading.project)},
-      administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
+    : configuration_{configuration}, around_{around}, security_changed_{requests.security_changed},
+      hardware_{requests.hardware}, settings_{std::move(reading.settings)},
+      config_{complete(std::move(reading.config), around)}, plant_{config_, around.runtime},
+      devices_{config_.backends, *around.environment.wall_clock, around.lines},
+      project_{std::move(reading.project)}, administered_{config_, settings_->files(),
+                                                          *around.environment.wall_clock,
+                                                          log_of(around)},
       admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
       worker_{64, &around.lines}, channel_worker_{64, &around.lines}, live_{server_, administered_,
                                                                             config_,
@@ -106,6 +108,7 @@ void Generation::prepare()
         plant_.keep_writes(around_.machine->retained());
     }
     plant_.load();
+    devices_.publish(server_);
     if (project_ == nullptr) {
         return;
     }
@@ -144,11 +147,13 @@ void Generation::start()
     if (mapped_) {
         mapped_->start();
     }
+    devices_.start(around_.loop);
 }
 
 void Generation::halt()
 {
     tell_found_certificates();
+    devices_.stop();
     if (mapped_) {
         mapped_->stop();
     }
@@ -333,9 +338,9 @@ void Generation::print_welcome() const
     if (has_own_task_) {
         priority.reset();
     }
-    const std::string text =
-        welcome_text(config_, mapped_ ? mapped_->variables() : plant_.visible_variables(),
-                     around_.environment.wall_clock->now(), priority);
+    const std::string text = welcome_text(
+        config_, (mapped_ ? mapped_->variables() : plant_.visible_variables()) + devices_.size(),
+        around_.environment.wall_clock->now(), priority);
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
 }

@@ -16,6 +16,7 @@
 
 #include "product/access/administered.hpp"
 #include "product/access/admission.hpp"
+#include "product/backend/field_devices.hpp"
 #include "product/configuration/live_config.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/lookout.hpp"
@@ -36,6 +37,8 @@ struct Surroundings {
     /// Without log, validator, users and roles, because the generation has its own.
     server::ServerEnvironment environment;
     LogSink& lines;
+    /// Serves the generation.
+    net::ServerLoop& loop;
     Runtime& runtime;
     controller::ThreadMaker& threads;
     /// Null for none.
@@ -192,6 +195,7 @@ private:
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;
+    FieldDevices devices_;
     /// Called after each scan, on the thread that scans.
     std::function<void(DateTime time)> after_scan_;
     // Before the Administration, which they outlive.
