@@ -1,4 +1,4 @@
-#include "check_programs.hpp"
+#include "check.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -114,27 +114,15 @@ void print_text(const CheckedFile& file)
     }
 }
 
-void member(detail::JsonWriter& json, const char* name, const std::string& text)
-{
-    json.name(name);
-    json.string(text);
-}
-
-void member(detail::JsonWriter& json, const char* name, std::uint64_t number)
-{
-    json.name(name);
-    json.word(std::to_string(number));
-}
-
 void write_variables(detail::JsonWriter& json, const controller::Publication& publication)
 {
     json.name("published");
     json.begin_list();
     for (const controller::PublishedVariable& each : publication.published()) {
         json.begin_object();
-        member(json, "name", each.variable->name);
-        member(json, "size", each.size);
-        member(json, "values", each.values);
+        add_member(json, "name", each.variable->name);
+        add_member(json, "size", each.size);
+        add_member(json, "values", each.values);
         json.end_object();
     }
     json.end_list();
@@ -142,9 +130,9 @@ void write_variables(detail::JsonWriter& json, const controller::Publication& pu
     json.begin_list();
     for (const controller::UnpublishedVariable& each : publication.unpublished()) {
         json.begin_object();
-        member(json, "name", each.variable->name);
-        member(json, "reason", std::string{controller::name(each.reason)});
-        member(json, "text", controller::reason_text(each));
+        add_member(json, "name", each.variable->name);
+        add_member(json, "reason", std::string{controller::name(each.reason)});
+        add_member(json, "text", controller::reason_text(each));
         json.end_object();
     }
     json.end_list();
@@ -153,17 +141,17 @@ void write_variables(detail::JsonWriter& json, const controller::Publication& pu
 void write_json(detail::JsonWriter& json, const CheckedFile& file)
 {
     json.begin_object();
-    member(json, "file", file.name);
+    add_member(json, "file", file.name);
     if (file.program == nullptr) {
-        member(json, "refused", file.refusal);
+        add_member(json, "refused", file.refusal);
         json.end_object();
         return;
     }
     const controller::Publication& publication = file.program->publication();
-    member(json, "values", publication.values());
-    member(json, "dataTypes", publication.data_types());
-    member(json, "exceeded", file.exceeded());
-    member(json, "beyondLimit", publication.left_out());
+    add_member(json, "values", publication.values());
+    add_member(json, "dataTypes", publication.data_types());
+    add_member(json, "exceeded", file.exceeded());
+    add_member(json, "beyondLimit", publication.left_out());
     write_variables(json, publication);
     json.name("leftOut");
     json.begin_list();
@@ -176,27 +164,53 @@ void write_json(detail::JsonWriter& json, const CheckedFile& file)
 
 } // namespace
 
-int check_programs(const ControllerConfig& config, std::vector<std::string> files, bool is_json)
+void add_member(detail::JsonWriter& json, const char* name, const std::string& text)
 {
-    if (files.empty()) {
-        files = {config.machine.program_file.empty() ? config.labels.program_file
-                                                     : config.machine.program_file};
-    }
-    if (files.front().empty()) {
-        throw ConfigError{"--check", "found no file and a configuration without a program, "
-                                     "expected a file with declarations"};
-    }
+    json.name(name);
+    json.string(text);
+}
+
+void add_member(detail::JsonWriter& json, const char* name, std::uint64_t number)
+{
+    json.name(name);
+    json.word(std::to_string(number));
+}
+
+bool check_programs(const ControllerConfig& config, const std::vector<std::string>& files,
+                    detail::JsonWriter* json)
+{
     bool is_good = true;
-    detail::JsonWriter json;
-    json.begin_list();
     for (const std::string& name : files) {
         const CheckedFile file = check_file(config, name);
         is_good = is_good && file.is_good();
-        if (is_json) {
-            write_json(json, file);
+        if (json != nullptr) {
+            write_json(*json, file);
         } else {
             print_text(file);
         }
+    }
+    return is_good;
+}
+
+int check(const ControllerConfig& config, std::vector<std::string> files, bool is_json)
+{
+    const std::string& own = config.machine.program_file.empty() ? config.labels.program_file
+                                                                 : config.machine.program_file;
+    std::erase(files, ""); // the option without an argument
+    const bool has_own = files.empty();
+    if (has_own && !own.empty()) {
+        files = {own};
+    }
+    if (files.empty() && config.backends.empty()) {
+        throw ConfigError{"--check", "found no file, and a configuration without a program or "
+                                     "backend, expected a file with declarations"};
+    }
+    detail::JsonWriter json;
+    json.begin_list();
+    detail::JsonWriter* const to = is_json ? &json : nullptr;
+    bool is_good = check_programs(config, files, to);
+    if (has_own && !config.backends.empty()) {
+        is_good = check_backends(config, to) && is_good;
     }
     json.end_list();
     if (is_json) {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <busbar/net/system.hpp>
 
-#include "check_programs.hpp"
+#include "check.hpp"
 #include "explain.hpp"
 #include "print_capacities.hpp"
 #include "print_conformance.hpp"
@@ -44,7 +44,8 @@ struct Prints {
                 ->type_name("[KEY]");
         check = app.add_option("--check", checked,
                                "print what of a program would be published, and why the rest would "
-                               "not; without a file for the program of the configuration")
+                               "not; without a file for the program of the configuration, and what "
+                               "the PLCs of its backends answer")
                     ->expected(0, -1)
                     ->type_name("[FILE...]");
         app.add_flag("--json", wants_json, "with --print-conformance or --check, as JSON");
@@ -73,7 +74,7 @@ struct Prints {
             if (const Preset* const chosen = find_preset(configuration.preset)) {
                 chosen->take(config);
             }
-            return check_programs(config, checked, wants_json);
+            return product::check(config, checked, wants_json);
         }
         if (explanation->count() != 0) {
             return print_explanation(configuration, explained);
