@@ -112,7 +112,7 @@ private:
         harness::SlmpPlcOptions options;
         options.is_datagram = is_datagram_;
         options.is_fx5 = script_->byte() % 2 != 0;
-        options.scan = std::chrono::milliseconds{script_->byte()};
+        options.latency = std::chrono::milliseconds{script_->byte()};
         options.max_waiting = 4;
         return options;
     }

@@ -215,6 +215,11 @@ void ModbusResponder::handle_deadline(TimePoint now)
     impl_->execute_due(now);
 }
 
+void ModbusResponder::set_latency(Duration latency)
+{
+    impl_->options.latency = latency;
+}
+
 bool ModbusResponder::is_closed() const
 {
     return impl_->is_closed;

@@ -252,7 +252,7 @@ TEST_CASE("a client reads back from the simulated PLC what it has written")
     const auto frame = GENERATE(SlmpFrame::Frame3E, SlmpFrame::Frame4E);
     const bool is_datagram = GENERATE(false, true);
     Fixture world{{.frame = frame, .is_datagram = is_datagram, .max_under_way = 2},
-                  {.is_datagram = is_datagram, .scan = 10ms}};
+                  {.is_datagram = is_datagram, .latency = 10ms}};
     CHECK(world.ask(write_d(100, {1, 2, 3})).answer.end_code == 0);
     CHECK(world.plc.get("D101") == 2);
     const auto read = world.ask(read_d(99, 5));
@@ -344,6 +344,50 @@ TEST_CASE("a PLC with 3E only does not answer 4E at all, and one with labels for
     other.plc.clear_labels();
     CHECK(other.ask({.command = SlmpCommand::LabelRandomRead, .labels = {{"counts[1]"}}})
               .answer.end_code == 0x40C0);
+}
+
+TEST_CASE("a PLC refuses requests for single devices, of words and of bits")
+{
+    Fixture world;
+    CHECK(world.plc.refuse("D300", 0x4031));
+    CHECK(world.plc.refuse("M20", 0xC05B));
+    CHECK_FALSE(world.plc.refuse("Q1", 0xC05B));
+    CHECK(world.ask(read_d(299)).answer.end_code == 0);
+    CHECK(world.ask(read_d(299, 2)).answer.end_code == 0x4031);
+    CHECK(world.ask(read_d(301)).answer.end_code == 0);
+    CHECK(world.ask(write_d(300, {1})).answer.end_code == 0x4031);
+    CHECK(world.plc.get("D300") == 0);
+    const auto read_m = [&](std::uint32_t number, std::uint16_t points, bool is_bits) {
+        return world
+            .ask({.command = SlmpCommand::BatchRead,
+                  .is_bits = is_bits,
+                  .blocks = {{{0x90, number}, points}}})
+            .answer.end_code;
+    };
+    CHECK(read_m(10, 10, true) == 0);
+    CHECK(read_m(10, 11, true) == 0xC05B);
+    CHECK(read_m(5, 1, false) == 0xC05B);
+    world.plc.refuse_none();
+    CHECK(read_m(10, 11, true) == 0);
+}
+
+TEST_CASE("connections to one PLC share its devices, but not its lock")
+{
+    Fixture world{{}, {.has_type_name = false, .password = "secret"}};
+    SlmpResponder other = world.plc.another_connection();
+    CHECK(world.ask({.command = SlmpCommand::Unlock, .text = "secret"}).answer.end_code == 0);
+    CHECK(world.ask(write_d(1, {7})).answer.end_code == 0);
+    CHECK(world.ask({.command = SlmpCommand::TypeName}).answer.end_code == 0xC059);
+    CHECK(other.get("D1") == 7);
+    CHECK(other.served() == 3);
+    std::swap(world.plc, other);
+    CHECK(world.ask(read_d(1)).answer.end_code == 0xC201);
+    world.plc.set_latency(20ms);
+    CHECK(other.next_deadline() == no_deadline);
+    const auto before = world.now;
+    CHECK(world.ask({.command = SlmpCommand::Unlock, .text = "secret"}).round_trip == 20ms);
+    CHECK(world.now == before + 20ms);
+    CHECK(world.ask(read_d(1)).answer.words == std::vector<std::uint16_t>{7});
 }
 
 } // namespace slmp_responder_test

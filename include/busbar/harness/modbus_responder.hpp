@@ -158,6 +158,8 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     /// Lets time pass; call it when next_deadline() is reached.
     void handle_deadline(TimePoint now);
+    /// Sets ModbusResponderOptions::latency for the requests to come.
+    void set_latency(Duration latency);
     /// True if the connection ends when output() has been sent.
     [[nodiscard]] bool is_closed() const;
 

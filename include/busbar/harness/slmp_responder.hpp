@@ -28,6 +28,8 @@ struct SlmpPlcOptions {
     bool takes_4e{true};
     /// The long form of devices, as iQ-R has it.
     bool takes_long_form{true};
+    /// It answers TypeName, which built-in ports of Q and L refuse.
+    bool has_type_name{true};
     /// It has labels.
     bool has_labels{true};
     /// It has RegisterMonitor and ReadMonitor.
@@ -41,7 +43,7 @@ struct SlmpPlcOptions {
     /// Unlocks the port; empty: it is not locked.
     std::string password{};
     /// The time from a request to its answer, when it is served.
-    Duration scan{0};
+    Duration latency{0};
     /// Requests that may wait for that; others are lost.
     std::size_t max_waiting{32};
     /// Words of a batch or of all blocks.
@@ -68,13 +70,18 @@ enum class SlmpMishap : std::uint8_t {
 
 /// A simulated PLC behind one connection: devices and labels that can be read and written, limits,
 /// a password, RUN and STOP, and mishaps. Sans-I/O, in the shape of an engine. Devices and labels
-/// outlive reconnect(), as a PLC's do a connection.
+/// outlive reconnect(), as a PLC's do a connection, and another_connection() shares them.
 class BUSBAR_API SlmpResponder {
 public:
     explicit SlmpResponder(SlmpPlcOptions options = {});
     SlmpResponder(SlmpResponder&&) noexcept;
     SlmpResponder& operator=(SlmpResponder&&) noexcept;
     ~SlmpResponder();
+
+    /// Returns another connection to the same PLC: they share devices, labels, refusals, mishaps,
+    /// the time of an answer, RUN and STOP. Each has its own lock and monitor, and its own
+    /// requests.
+    [[nodiscard]] SlmpResponder another_connection() const;
 
     /// Adds devices 0 to `count` - 1 of a kind, all 0: "D", "X"; "U3E0\G" for those of a module.
     /// False for an unknown kind.
@@ -99,6 +106,13 @@ public:
     /// Lets this happen to the next `count` requests after those for which something is to happen
     /// already. `end_code` is what Refused answers.
     void happen(SlmpMishap mishap, std::size_t count = 1, std::uint16_t end_code = 0);
+    /// From now on, requests for this device are answered by `end_code`. False for an address that
+    /// parse_slmp_address() refuses.
+    bool refuse(std::string_view address, std::uint16_t end_code);
+    /// Ends what refuse() began.
+    void refuse_none();
+    /// Sets SlmpPlcOptions::latency for the requests to come.
+    void set_latency(Duration latency);
     /// A new connection: nothing waits any more, and the port is locked again.
     void reconnect();
     /// Sets RUN or STOP, which remote control changes, too.
@@ -123,6 +137,8 @@ public:
 
 private:
     struct Impl;
+
+    explicit SlmpResponder(std::unique_ptr<Impl> impl);
 
     std::unique_ptr<Impl> impl_;
 };

@@ -44,6 +44,24 @@ PlcMemory::Access PlcMemory::check(const SlmpDevice& device, std::size_t size,
                                                                              : Access::Done;
 }
 
+std::uint16_t PlcMemory::refusal(const SlmpDevice& device, std::size_t size, bool is_in_bits) const
+{
+    const auto area = areas_.find(key_of(device));
+    if (area == areas_.end()) {
+        return 0;
+    }
+    const Area& it = area->second;
+    const std::size_t count = it.has_bits && !is_in_bits
+                                  ? size * 16
+                                  : (size + it.words_per_number - 1) / it.words_per_number;
+    const auto hit = std::ranges::find_if(refused_, [&](const auto& refused) {
+        const SlmpDevice& other = refused.first;
+        return key_of(other) == key_of(device) && other.number >= device.number &&
+               other.number - device.number < count;
+    });
+    return hit == refused_.end() ? std::uint16_t{0} : hit->second;
+}
+
 PlcMemory::Access PlcMemory::read_words(const SlmpDevice& device,
                                         std::span<std::uint16_t> words) const
 {

@@ -28,6 +28,16 @@ public:
                                    std::span<std::uint16_t> bits) const;
     [[nodiscard]] Access write_bits(const backend::SlmpDevice& device,
                                     std::span<const std::uint16_t> bits);
+    /// The answer to requests for a device from now on.
+    void refuse(const backend::SlmpDevice& device, std::uint16_t end_code)
+    {
+        refused_.insert_or_assign(device, end_code);
+    }
+    void refuse_none() { refused_.clear(); }
+    /// Returns the end code of the first refused device of a request of this size; 0 if it has
+    /// none. `size` counts words or bits.
+    [[nodiscard]] std::uint16_t refusal(const backend::SlmpDevice& device, std::size_t size,
+                                        bool is_in_bits) const;
     /// What a write of this size would answer.
     [[nodiscard]] Access check(const backend::SlmpDevice& device, std::size_t size,
                                bool is_in_bits) const;
@@ -43,6 +53,7 @@ private:
     [[nodiscard]] static backend::SlmpDevice key_of(const backend::SlmpDevice& device);
 
     std::map<backend::SlmpDevice, Area> areas_;
+    std::map<backend::SlmpDevice, std::uint16_t> refused_;
 };
 
 /// The labels of a simulated PLC.

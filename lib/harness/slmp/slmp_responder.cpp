@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -70,12 +71,22 @@ std::size_t points_of(const std::vector<SlmpBlock>& blocks)
     return points;
 }
 
+/// What the connections to a PLC share.
+struct SharedPlc {
+    SlmpPlcOptions options;
+    PlcMemory memory{};
+    detail::PlcLabels labels{};
+    std::deque<Mishap> mishaps{};
+    std::uint64_t served{0};
+    bool is_running{true};
+};
+
 } // namespace
 
 struct SlmpResponder::Impl {
-    explicit Impl(SlmpPlcOptions given) : options{std::move(given)}
+    explicit Impl(std::shared_ptr<SharedPlc> its_plc) : plc{std::move(its_plc)}
     {
-        is_locked = !options.password.empty();
+        is_locked = !plc->options.password.empty();
     }
 
     void take(std::span<const std::byte> frame, TimePoint now);
@@ -92,16 +103,11 @@ struct SlmpResponder::Impl {
     [[nodiscard]] std::uint16_t control(const SlmpOperation& operation);
     [[nodiscard]] std::uint16_t end_code_of(Access access) const;
 
-    SlmpPlcOptions options;
-    PlcMemory memory{};
-    detail::PlcLabels labels{};
+    std::shared_ptr<SharedPlc> plc;
     std::optional<SlmpOperation> monitor{};
-    std::deque<Mishap> mishaps{};
     std::deque<Waiting> waiting{};
     std::vector<std::byte> input{};
     backend::detail::SlmpFrameQueue output{};
-    std::uint64_t served{0};
-    bool is_running{true};
     bool is_locked{false};
     bool is_closed{false};
 };
@@ -112,9 +118,9 @@ std::uint16_t SlmpResponder::Impl::end_code_of(Access access) const
     case Access::Done:
         return done;
     case Access::UnknownDevice:
-        return options.is_fx5 ? wrong_content : wrong_device;
+        return plc->options.is_fx5 ? wrong_content : wrong_device;
     case Access::OutOfRange:
-        return options.is_fx5 ? 0xC056 : 0x4031;
+        return plc->options.is_fx5 ? 0xC056 : 0x4031;
     case Access::NotInBits:
         break;
     }
@@ -130,29 +136,32 @@ std::uint16_t SlmpResponder::Impl::check_size(const SlmpOperation& operation) co
     case BatchRead:
     case BatchWrite: {
         const std::size_t points = operation.blocks[0].points;
-        const bool fits =
-            points > 0 && points <= (operation.is_bits ? options.max_bits : options.max_words);
+        const bool fits = points > 0 && points <= (operation.is_bits ? plc->options.max_bits
+                                                                     : plc->options.max_words);
         // FX5 has these two the other way round.
-        return fits ? done : operation.is_bits != options.is_fx5 ? too_many_bits : too_many_words;
+        return fits                                       ? done
+               : operation.is_bits != plc->options.is_fx5 ? too_many_bits
+                                                          : too_many_words;
     }
     case RandomRead:
     case RegisterMonitor:
-        return random > 0 && random <= options.max_random / divisor ? done : too_many_random;
+        return random > 0 && random <= plc->options.max_random / divisor ? done : too_many_random;
     case RandomWrite:
         if (operation.is_bits) {
-            return random <= options.max_random_bits / divisor ? done : too_many_random_bits;
+            return random <= plc->options.max_random_bits / divisor ? done : too_many_random_bits;
         }
         return 12 * operation.blocks.size() + 14 * operation.more_blocks.size() <=
-                       2 * options.max_words / divisor
+                       2 * plc->options.max_words / divisor
                    ? done
                    : too_many_random;
     case BlockRead:
-        return points_of(operation.blocks) + points_of(operation.more_blocks) <= options.max_words
+        return points_of(operation.blocks) + points_of(operation.more_blocks) <=
+                       plc->options.max_words
                    ? done
                    : too_many_words;
     case BlockWrite:
         return points_of(operation.blocks) + points_of(operation.more_blocks) + 9 * random <=
-                       options.max_words
+                       plc->options.max_words
                    ? done
                    : too_many_words;
     default:
@@ -168,16 +177,17 @@ std::uint16_t SlmpResponder::Impl::check(const SlmpOperation& operation) const
     }
     const bool is_monitor =
         operation.command == RegisterMonitor || operation.command == ReadMonitor;
-    if ((operation.has_long_form && !options.takes_long_form) ||
-        (is_label(operation.command) && !options.has_labels) ||
-        (is_monitor && !options.has_monitor)) {
+    if ((operation.has_long_form && !plc->options.takes_long_form) ||
+        (is_label(operation.command) && !plc->options.has_labels) ||
+        (is_monitor && !plc->options.has_monitor) ||
+        (operation.command == TypeName && !plc->options.has_type_name)) {
         return unknown_command;
     }
-    if (is_write(operation.command) && is_running && !options.is_written_in_run) {
+    if (is_write(operation.command) && plc->is_running && !plc->options.is_written_in_run) {
         return not_in_run;
     }
     if (operation.command == BlockWrite && !operation.blocks.empty() &&
-        !operation.more_blocks.empty() && !options.takes_mixed_blocks) {
+        !operation.more_blocks.empty() && !plc->options.takes_mixed_blocks) {
         return wrong_device;
     }
     return check_size(operation);
@@ -192,8 +202,13 @@ std::uint16_t SlmpResponder::Impl::read(const SlmpOperation& operation, SlmpAnsw
             const std::size_t begin = answer.words.size();
             answer.words.resize(begin + block.points * words);
             const auto values = std::span{answer.words}.subspan(begin);
-            const Access access = operation.is_bits ? memory.read_bits(block.device, values)
-                                                    : memory.read_words(block.device, values);
+            if (const auto end_code =
+                    plc->memory.refusal(block.device, values.size(), operation.is_bits);
+                end_code != done) {
+                return end_code;
+            }
+            const Access access = operation.is_bits ? plc->memory.read_bits(block.device, values)
+                                                    : plc->memory.read_words(block.device, values);
             if (access != Access::Done) {
                 return end_code_of(access);
             }
@@ -213,10 +228,15 @@ std::uint16_t SlmpResponder::Impl::write(const SlmpOperation& operation)
             for (const SlmpBlock& block : *blocks) {
                 const auto values = rest.first(block.points * words);
                 rest = rest.subspan(values.size());
+                if (const auto end_code =
+                        plc->memory.refusal(block.device, values.size(), operation.is_bits);
+                    end_code != done) {
+                    return end_code;
+                }
                 const Access access =
-                    !has_effect ? memory.check(block.device, values.size(), operation.is_bits)
-                    : operation.is_bits ? memory.write_bits(block.device, values)
-                                        : memory.write_words(block.device, values);
+                    !has_effect ? plc->memory.check(block.device, values.size(), operation.is_bits)
+                    : operation.is_bits ? plc->memory.write_bits(block.device, values)
+                                        : plc->memory.write_words(block.device, values);
                 if (access != Access::Done) {
                     return end_code_of(access);
                 }
@@ -230,24 +250,24 @@ std::uint16_t SlmpResponder::Impl::control(const SlmpOperation& operation)
 {
     switch (operation.command) {
     case SlmpCommand::Unlock:
-        if (!options.password.empty() && operation.text != options.password) {
+        if (!plc->options.password.empty() && operation.text != plc->options.password) {
             return wrong_password;
         }
         is_locked = false;
         return done;
     case SlmpCommand::Lock:
-        is_locked = !options.password.empty();
+        is_locked = !plc->options.password.empty();
         return done;
     case SlmpCommand::RemoteRun:
-        is_running = true;
+        plc->is_running = true;
         return done;
     case SlmpCommand::RemoteStop:
     case SlmpCommand::RemotePause:
-        is_running = false;
+        plc->is_running = false;
         return done;
     case SlmpCommand::RemoteLatchClear:
     case SlmpCommand::RemoteReset:
-        return is_running ? std::uint16_t{0x4013} : done;
+        return plc->is_running ? std::uint16_t{0x4013} : done;
     default:
         return done;
     }
@@ -282,10 +302,10 @@ std::uint16_t SlmpResponder::Impl::serve(const SlmpOperation& operation, SlmpAns
     case LabelArrayWrite:
     case LabelRandomRead:
     case LabelRandomWrite:
-        return labels.serve(operation, answer);
+        return plc->labels.serve(operation, answer);
     case TypeName:
-        answer.text = options.type_name;
-        answer.model = options.model;
+        answer.text = plc->options.type_name;
+        answer.model = plc->options.model;
         return done;
     case SelfTest:
         answer.text = operation.text;
@@ -297,12 +317,12 @@ std::uint16_t SlmpResponder::Impl::serve(const SlmpOperation& operation, SlmpAns
 
 Mishap SlmpResponder::Impl::next_mishap()
 {
-    if (mishaps.empty()) {
+    if (plc->mishaps.empty()) {
         return {};
     }
-    const Mishap mishap = mishaps.front();
-    if (--mishaps.front().count == 0) {
-        mishaps.pop_front();
+    const Mishap mishap = plc->mishaps.front();
+    if (--plc->mishaps.front().count == 0) {
+        plc->mishaps.pop_front();
     }
     return mishap;
 }
@@ -314,7 +334,7 @@ void SlmpResponder::Impl::serve(std::span<const std::byte> frame)
     if (!body) {
         return;
     }
-    ++served;
+    ++plc->served;
     const Mishap mishap = next_mishap();
     const auto operation = backend::decode_slmp_request(*body);
     SlmpOperation known = operation ? *operation : SlmpOperation{};
@@ -370,16 +390,25 @@ void SlmpResponder::Impl::send(const SlmpHead& request, const SlmpOperation& ope
 void SlmpResponder::Impl::take(std::span<const std::byte> frame, TimePoint now)
 {
     const auto head = backend::read_slmp_head(frame);
-    const bool has_answer = !(*head)->is_response &&
-                            (options.takes_4e || (*head)->frame == backend::SlmpFrame::Frame3E);
-    if (has_answer && waiting.size() < std::max<std::size_t>(options.max_waiting, 1)) {
-        waiting.push_back({now + options.scan, {frame.begin(), frame.end()}});
+    const bool has_answer =
+        !(*head)->is_response &&
+        (plc->options.takes_4e || (*head)->frame == backend::SlmpFrame::Frame3E);
+    if (has_answer && waiting.size() < std::max<std::size_t>(plc->options.max_waiting, 1)) {
+        waiting.push_back({now + plc->options.latency, {frame.begin(), frame.end()}});
     }
 }
 
 SlmpResponder::SlmpResponder(SlmpPlcOptions options)
-    : impl_{std::make_unique<Impl>(std::move(options))}
+    : SlmpResponder{
+          std::make_unique<Impl>(std::make_shared<SharedPlc>(SharedPlc{std::move(options)}))}
 {
+}
+
+SlmpResponder::SlmpResponder(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+
+SlmpResponder SlmpResponder::another_connection() const
+{
+    return SlmpResponder{std::make_unique<Impl>(impl_->plc)};
 }
 
 SlmpResponder::SlmpResponder(SlmpResponder&&) noexcept = default;
@@ -388,63 +417,85 @@ SlmpResponder::~SlmpResponder() = default;
 
 bool SlmpResponder::add_devices(std::string_view kind, std::uint32_t count)
 {
-    return impl_->memory.add(kind, count);
+    return impl_->plc->memory.add(kind, count);
 }
 
 bool SlmpResponder::set(std::string_view text, std::uint16_t value, std::uint32_t word)
 {
-    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->options.is_fx5});
+    const auto address =
+        backend::parse_slmp_address(text, {.is_octal = impl_->plc->options.is_fx5});
     if (!address) {
         return false;
     }
     const auto* const type = backend::find_slmp_device_type(address->device.code);
     if (type->unit == backend::SlmpUnit::Bit) {
-        return impl_->memory.write_bits(address->device, {&value, 1}) == Access::Done;
+        return impl_->plc->memory.write_bits(address->device, {&value, 1}) == Access::Done;
     }
     std::vector<std::uint16_t> words(std::size_t{word} + 1);
-    if (impl_->memory.read_words(address->device, words) != Access::Done) {
+    if (impl_->plc->memory.read_words(address->device, words) != Access::Done) {
         return false;
     }
     words[word] = value;
-    return impl_->memory.write_words(address->device, words) == Access::Done;
+    return impl_->plc->memory.write_words(address->device, words) == Access::Done;
 }
 
 std::uint16_t SlmpResponder::get(std::string_view text, std::uint32_t word) const
 {
-    const auto address = backend::parse_slmp_address(text, {.is_octal = impl_->options.is_fx5});
+    const auto address =
+        backend::parse_slmp_address(text, {.is_octal = impl_->plc->options.is_fx5});
     if (!address) {
         return 0;
     }
     const auto* const type = backend::find_slmp_device_type(address->device.code);
     std::vector<std::uint16_t> words(std::size_t{word} + 1);
     const Access access = type->unit == backend::SlmpUnit::Bit
-                              ? impl_->memory.read_bits(address->device, {words.data(), 1})
-                              : impl_->memory.read_words(address->device, words);
+                              ? impl_->plc->memory.read_bits(address->device, {words.data(), 1})
+                              : impl_->plc->memory.read_words(address->device, words);
     return access == Access::Done ? words[word] : std::uint16_t{0};
 }
 
 void SlmpResponder::add_label(std::string_view name, std::uint8_t type,
                               std::span<const std::byte> value, std::size_t element_size)
 {
-    impl_->labels.add(name, {type, element_size, {value.begin(), value.end()}});
+    impl_->plc->labels.add(name, {type, element_size, {value.begin(), value.end()}});
 }
 
 std::span<const std::byte> SlmpResponder::label(std::string_view name) const
 {
-    const auto* const found = impl_->labels.find(name);
+    const auto* const found = impl_->plc->labels.find(name);
     return found == nullptr ? std::span<const std::byte>{} : std::span{found->value};
 }
 
 void SlmpResponder::clear_labels()
 {
-    impl_->labels.clear();
+    impl_->plc->labels.clear();
 }
 
 void SlmpResponder::happen(SlmpMishap mishap, std::size_t count, std::uint16_t end_code)
 {
     if (count > 0) {
-        impl_->mishaps.push_back({mishap, count, end_code});
+        impl_->plc->mishaps.push_back({mishap, count, end_code});
     }
+}
+
+bool SlmpResponder::refuse(std::string_view address, std::uint16_t end_code)
+{
+    const auto parsed =
+        backend::parse_slmp_address(address, {.is_octal = impl_->plc->options.is_fx5});
+    if (parsed) {
+        impl_->plc->memory.refuse(parsed->device, end_code);
+    }
+    return parsed.has_value();
+}
+
+void SlmpResponder::refuse_none()
+{
+    impl_->plc->memory.refuse_none();
+}
+
+void SlmpResponder::set_latency(Duration latency)
+{
+    impl_->plc->options.latency = latency;
 }
 
 void SlmpResponder::reconnect()
@@ -453,22 +504,22 @@ void SlmpResponder::reconnect()
     impl_->input.clear();
     impl_->output.clear();
     impl_->is_closed = false;
-    impl_->is_locked = !impl_->options.password.empty();
+    impl_->is_locked = !impl_->plc->options.password.empty();
 }
 
 void SlmpResponder::set_running(bool is_running)
 {
-    impl_->is_running = is_running;
+    impl_->plc->is_running = is_running;
 }
 
 bool SlmpResponder::is_running() const
 {
-    return impl_->is_running;
+    return impl_->plc->is_running;
 }
 
 std::uint64_t SlmpResponder::served() const
 {
-    return impl_->served;
+    return impl_->plc->served;
 }
 
 void SlmpResponder::feed(std::span<const std::byte> in, TimePoint now)
@@ -476,7 +527,7 @@ void SlmpResponder::feed(std::span<const std::byte> in, TimePoint now)
     if (impl_->is_closed) {
         return;
     }
-    if (impl_->options.is_datagram) {
+    if (impl_->plc->options.is_datagram) {
         const auto head = backend::read_slmp_head(in);
         if (head && *head && (*head)->size == in.size() && in.size() <= max_request) {
             impl_->take(in, now);
