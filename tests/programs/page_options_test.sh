@@ -58,7 +58,7 @@ check() {
 for page; do
     awk '/^```(sh|console)$/ { is_code = 1; next } /^```$/ { is_code = 0 }
         is_code && /<< .END.$/ { text = 1 } text { if ($0 == "END") { text = 0 } next }
-        is_code && /^busbar/' "$page" | sed 's/ *#.*//; s/ [>|].*//' > "$work/commands"
+        is_code && /^busbar(-controller)? /' "$page" | sed 's/ *#.*//; s/ [>|].*//' > "$work/commands"
     while read -r line; do
         check "$page" "$line"
     done < "$work/commands"
