@@ -13,6 +13,8 @@
 
 namespace busbar::controller::detail {
 
+class ConstantTable;
+
 /// The number of bytes that a reader may still use for its result.
 class MemoryBudget {
 public:
@@ -39,8 +41,10 @@ private:
 class BUSBAR_API DeclarationCursor {
 public:
     /// All arguments must outlive this object. Without `places`, problems and places have no lines.
+    /// Names in expressions are looked up in `constants`.
     DeclarationCursor(std::string_view text, std::string_view file_name, const TextPlaces* places,
-                      const DeclarationLimits& limits, MemoryBudget& memory);
+                      const DeclarationLimits& limits, MemoryBudget& memory,
+                      ConstantTable& constants);
 
     [[nodiscard]] const DeclarationToken& now() const { return now_; }
     [[nodiscard]] bool is_end() const { return now_.kind == DeclarationToken::Kind::End; }
@@ -52,6 +56,15 @@ public:
     /// The comment on the last taken token, if it begins in the same line.
     [[nodiscard]] std::string_view comment() const { return lexer_.comment(); }
     [[nodiscard]] const DeclarationLimits& limits() const { return *limits_; }
+    [[nodiscard]] MemoryBudget& memory() const { return *memory_; }
+    [[nodiscard]] ConstantTable& constants() const { return *constants_; }
+    /// The text from the current token on.
+    [[nodiscard]] std::string_view rest() const { return text_.substr(now_.offset); }
+    /// The text from `offset` up to the current token.
+    [[nodiscard]] std::string_view text_from(std::size_t offset) const
+    {
+        return text_.substr(offset, now_.offset - offset);
+    }
 
     DeclarationToken take();
     /// Takes the current token if it is this symbol; false if it is another.
@@ -81,11 +94,13 @@ public:
     void pass_wrong();
 
 private:
+    std::string_view text_;
     DeclarationLexer lexer_;
     std::string_view file_name_;
     const TextPlaces* places_;
     const DeclarationLimits* limits_;
     MemoryBudget* memory_;
+    ConstantTable* constants_;
     DeclarationToken now_{};
     std::optional<Problem> problem_{};
     ProgramPlace problem_place_{};

@@ -1,5 +1,6 @@
 #include <busbar/controller/declaration_reader.hpp>
 
+#include "constant_table.hpp"
 #include "declaration_cursor.hpp"
 #include "declaration_parser.hpp"
 
@@ -18,18 +19,27 @@ Configured<Program> read_declarations(std::string_view text, std::string_view fi
         return misconfigured(detail::place_text(file_name, places.at(*offset)),
                              "found a byte that is not UTF-8");
     }
-    detail::MemoryBudget memory{limits.max_memory};
-    detail::DeclarationCursor cursor{declarations, file_name, &places, limits, memory};
-    detail::DeclarationParser parser{cursor, unserved};
-    if (!parser.read()) {
-        return Unexpected<Problem>{cursor.problem()};
+    detail::ConstantTable constants;
+    constants.set_file(file_name);
+    const auto read_once = [&](Unserved choice) -> Configured<Program> {
+        detail::MemoryBudget memory{limits.max_memory};
+        detail::DeclarationCursor cursor{declarations, file_name, &places,
+                                         limits,       memory,    constants};
+        detail::DeclarationParser parser{cursor, choice};
+        if (!parser.read()) {
+            return Unexpected<Problem>{cursor.problem()};
+        }
+        return std::move(parser.program());
+    };
+    auto program = detail::read_in_passes(constants, unserved, read_once);
+    if (!program) {
+        return program;
     }
-    Program& program = parser.program();
-    if (const LeftOut* first = detail::not_understood(program)) {
+    if (const LeftOut* first = detail::not_understood(*program)) {
         return misconfigured(detail::place_text(file_name, first->declared.place),
                              first->problem.text);
     }
-    return std::move(program);
+    return program;
 }
 
 } // namespace busbar::controller

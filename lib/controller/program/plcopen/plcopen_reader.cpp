@@ -54,15 +54,38 @@ std::string iec_interval(std::string_view text)
 PlcopenReader::PlcopenReader(std::string_view text, std::string_view file_name,
                              const TextPlaces& places, const DeclarationLimits& limits,
                              Unserved unserved)
-    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits},
+    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits}, unserved_{unserved},
       leaves_out_{unserved == Unserved::LeaveOut}, memory_{limits.max_memory}
 {
+    constants_.set_file(file_name);
 }
 
-bool PlcopenReader::read()
+Configured<Program> PlcopenReader::read()
 {
-    return parse() && check_root(document_.document_element()) &&
-           read_container(document_.document_element(), 0);
+    if (!parse() || !check_root(document_.document_element())) {
+        return Unexpected<Problem>{*problem_};
+    }
+    auto program = read_in_passes(constants_, unserved_,
+                                  [&](Unserved unserved) { return read_once(unserved); });
+    if (program) {
+        program_ = {};
+    }
+    return program;
+}
+
+Configured<Program> PlcopenReader::read_once(Unserved unserved)
+{
+    const MemoryBudget whole = memory_;
+    program_ = {};
+    problem_.reset();
+    is_exhausted_ = false;
+    leaves_out_ = unserved == Unserved::LeaveOut;
+    const bool is_read = read_container(document_.document_element(), 0);
+    memory_ = whole;
+    if (!is_read) {
+        return Unexpected<Problem>{*problem_};
+    }
+    return std::move(program_);
 }
 
 bool PlcopenReader::parse()
@@ -203,10 +226,7 @@ Configured<Program> read_plcopen_xml(std::string_view text, std::string_view fil
                              "found a byte that is not UTF-8");
     }
     detail::PlcopenReader reader{xml, file_name, places, limits, unserved};
-    if (!reader.read()) {
-        return Unexpected<Problem>{reader.problem()};
-    }
-    return std::move(reader.program());
+    return reader.read();
 }
 
 } // namespace busbar::controller

@@ -8,6 +8,7 @@
 
 #include <busbar/controller/plcopen_xml.hpp>
 
+#include "controller/program/constant_table.hpp"
 #include "controller/program/declaration_cursor.hpp"
 #include "controller/program/text_places.hpp"
 
@@ -20,13 +21,13 @@ public:
     PlcopenReader(std::string_view text, std::string_view file_name, const TextPlaces& places,
                   const DeclarationLimits& limits, Unserved unserved);
 
-    [[nodiscard]] bool read();
-    [[nodiscard]] Program& program() { return program_; }
-    /// Returns the problem; call this only if there is one.
-    [[nodiscard]] const Problem& problem() const { return *problem_; }
+    /// Reads the whole text in as many passes as its constants need.
+    [[nodiscard]] Configured<Program> read();
 
 private:
     // plcopen_reader.cpp
+    /// Reads everything once.
+    [[nodiscard]] Configured<Program> read_once(Unserved unserved);
     [[nodiscard]] bool parse();
     [[nodiscard]] bool check_root(const pugi::xml_node& root);
     /// Reads all types, variables, tasks and instances of programs below the container.
@@ -56,6 +57,8 @@ private:
     /// Returns the publish attribute of a variable that is left out, as far as it can be read.
     [[nodiscard]] static NetworkPublish publish_of_variable(const pugi::xml_node& xml,
                                                             NetworkPublish common);
+    /// Notes a constant with the text of its value.
+    [[nodiscard]] bool add_constant(const pugi::xml_node& xml, const GlobalVariable& variable);
     [[nodiscard]] bool read_publish(const pugi::xml_node& xml, NetworkPublish& publish);
     [[nodiscard]] bool read_flag(const pugi::xml_node& xml, const char* name, bool& flag);
     /// Reads the <initialValue>, if present.
@@ -70,7 +73,7 @@ private:
     // plcopen_text.cpp
     [[nodiscard]] bool read_name(const pugi::xml_node& xml, const char* attribute,
                                  std::string& name);
-    /// Reads an integer from an attribute, which must be present.
+    /// Reads an integer from an attribute, which must be present, as an expression.
     [[nodiscard]] bool read_number(const pugi::xml_node& xml, const char* attribute,
                                    std::int64_t& number);
     [[nodiscard]] bool keep(const pugi::xml_node& xml, std::size_t bytes);
@@ -86,8 +89,10 @@ private:
     std::string_view file_name_;
     const TextPlaces* places_;
     const DeclarationLimits* limits_;
+    Unserved unserved_;
     bool leaves_out_;
     MemoryBudget memory_;
+    ConstantTable constants_{};
     pugi::xml_document document_{};
     Program program_{};
     std::optional<Problem> problem_{};

@@ -51,7 +51,7 @@ bool PlcopenReader::read_number(const pugi::xml_node& xml, const char* attribute
                                 std::int64_t& number)
 {
     const std::string_view text = xml.attribute(attribute).value();
-    DeclarationCursor cursor{text, file_name_, nullptr, *limits_, memory_};
+    DeclarationCursor cursor{text, file_name_, nullptr, *limits_, memory_, constants_};
     const std::string expected = std::string{"a whole number as the attribute "} + attribute;
     if (read_whole_number(cursor, number, expected) &&
         (cursor.is_end() || cursor.fail("the end of the number"))) {

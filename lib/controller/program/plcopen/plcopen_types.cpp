@@ -1,3 +1,5 @@
+#include <busbar/controller/program_types.hpp>
+
 #include "controller/program/declaration_keywords.hpp"
 #include "plcopen_reader.hpp"
 
@@ -6,6 +8,7 @@ namespace busbar::controller::detail {
 bool PlcopenReader::read_type(const pugi::xml_node& xml)
 {
     DerivedType type{.name = {}, .place = place_of(xml)};
+    const std::size_t later = constants_.later_count();
     // Some vendors write a union as a type of its own.
     const bool is_union = local_name_of(xml) == "union";
     const pugi::xml_node body = is_union ? xml : first_element_of(child_of(xml, "baseType"));
@@ -18,6 +21,9 @@ bool PlcopenReader::read_type(const pugi::xml_node& xml)
     if (!read_type_body(body, type) || !read_initial(xml, type.initial) ||
         !read_documentation(xml, type.comment)) {
         return false;
+    }
+    if (constants_.later_count() != later) {
+        constants_.add_unsettled(fold_name(type.name));
     }
     program_.types.push_back(std::move(type));
     return true;
@@ -67,12 +73,14 @@ bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& typ
         }
         base = use.elementary;
     }
+    constants_.begin_enumeration(type.name);
+    bool is_read = true;
     for (const pugi::xml_node& child : child_of(xml, "values").children()) {
-        if (local_name_of(child) == "value" && !read_enumerator(child, type, base)) {
-            return false;
-        }
+        is_read =
+            is_read && (local_name_of(child) != "value" || read_enumerator(child, type, base));
     }
-    return true;
+    constants_.end_enumeration();
+    return is_read;
 }
 
 bool PlcopenReader::read_enumerator(const pugi::xml_node& xml, DerivedType& type,
@@ -81,10 +89,14 @@ bool PlcopenReader::read_enumerator(const pugi::xml_node& xml, DerivedType& type
     Enumerator one;
     std::int64_t value =
         type.enumerators.empty() ? 0 : std::int64_t{type.enumerators.back().value} + 1;
-    if (!keep(xml, sizeof one) || !read_name(xml, "name", one.name) ||
+    if (!keep(xml, sizeof one + ConstantTable::memory_of_one) ||
+        !read_name(xml, "name", one.name) ||
         (xml.attribute("value") && !read_number(xml, "value", value))) {
         return false;
     }
+    constants_.add_enumerator({.name = one.name,
+                               .text = trimmed_text(xml.attribute("value").value()),
+                               .place = place_of(xml)});
     if (!number_fits(base, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {
         return fail(xml, "found the value " + std::to_string(value) +
                              ", expected one of 32 bits with a sign and of the base type");

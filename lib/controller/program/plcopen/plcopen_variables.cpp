@@ -59,6 +59,7 @@ bool PlcopenReader::read_variables(const pugi::xml_node& xml)
         return false;
     }
     common.is_retained = common.is_retained || is_persistent;
+    constants_.set_list(xml.attribute("name").value());
     for (const pugi::xml_node& child : xml.children()) {
         if (local_name_of(child) == "variable" && !read_variable(child, common) &&
             !leave_out(child, LeftOut::Kind::Variable,
@@ -75,8 +76,9 @@ bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable vari
     variable.address = xml.attribute("address").value();
     if (!keep(xml, sizeof variable + variable.address.size()) ||
         !read_name(xml, "name", variable.name) || !read_use(xml, "type", variable.type) ||
-        !read_initial(xml, variable.initial) || !read_publish(xml, variable.publish) ||
-        !read_documentation(xml, variable.comment)) {
+        !read_initial(xml, variable.initial) ||
+        (variable.is_constant && !add_constant(xml, variable)) ||
+        !read_publish(xml, variable.publish) || !read_documentation(xml, variable.comment)) {
         return false;
     }
     if (!variable.address.empty() && !is_direct_address(variable.address)) {
@@ -85,6 +87,15 @@ bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable vari
     }
     program_.variables.push_back(std::move(variable));
     return true;
+}
+
+bool PlcopenReader::add_constant(const pugi::xml_node& xml, const GlobalVariable& variable)
+{
+    const pugi::xml_node value = child_of(child_of(xml, "initialValue"), "simpleValue");
+    constants_.add_constant(
+        {.name = variable.name, .text = value.attribute("value").value(), .place = variable.place},
+        variable.type);
+    return keep(xml, ConstantTable::memory_of_one);
 }
 
 NetworkPublish PlcopenReader::publish_of_variable(const pugi::xml_node& xml, NetworkPublish common)
@@ -141,8 +152,8 @@ bool PlcopenReader::read_value(const pugi::xml_node& holder, InitialValue& value
                                             ", expected <simpleValue>, <arrayValue> or "
                                             "<structValue>");
     }
-    DeclarationCursor cursor{xml.attribute("value").value(), file_name_, nullptr, *limits_,
-                             memory_};
+    DeclarationCursor cursor{
+        xml.attribute("value").value(), file_name_, nullptr, *limits_, memory_, constants_};
     const ProgramPlace place = value.place;
     if (!read_initial_value(cursor, value) ||
         !(cursor.is_end() || cursor.fail("the end of the value"))) {
