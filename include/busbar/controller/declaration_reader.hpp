@@ -49,8 +49,14 @@ struct DeclarationLimits {
 /// publish only and '0' as none. All other pragmas are ignored.
 ///
 /// The `$` of texts stands for bytes of UTF-8 in '...' and UTF-16 in "...". Not supported are
-/// expressions and names of constants, unnamed types other than arrays and subranges, and types of
-/// characters and of 64 bit times (LTIME, CHAR, WSTRING and others).
+/// unnamed types other than arrays and subranges, and types of characters and of 64 bit times
+/// (LTIME, CHAR, WSTRING and others).
+///
+/// Bounds, lengths, values of enumerations, initial values and repetitions are expressions with
+/// constants (`VAR_GLOBAL CONSTANT`) and values of enumerations, before or after their declaration,
+/// also as `Gvl.N`, `Color.Red` and `Color#Red`; with the operators of IEC 61131-3, shifts,
+/// conversions such as INT_TO_REAL, some functions such as MAX, and SIZEOF of a type. A number that
+/// does not fit 64 bits, a division by zero and constants that depend on each other are problems.
 ///
 /// With Unserved::LeaveOut the text may be a whole program: program organization units, INTERFACE,
 /// VAR_CONFIG, VAR_ACCESS and USING are skipped, NAMESPACE is read as if its declarations stood

@@ -1,3 +1,4 @@
+#include "constant_table.hpp"
 #include "declaration_keywords.hpp"
 #include "declaration_parser.hpp"
 #include "initial_reader.hpp"
@@ -8,12 +9,13 @@ namespace busbar::controller::detail {
 bool DeclarationParser::read_enumerators(DerivedType& type, std::optional<ElementaryType> base)
 {
     type.kind = DerivedType::Kind::Enumeration;
+    cursor_->constants().begin_enumeration(type.name);
+    bool is_read = true;
     do {
-        if (!read_enumerator(type, base)) {
-            return false;
-        }
-    } while (cursor_->skip_symbol(","));
-    return cursor_->skip_symbol(")") || cursor_->fail("',', ':=' or ')'");
+        is_read = read_enumerator(type, base);
+    } while (is_read && cursor_->skip_symbol(","));
+    cursor_->constants().end_enumeration();
+    return is_read && (cursor_->skip_symbol(")") || cursor_->fail("',', ':=' or ')'"));
 }
 
 bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<ElementaryType> base)
@@ -22,7 +24,9 @@ bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<Element
     std::int64_t value =
         type.enumerators.empty() ? 0 : std::int64_t{type.enumerators.back().value} + 1;
     DeclarationToken at = cursor_->now();
-    if (!cursor_->keep(sizeof one) || !cursor_->expect_name(one.name, "the name of a value")) {
+    ConstantTable::Declared declared{.name = at.text, .text = {}, .place = cursor_->place()};
+    if (!cursor_->keep(sizeof one + ConstantTable::memory_of_one) ||
+        !cursor_->expect_name(one.name, "the name of a value")) {
         return false;
     }
     if (cursor_->skip_symbol(":=")) {
@@ -30,7 +34,9 @@ bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<Element
         if (!read_whole_number(*cursor_, value, "a whole number")) {
             return false;
         }
+        declared.text = cursor_->text_from(at.offset);
     }
+    cursor_->constants().add_enumerator(declared);
     // Values are Int32, whatever type a vendor stores them in (W588, 6-2-2).
     const ElementaryType range = base.value_or(ElementaryType::Dint);
     if (!number_fits(range, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {

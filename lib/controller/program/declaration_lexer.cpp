@@ -1,6 +1,9 @@
 #include "declaration_lexer.hpp"
 
 #include <algorithm>
+#include <array>
+
+#include "core/ascii_case.hpp"
 
 namespace busbar::controller::detail {
 
@@ -36,6 +39,17 @@ bool is_in_number(char c)
 bool is_in_address(char c)
 {
     return is_in_word(c) || c == '.' || c == '*' || c == '\\';
+}
+
+/// True for the prefixes of literals with hyphens between their digits.
+bool is_of_date(std::string_view prefix)
+{
+    constexpr std::array<std::string_view, 8> prefixes{
+        "D", "DATE", "DATE_AND_TIME", "DT", "LD", "LDATE", "LDATE_AND_TIME", "LDT",
+    };
+    return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view each) {
+        return busbar::detail::is_same_ignoring_case(each, prefix);
+    });
 }
 
 } // namespace
@@ -164,7 +178,8 @@ DeclarationToken DeclarationLexer::word()
     }
     const char first = at(end + 1);
     if (first != '\'' && first != '"') {
-        return take(DeclarationToken::Kind::Typed, typed_end(end + 1));
+        return take(DeclarationToken::Kind::Typed,
+                    typed_end(end + 1, is_of_date(text_.substr(at_, end - at_))));
     }
     const std::size_t behind = quoted_end(end + 1);
     if (behind == std::string_view::npos) {
@@ -174,17 +189,24 @@ DeclarationToken DeclarationLexer::word()
     return take(DeclarationToken::Kind::Typed, behind);
 }
 
-std::size_t DeclarationLexer::typed_end(std::size_t at_first) const
+std::size_t DeclarationLexer::typed_end(std::size_t at_first, bool is_date) const
 {
     std::size_t i = at_first;
     const auto is_between_digits = [&] {
         return i > at_first && is_digit(at(i - 1)) && is_digit(at(i + 1));
     };
+    const auto is_decimal = [&] {
+        const bool is_signed = at(at_first) == '-' || at(at_first) == '+';
+        return is_digit(at(at_first + (is_signed ? 1 : 0))) &&
+               text_.substr(at_first, i - at_first).find('#') == std::string_view::npos;
+    };
     while (i < text_.size()) {
         const char c = text_[i];
         const char before = text_[i - 1];
-        const bool is_sign =
-            (c == '-' || c == '+') && is_digit(at(i + 1)) && (is_in_word(before) || before == '#');
+        // Elsewhere than in a date a sign is an operator, unless it belongs to an exponent.
+        const bool can_be_sign = before == '#' || (is_date && is_in_word(before)) ||
+                                 ((before == 'e' || before == 'E') && is_decimal());
+        const bool is_sign = (c == '-' || c == '+') && is_digit(at(i + 1)) && can_be_sign;
         if (!is_in_word(c) && c != '#' && !is_sign &&
             !((c == '.' || c == ':') && is_between_digits())) {
             break;

@@ -67,8 +67,8 @@ private:
     [[nodiscard]] DeclarationToken symbol();
     /// Finds the end of the text whose first quote is at `at`; npos if there is none.
     [[nodiscard]] std::size_t quoted_end(std::size_t at) const;
-    /// Finds the end of the value that follows a `#`.
-    [[nodiscard]] std::size_t typed_end(std::size_t at) const;
+    /// Finds the end of the value that follows a `#`. In a date, hyphens belong to it.
+    [[nodiscard]] std::size_t typed_end(std::size_t at, bool is_date) const;
     [[nodiscard]] std::size_t skip_while(std::size_t at, bool (*belongs)(char)) const;
     /// Returns a character; 0 after the end.
     [[nodiscard]] char at(std::size_t index) const;

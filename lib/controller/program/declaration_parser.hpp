@@ -78,6 +78,8 @@ private:
     [[nodiscard]] bool read_variables(NetworkPublish publish);
     [[nodiscard]] bool read_qualifiers(Block& block);
     [[nodiscard]] bool read_declaration(const Block& block);
+    /// Notes the names of `declaring_` as constants whose `:=` begins at this offset.
+    [[nodiscard]] bool add_constants(const TypeUse& type, std::size_t initial);
     [[nodiscard]] bool read_address(std::string& address);
     [[nodiscard]] bool add_variables(const GlobalVariable& variable);
 

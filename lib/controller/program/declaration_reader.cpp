@@ -3,6 +3,7 @@
 #include "constant_table.hpp"
 #include "declaration_cursor.hpp"
 #include "declaration_parser.hpp"
+#include "enumerator_numbers.hpp"
 
 namespace busbar::controller {
 
@@ -39,6 +40,7 @@ Configured<Program> read_declarations(std::string_view text, std::string_view fi
         return misconfigured(detail::place_text(file_name, first->declared.place),
                              first->problem.text);
     }
+    detail::settle_enumerators(*program);
     return program;
 }
 

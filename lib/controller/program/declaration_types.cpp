@@ -1,3 +1,6 @@
+#include <busbar/controller/program_types.hpp>
+
+#include "constant_table.hpp"
 #include "declaration_parser.hpp"
 
 namespace busbar::controller::detail {
@@ -25,6 +28,7 @@ bool DeclarationParser::read_types()
 bool DeclarationParser::read_type()
 {
     DerivedType type{.name = {}, .place = cursor_->place()};
+    const std::size_t later = cursor_->constants().later_count();
     declaring_.clear();
     declaring_publish_ = {};
     if (!cursor_->keep(sizeof type) ||
@@ -34,6 +38,9 @@ bool DeclarationParser::read_type()
     declaring_.push_back({type.name, type.place});
     if (!cursor_->expect_symbol(":") || !read_type_body(type)) {
         return false;
+    }
+    if (cursor_->constants().later_count() != later) {
+        cursor_->constants().add_unsettled(fold_name(type.name));
     }
     program_.types.push_back(std::move(type));
     declaring_.clear();

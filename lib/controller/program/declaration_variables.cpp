@@ -1,3 +1,6 @@
+#include <algorithm>
+
+#include "constant_table.hpp"
 #include "declaration_keywords.hpp"
 #include "declaration_parser.hpp"
 
@@ -54,14 +57,35 @@ bool DeclarationParser::read_declaration(const Block& block)
     GlobalVariable variable;
     if (!read_names(declaring_, "the name of a variable or 'END_VAR'") ||
         !read_address(variable.address) || !cursor_->expect_symbol(":") ||
-        !read_use(variable.type) || !read_initial(variable.initial) || !read_pragmas(publish) ||
-        !read_end(variable.comment)) {
+        !read_use(variable.type)) {
+        return false;
+    }
+    const std::size_t initial = cursor_->now().offset;
+    // A constant whose expression is wrong is known, too, so that its uses can say why.
+    const bool is_read = read_initial(variable.initial);
+    if ((block.is_constant && !add_constants(variable.type, initial)) || !is_read ||
+        !read_pragmas(publish) || !read_end(variable.comment)) {
         return false;
     }
     variable.publish = publish.value_or(block.publish);
     variable.is_constant = block.is_constant;
     variable.is_retained = block.is_retained;
     return add_variables(variable);
+}
+
+bool DeclarationParser::add_constants(const TypeUse& type, std::size_t initial)
+{
+    constexpr std::string_view assign = ":=";
+    std::string_view text = cursor_->text_from(initial);
+    text.remove_prefix(std::min(text.size(), assign.size()));
+    for (const Name& name : declaring_) {
+        if (!cursor_->keep(ConstantTable::memory_of_one)) {
+            return false;
+        }
+        cursor_->constants().add_constant({.name = name.text, .text = text, .place = name.place},
+                                          type);
+    }
+    return true;
 }
 
 bool DeclarationParser::read_address(std::string& address)

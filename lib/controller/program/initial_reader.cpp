@@ -1,104 +1,43 @@
 #include "initial_reader.hpp"
 
-#include "core/ascii_case.hpp"
-#include "declaration_keywords.hpp"
+#include "expression.hpp"
 #include "literal.hpp"
 
 namespace busbar::controller::detail {
 
 namespace {
 
-bool set_literal(DeclarationCursor& cursor, const DeclarationToken& token, LiteralResult literal,
-                 InitialValue& value)
+/// Stores the value of an expression. A single name stays a name: what it stands for depends on the
+/// type.
+bool set_value(DeclarationCursor& cursor, ExpressionValue& result, InitialValue& value)
 {
-    if (!literal) {
-        return cursor.fail_with(token.offset, std::move(literal).error());
+    if (result.is_later()) {
+        return true;
     }
-    value.value = std::move(literal->value);
-    value.notation = literal->notation;
+    if (!result.name.empty()) {
+        value.value = Variant{String{result.name}};
+        value.enumeration = std::move(result.enumeration);
+        value.notation = InitialValue::Notation::Enumerator;
+        return cursor.keep(value.enumeration.size() + result.name.size());
+    }
+    value.value = std::move(result.value);
+    value.notation = result.notation;
     const auto* text = value.value.get_if<String>();
     return text == nullptr || cursor.keep(text->size());
 }
 
-/// Stores the name of an enumerator, with or without the enumeration's name before it.
-bool set_enumerator(DeclarationCursor& cursor, std::string_view enumeration, std::string_view name,
-                    InitialValue& value)
-{
-    value.enumeration = enumeration;
-    value.value = Variant{String{name}};
-    value.notation = InitialValue::Notation::Enumerator;
-    return cursor.keep(enumeration.size() + name.size());
-}
-
-bool is_enumerator(std::string_view word)
-{
-    const WordKind kind = kind_of_word(word);
-    return kind == WordKind::Name || kind == WordKind::UnknownType;
-}
-
-bool read_word_value(DeclarationCursor& cursor, InitialValue& value)
-{
-    const bool is_true = cursor.is_word("TRUE");
-    if (is_true || cursor.is_word("FALSE")) {
-        cursor.take();
-        value.value = Variant{is_true};
-        value.notation = InitialValue::Notation::Number;
-        return true;
-    }
-    if (!is_enumerator(cursor.now().text)) {
-        return cursor.fail("a value");
-    }
-    const DeclarationToken first = cursor.take();
-    if (!cursor.skip_symbol(".")) {
-        return set_enumerator(cursor, {}, first.text, value);
-    }
-    if (cursor.now().kind != DeclarationToken::Kind::Word || !is_enumerator(cursor.now().text)) {
-        return cursor.fail("the name of a value");
-    }
-    return set_enumerator(cursor, first.text, cursor.take().text, value);
-}
-
-bool read_typed_value(DeclarationCursor& cursor, InitialValue& value)
-{
-    const DeclarationToken token = cursor.take();
-    if (auto literal = read_typed_literal(token.text)) {
-        return set_literal(cursor, token, std::move(*literal), value);
-    }
-    const std::size_t hash = token.text.find('#');
-    const std::string_view name = token.text.substr(hash + 1);
-    const bool is_one_word = !name.empty() && (name.front() < '0' || name.front() > '9') &&
-                             name.find_first_of("#.:+-\"'") == std::string_view::npos;
-    if (!is_one_word || !is_enumerator(token.text.substr(0, hash)) || !is_enumerator(name)) {
-        return cursor.fail_at(token, "the name of a type, '#' and a value of it");
-    }
-    return set_enumerator(cursor, token.text.substr(0, hash), name, value);
-}
-
 bool read_constant(DeclarationCursor& cursor, InitialValue& value)
 {
-    const bool is_negative = cursor.is_symbol("-");
-    if (is_negative || cursor.is_symbol("+")) {
-        cursor.take();
-        if (cursor.now().kind != DeclarationToken::Kind::Number) {
-            return cursor.fail("a number");
-        }
-    }
-    switch (cursor.now().kind) {
-    case DeclarationToken::Kind::Number: {
-        const DeclarationToken token = cursor.take();
-        return set_literal(cursor, token, read_number_literal(token.text, is_negative), value);
-    }
-    case DeclarationToken::Kind::Text: {
-        const DeclarationToken token = cursor.take();
-        return set_literal(cursor, token, read_text_literal(token.text), value);
-    }
-    case DeclarationToken::Kind::Typed:
-        return read_typed_value(cursor, value);
-    case DeclarationToken::Kind::Word:
-        return read_word_value(cursor, value);
-    default:
-        return cursor.fail("a value");
-    }
+    ExpressionValue result;
+    return read_expression(cursor, result) && set_value(cursor, result, value);
+}
+
+/// True before "(X :=", which is no expression in parentheses.
+bool is_aggregate(const DeclarationCursor& cursor)
+{
+    DeclarationLexer lexer{cursor.rest()};
+    return lexer.next().text == "(" && lexer.next().kind == DeclarationToken::Kind::Word &&
+           lexer.next().text == ":=";
 }
 
 /// Reads "(X := 1, Y := 2)", whose opening parenthesis is taken.
@@ -116,29 +55,36 @@ bool read_aggregate(DeclarationCursor& cursor, InitialValue& value, std::size_t 
 }
 
 /// Reads "3(0)" from its parenthesis on.
-bool read_repeated(DeclarationCursor& cursor, const DeclarationToken& count, InitialValue& part,
-                   std::size_t depth)
+bool read_repeated(DeclarationCursor& cursor, const DeclarationToken& at,
+                   const ExpressionValue& count, InitialValue& part, std::size_t depth)
 {
-    const auto number = read_number_literal(count.text, false);
-    const auto* whole = number ? number->value.get_if<std::int64_t>() : nullptr;
-    if (whole == nullptr || *whole < 1 || *whole > INT32_MAX) {
-        return cursor.fail_at(count, "a number of elements from 1 on");
+    if (!require_value(cursor, count)) {
+        return false;
     }
-    part.repeat = static_cast<std::uint32_t>(*whole);
+    const auto* whole = count.value.get_if<std::int64_t>();
+    if (!count.is_later()) {
+        if (whole == nullptr || *whole < 1 || *whole > INT32_MAX) {
+            return cursor.fail_at(at, "a number of elements from 1 on");
+        }
+        part.repeat = static_cast<std::uint32_t>(*whole);
+    }
     return cursor.skip_symbol(")") ||
            (read_initial_value(cursor, part, depth + 1) && cursor.expect_symbol(")"));
 }
 
 bool read_element(DeclarationCursor& cursor, InitialValue& part, std::size_t depth)
 {
-    if (cursor.now().kind != DeclarationToken::Kind::Number) {
+    if (cursor.is_symbol("[") || (cursor.is_symbol("(") && is_aggregate(cursor))) {
         return read_initial_value(cursor, part, depth + 1);
     }
     part.place = cursor.place();
-    const DeclarationToken number = cursor.take();
-    return cursor.skip_symbol("(")
-               ? read_repeated(cursor, number, part, depth)
-               : set_literal(cursor, number, read_number_literal(number.text, false), part);
+    const DeclarationToken first = cursor.now();
+    ExpressionValue result;
+    if (!read_expression(cursor, result)) {
+        return false;
+    }
+    return cursor.skip_symbol("(") ? read_repeated(cursor, first, result, part, depth)
+                                   : set_value(cursor, result, part);
 }
 
 /// Reads "[1, 2, 3(0)]", whose opening bracket is taken.
@@ -159,7 +105,8 @@ bool read_list(DeclarationCursor& cursor, InitialValue& value, std::size_t depth
 bool read_initial_value(DeclarationCursor& cursor, InitialValue& value, std::size_t depth)
 {
     value.place = cursor.place();
-    if (!cursor.is_symbol("(") && !cursor.is_symbol("[")) {
+    const bool is_round = cursor.is_symbol("(");
+    if (!cursor.is_symbol("[") && !(is_round && is_aggregate(cursor))) {
         return read_constant(cursor, value);
     }
     if (depth >= cursor.limits().max_depth) {
@@ -174,19 +121,23 @@ bool read_initial_value(DeclarationCursor& cursor, InitialValue& value, std::siz
 bool read_whole_number(DeclarationCursor& cursor, std::int64_t& number, std::string_view what)
 {
     const DeclarationToken first = cursor.now();
-    InitialValue value;
-    const bool is_number = first.kind == DeclarationToken::Kind::Number ||
-                           first.kind == DeclarationToken::Kind::Typed || cursor.is_symbol("-") ||
-                           cursor.is_symbol("+");
-    if (!is_number) {
+    const bool can_begin = first.kind == DeclarationToken::Kind::Number ||
+                           first.kind == DeclarationToken::Kind::Typed ||
+                           first.kind == DeclarationToken::Kind::Word || cursor.is_symbol("-") ||
+                           cursor.is_symbol("+") || cursor.is_symbol("(");
+    if (!can_begin) {
         return cursor.fail(what);
     }
-    if (!read_constant(cursor, value)) {
+    ExpressionValue result;
+    if (!read_expression(cursor, result) || !require_value(cursor, result)) {
         return false;
     }
-    const auto* whole = value.value.get_if<std::int64_t>();
-    if (whole == nullptr) {
-        return cursor.fail_at(first, what);
+    if (result.is_later()) {
+        return true;
+    }
+    const auto* whole = result.value.get_if<std::int64_t>();
+    if (whole == nullptr || result.notation != InitialValue::Notation::Number) {
+        return cursor.fail_with(first.offset, found_expected(cursor.text_from(first.offset), what));
     }
     number = *whole;
     return true;

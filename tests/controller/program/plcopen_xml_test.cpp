@@ -216,7 +216,8 @@ TEST_CASE("Mistakes in PLCopen XML are told with place, found and expected (3-3-
     CHECK(in_types("<baseType><array><baseType><INT/></baseType></array></baseType>") ==
           "m.xml:3:30: found <array>, expected <dimension>");
     CHECK(in_types("<baseType><array><dimension lower=\"a\"/></array></baseType>") ==
-          "m.xml:3:37: in <dimension>: found 'a', expected a whole number as the attribute lower");
+          "m.xml:3:37: in <dimension>: found 'a', which is neither a constant nor a value of "
+          "an enumeration that is declared here");
     CHECK(in_types("<baseType><array><dimension lower=\"2\" upper=\"1\"/></array></baseType>") ==
           "m.xml:3:37: found the bounds 2..1, expected the lower one first");
     CHECK(in_types("<baseType><subrangeSigned/></baseType>") ==

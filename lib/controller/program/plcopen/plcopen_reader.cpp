@@ -5,6 +5,7 @@
 
 #include <busbar/core/text.hpp>
 
+#include "controller/program/enumerator_numbers.hpp"
 #include "controller/program/literal.hpp"
 #include "core/ascii_case.hpp"
 
@@ -68,7 +69,7 @@ Configured<Program> PlcopenReader::read()
     auto program = read_in_passes(constants_, unserved_,
                                   [&](Unserved unserved) { return read_once(unserved); });
     if (program) {
-        program_ = {};
+        settle_enumerators(*program);
     }
     return program;
 }
