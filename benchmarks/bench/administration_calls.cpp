@@ -325,11 +325,9 @@ void AdministrationCalls::note(const CallResponse& response, Given& given) const
     }
 }
 
-Result<AdministrationCalls::Outcome> AdministrationCalls::call(net::ClientLoop& loop,
-                                                               const AdministrationMethod& method,
-                                                               std::size_t count)
+CallRequest AdministrationCalls::request(const AdministrationMethod& method, std::size_t count)
 {
-    Given& given = given_[to_string(method.object)];
+    const Given& given = given_[to_string(method.object)];
     CallRequest request;
     for (std::size_t i = 0; i < count; ++i) {
         CallMethodRequest& one = request.methods_to_call.emplace_back();
@@ -339,7 +337,15 @@ Result<AdministrationCalls::Outcome> AdministrationCalls::call(net::ClientLoop& 
             one.input_arguments.push_back(value_of(input, i, given));
         }
     }
-    const auto response = exchange<CallResponse>(loop, request);
+    return request;
+}
+
+Result<AdministrationCalls::Outcome> AdministrationCalls::call(net::ClientLoop& loop,
+                                                               const AdministrationMethod& method,
+                                                               std::size_t count)
+{
+    CallRequest calls = request(method, count);
+    const auto response = exchange<CallResponse>(loop, calls);
     if (!response) {
         return fail(response.error());
     }
@@ -350,7 +356,7 @@ Result<AdministrationCalls::Outcome> AdministrationCalls::call(net::ClientLoop& 
         }
         outcome.good += result.status_code.is_bad() ? 0U : 1U;
     }
-    note(*response, given);
+    note(*response, given_[to_string(method.object)]);
     return outcome;
 }
 

@@ -37,7 +37,9 @@ public:
         std::string status{"Good"};
     };
 
-    /// Waits as long as the loop does for an answer.
+    /// So many of the Method in one Call.
+    [[nodiscard]] CallRequest request(const AdministrationMethod& method, std::size_t count);
+    /// Sends that, and waits as long as the loop does for an answer.
     [[nodiscard]] Result<Outcome> call(net::ClientLoop& loop, const AdministrationMethod& method,
                                        std::size_t count);
 

@@ -22,6 +22,7 @@
 
 #include "administration_calls.hpp"
 #include "load.hpp"
+#include "mutated.hpp"
 #include "own_controller.hpp"
 #include "own_server.hpp"
 #include "tool_user.hpp"
@@ -475,12 +476,21 @@ Result<ChurnReport> churn(const ChurnOptions& options)
     }
     ChurnReport report;
     report.before = memory_of((*controller)->process());
-    play(scene);
-    report.serves = serves(scene);
+    report.seed = options.seed;
+    if (options.mutated == 0) {
+        play(scene);
+        report.rows = ledger.take();
+    } else {
+        report.rows = send_mutated(**controller, options.mutated, options.seed);
+    }
+    std::size_t done = 0;
+    for (const ChurnRow& row : report.rows) {
+        done += row.good + row.refused;
+    }
+    report.serves = serves(scene) && done >= options.mutated;
     report.after = memory_of((*controller)->process());
     report.exit_code = (*controller)->stop();
     report.complaint = complaint_in((*controller)->output());
-    report.rows = ledger.take();
     report.folder = (*controller)->folder();
     if (!report.is_well()) {
         (*controller)->keep_folder();

@@ -23,6 +23,8 @@ struct ChurnOptions {
     /// Between two downloads, at most, each of which ends all connections.
     std::size_t pause_s{3};
     unsigned seed{1};
+    /// Instead of all that: so many Calls of administration with changed bytes; see send_mutated().
+    std::size_t mutated{0};
 };
 
 /// One kind of thing that was done, and how often it went well.
@@ -34,6 +36,8 @@ struct ChurnRow {
 
 struct ChurnReport {
     std::vector<ChurnRow> rows;
+    /// What happened depended on it.
+    unsigned seed{1};
     /// Of the controller, soon after its start and at the end.
     Memory before;
     Memory after;

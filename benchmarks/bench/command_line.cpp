@@ -155,6 +155,9 @@ CLI::App* add_churn(CLI::App& app, ChurnOptions& options)
     churn->add_option("--pause", options.pause_s, "seconds between two downloads, at most")
         ->capture_default_str();
     churn->add_option("--seed", options.seed, "of what they do")->capture_default_str();
+    churn->add_option("--mutated", options.mutated,
+                      "instead of all that: so many Calls of administration with changed bytes, "
+                      "from a session of each role; 200,000");
     return churn;
 }
 

@@ -232,7 +232,8 @@ void print(const ChurnReport& report)
     for (const ChurnRow& row : report.rows) {
         std::printf("%-30s %9zu %9zu\n", row.what.c_str(), row.good, row.refused);
     }
-    std::printf("memory %.1f MB, at the end %.1f MB\n", report.before.now_mb, report.after.now_mb);
+    std::printf("seed %u, memory %.1f MB, at the end %.1f MB\n", report.seed, report.before.now_mb,
+                report.after.now_mb);
     if (!report.is_well()) {
         std::printf("%s, exit code %d%s%s\nsee %s\n",
                     report.serves ? "served" : "did not serve any more", report.exit_code,

@@ -78,6 +78,9 @@ has " logins *failed " passwords.txt
 "$bench" churn --seconds 2 --clients 3 > churn.txt
 has "^come  *[1-9]" churn.txt
 has "^call  *[1-9]" churn.txt
+"$bench" churn --mutated 300 --seed 3 > mutated.txt
+has "^[A-Z][A-Za-z]*  *[0-9][0-9]*  *[1-9]" mutated.txt
+has "^seed 3, memory " mutated.txt
 refuses "$bench" churn --controller nothing
 "$bench" hostile --seconds 0.05 --connections 3 --bomb 1000000 --json > hostile.json
 is_json hostile.json
