@@ -464,8 +464,9 @@ std::string complaint_in(std::string_view output)
 
 Result<ChurnReport> churn(const ChurnOptions& options)
 {
-    const auto controller =
-        OwnController::start({.program = options.controller, .has_quick_logins = true});
+    const auto controller = OwnController::start({.program = options.controller,
+                                                  .has_quick_logins = true,
+                                                  .trusts_all_clients = options.mutated != 0});
     if (!controller) {
         return fail(controller.error());
     }

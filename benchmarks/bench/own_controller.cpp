@@ -254,6 +254,7 @@ bool OwnController::write_files(std::uint16_t port) const
     std::ostringstream text;
     text << "[server]\nname = \"Bench\"\naddress = \"127.0.0.1\"\nauditing = true\nport = " << port
          << "\n[certificates]\nfolder = \"pki\"\n"
+         << (options_.trusts_all_clients ? "trust_all_clients = true\n" : "")
          << "[[endpoint]]\npolicy = \"None\"\nmode = \"None\"\n"
          << "[[endpoint]]\npolicy = \"Basic256Sha256\"\nmode = \"SignAndEncrypt\"\n"
          << accounts(options_.has_quick_logins)

@@ -27,6 +27,8 @@ struct OwnControllerOptions {
     std::string program{};
     /// Passwords cost as little as a configuration allows, and no failure has anybody wait.
     bool has_quick_logins{false};
+    /// Its clients may connect even after ResetToServerDefaults.
+    bool trusts_all_clients{false};
     /// Published DINT beside those that the program has anyway.
     std::size_t variables{0};
     /// In model mode, with so many INT labels instead and a folder for a project, but none in it.
