@@ -258,7 +258,9 @@ private:
             config.security = {{"None"}, MessageSecurityMode::None, true};
         }
         config.session_timeout = std::chrono::seconds{timeout};
-        config.request_timeout = std::chrono::seconds{60};
+        config.request_timeout = std::chrono::seconds{90};
+        // A machine with much else to do is silent for longer than a client of a plant would wait.
+        config.keep_alive_interval = std::chrono::seconds{0};
         return config;
     }
     bool request(BlockingClient& client)
