@@ -70,7 +70,7 @@ chief 0 browse "$url" "$(node Controller/GlobalVars)"
 says Hidden
 
 remedy 9-3.36
-told 'SERVER 0101 names it'
+told 'SERVER 0101 names it |'
 echo 'Base : ARRAY [1..2] OF INT;' > more
 with cat more > press.st
 hang_up 'press.st'
