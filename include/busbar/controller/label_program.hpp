@@ -42,6 +42,9 @@ public:
     [[nodiscard]] static Configured<std::shared_ptr<LabelProgram>>
     create(Program program, Unserved unserved = Unserved::Refuse,
            const server::ImageOptions& options = {.max_pins = 1, .max_queued_scans = 1});
+    /// Moves to Program::left_out what create() leaves out with Unserved::LeaveOut. Takes time in
+    /// proportion to the program.
+    static void leave_out(Program& program);
     LabelProgram(Key, Program program);
     LabelProgram(const LabelProgram&) = delete;
     LabelProgram& operator=(const LabelProgram&) = delete;

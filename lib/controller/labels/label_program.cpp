@@ -64,27 +64,40 @@ void leave_out_types_of(Program& program, const std::vector<DerivedType>& own)
     });
 }
 
+/// Appends these after the program's own types, so that places in problems remain valid.
+void append(std::vector<DerivedType> own, Program& program)
+{
+    for (DerivedType& type : own) {
+        program.types.push_back(std::move(type));
+    }
+}
+
 } // namespace
 
 LabelProgram::LabelProgram(Key, Program program) : program_{std::move(program)} {}
 LabelProgram::~LabelProgram() = default;
 
-Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program, Unserved unserved,
-                                                               const server::ImageOptions& options)
+void LabelProgram::leave_out(Program& program)
 {
-    std::vector<DerivedType> own = label_types();
-    if (unserved == Unserved::LeaveOut) {
-        leave_out_types_of(program, own);
-    }
-    // Append these after the program's own types, so that places in problems remain valid.
-    for (DerivedType& type : own) {
-        program.types.push_back(std::move(type));
-    }
-    if (unserved == Unserved::LeaveOut &&
-        !ProgramTypes::create(program).and_then(
+    const std::vector<DerivedType> own = label_types();
+    leave_out_types_of(program, own);
+    append(own, program);
+    if (!ProgramTypes::create(program).and_then(
             [](const ProgramTypes& types) { return check_initial_values(types); })) {
         detail::ProgramSieve{program, {}}.run();
     }
+    // Nothing is wrong with these, so that they are still the last ones.
+    program.types.erase(program.types.end() - static_cast<std::ptrdiff_t>(own.size()),
+                        program.types.end());
+}
+
+Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program, Unserved unserved,
+                                                               const server::ImageOptions& options)
+{
+    if (unserved == Unserved::LeaveOut) {
+        leave_out(program);
+    }
+    append(label_types(), program);
     auto made = std::make_shared<LabelProgram>(Key{}, std::move(program));
     if (auto problem = made->make(options)) {
         return Unexpected<Problem>{std::move(*problem)};

@@ -150,6 +150,8 @@ struct LabelConfig {
     /// Text of the program's file, for comparing; null without a program.
     std::shared_ptr<const std::string> program_text;
     controller::SimulatedLabelsOptions options;
+    /// See MachineConfig.
+    bool may_leave_out_more{false};
     /// Minutes that the PLC's clock is ahead of UTC; if empty, the same as this machine's.
     std::optional<std::int32_t> utc_offset;
     /// See MappedOptions.

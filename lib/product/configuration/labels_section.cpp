@@ -28,6 +28,8 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
     read_numbers(table, "labels", config);
     options.can_sample = table.flag("sampling", options.can_sample);
     options.unserved = read_unserved(table);
+    labels.may_leave_out_more =
+        table.has("strict") && options.unserved == controller::Unserved::LeaveOut;
     labels.isolates_failures = table.flag("isolate_failures", false);
     if (table.has("utc_offset_minutes")) {
         labels.utc_offset = static_cast<std::int32_t>(

@@ -76,6 +76,9 @@ void RunningController::check_download(const ControllerConfig& next, const std::
 
 void RunningController::check_left_out(const ControllerConfig& next) const
 {
+    if (labels_) {
+        expect(labels_->check_left_out(next.labels));
+    }
     const auto& before = current_->config().machine.program;
     const auto& program = next.machine.program;
     if (before != nullptr && program != nullptr && before != program &&
@@ -260,6 +263,7 @@ void RunningController::read_again_with_labels(const SourceFiles::Prepared& labe
         if (!labels_->is_other(next.config)) {
             return read_files_again();
         }
+        check_left_out(next.config);
         download_labels(next.config,
                         [this, sources = next.settings->sources(),
                          file = next.config.labels.program_file](const Problem* why_not) {
@@ -280,19 +284,23 @@ void RunningController::download_labels(ControllerConfig next,
                                         std::function<void(const Problem* why_not)> then)
 {
     takes_labels_ = true;
-    work_aside([this, next = std::move(next), then = std::move(then)] {
-        std::optional<Problem> why_not;
-        try {
-            labels_->download(next);
-        } catch (const ConfigError& error) {
-            why_not = error.problem();
-        }
-        loop_.post([this, why_not, then] {
-            takes_labels_ = false;
-            resume();
-            then(why_not ? &*why_not : nullptr);
+    work_aside(
+        [this, file = next.labels.program_file, next = std::move(next), then = std::move(then)] {
+            std::optional<Problem> why_not;
+            try {
+                labels_->download(next);
+            } catch (const ConfigError& error) {
+                why_not = error.problem();
+            }
+            loop_.post([this, why_not, then, file] {
+                takes_labels_ = false;
+                if (!why_not) {
+                    labels_->tell_left_out(log_, file);
+                }
+                resume();
+                then(why_not ? &*why_not : nullptr);
+            });
         });
-    });
 }
 
 } // namespace busbar::product

@@ -164,6 +164,7 @@ Substitutes RunningController::as_known() const
 Reading RunningController::reading_for_restart()
 {
     Reading next = read(configuration_, as_known());
+    check_left_out(next.config);
     expect(check_listeners(next.config));
     return next;
 }

@@ -104,18 +104,34 @@ SourceFiles::Texts received_alone(const SourceFiles::Texts& files, Storage& fold
 /// controller goes on with that one.
 void check_left_out(const ControllerConfig& config, const TakenOver& last)
 {
+    using AnyProgram = std::shared_ptr<const controller::Program>;
+    constexpr auto lenient = controller::Unserved::LeaveOut;
+    const auto check = [&](const controller::Program& program, const std::string& file,
+                           const std::string& text, const auto& read_before) {
+        const auto found = last.files.find(file);
+        if (program.left_out.empty() || found == last.files.end() || *found->second == text) {
+            return;
+        }
+        if (const Configured<AnyProgram> before = read_before(*found->second, file, lenient)) {
+            expect(product::check_left_out(**before, program, file));
+        }
+    };
     const MachineConfig& machine = config.machine;
-    const auto before = last.files.find(machine.program_file);
-    const bool is_file = machine.program != nullptr && machine.program_name == machine.program_file;
-    if (!is_file || machine.may_leave_out_more || machine.program->program().left_out.empty() ||
-        before == last.files.end() || *before->second == *machine.program_text) {
-        return;
+    if (machine.program != nullptr && machine.program_name == machine.program_file &&
+        !machine.may_leave_out_more) {
+        check(machine.program->program(), machine.program_file, *machine.program_text,
+              [](const std::string& text, const std::string& file, controller::Unserved unserved) {
+                  return read_program(text, file, unserved).transform([](const auto& read) {
+                      return AnyProgram{read, &read->program()};
+                  });
+              });
     }
-    const auto program =
-        read_program(*before->second, machine.program_name, controller::Unserved::LeaveOut);
-    if (program) {
-        expect(product::check_left_out((*program)->program(), machine.program->program(),
-                                       machine.program_name));
+    const LabelConfig& labels = config.labels;
+    if (labels.program != nullptr && !labels.may_leave_out_more) {
+        check(*labels.program, labels.program_file, *labels.program_text,
+              [](const std::string& text, const std::string& file, controller::Unserved unserved) {
+                  return read_labels(text, file, unserved);
+              });
     }
 }
 

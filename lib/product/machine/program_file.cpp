@@ -1,8 +1,10 @@
 #include "program_file.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <busbar/controller/declaration_reader.hpp>
+#include <busbar/controller/label_program.hpp>
 #include <busbar/controller/plcopen_xml.hpp>
 #include <busbar/core/status_codes.hpp>
 
@@ -73,7 +75,10 @@ Configured<ReadProgram> read_program(std::string_view text, const std::string& n
 Configured<std::shared_ptr<const controller::Program>>
 read_labels(std::string_view text, const std::string& name, controller::Unserved unserved)
 {
-    return read_unchecked(text, name, unserved).transform([](controller::Program program) {
+    return read_unchecked(text, name, unserved).transform([&](controller::Program program) {
+        if (unserved == controller::Unserved::LeaveOut) {
+            controller::LabelProgram::leave_out(program);
+        }
         return std::make_shared<const controller::Program>(std::move(program));
     });
 }
@@ -126,19 +131,26 @@ std::vector<std::string> left_out_texts(const controller::Program& program, cons
 
 void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file)
 {
-    constexpr std::size_t most = 20;
-    std::size_t count = 0;
+    std::vector<std::string> all;
     for (const controller::LeftOut& each : program.left_out) {
         const bool is_told = each.declared.publish != controller::NetworkPublish::Hidden ||
                              each.kind == controller::LeftOut::Kind::Unit;
-        if (!is_told && ++count <= most) {
-            log.write(LogLevel::Info, "program",
-                      "left out: " + std::string{text(in_file(each.problem, file))});
+        if (!is_told) {
+            all.emplace_back(text(in_file(each.problem, file)));
         }
     }
-    if (count > most) {
+    tell_left_out(log, all, file);
+}
+
+void tell_left_out(LogSink& log, std::span<const std::string> texts, const std::string& file)
+{
+    constexpr std::size_t most = 20;
+    for (const std::string& each : texts.first(std::min(texts.size(), most))) {
+        log.write(LogLevel::Info, "program", "left out: " + each);
+    }
+    if (texts.size() > most) {
         log.write(LogLevel::Info, "program",
-                  "left out: " + std::to_string(count - most) + " more of " + file +
+                  "left out: " + std::to_string(texts.size() - most) + " more of " + file +
                       "; `busbar-controller --check` lists them all");
     }
 }

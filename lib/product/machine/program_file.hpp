@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,5 +51,7 @@ read_labels(std::string_view text, const std::string& name, controller::Unserved
                                                       const std::string& file);
 /// Tells the log what is left out of a program, except for variables that were to be published.
 void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file);
+/// Tells the log what left_out_texts() lists of the file.
+void tell_left_out(LogSink& log, std::span<const std::string> texts, const std::string& file);
 
 } // namespace busbar::product

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "product/configuration/sections.hpp"
+#include "product/machine/program_change.hpp"
 #include "product/machine/program_file.hpp"
 
 namespace busbar::product {
@@ -55,13 +56,23 @@ LabelPlant::labels_with(const ControllerConfig& next) const
 
 void LabelPlant::tell_left_out(LogSink& log, const std::string& file) const
 {
-    product::tell_left_out(log, labels_->program()->types().program(), file);
+    product::tell_left_out(log, left_out_texts(labels_->program()->types().program(), file), file);
 }
 
 std::shared_ptr<const std::string> LabelPlant::program_text() const
 {
     const std::lock_guard lock{mutex_};
     return program_text_;
+}
+
+Configured<void> LabelPlant::check_left_out(const LabelConfig& next) const
+{
+    if (next.program == nullptr || next.may_leave_out_more ||
+        is_same(next.program_text, program_text())) {
+        return {};
+    }
+    return product::check_left_out(labels_->program()->types().program(), *next.program,
+                                   next.program_file);
 }
 
 bool LabelPlant::is_other(const ControllerConfig& next) const

@@ -44,6 +44,8 @@ public:
     /// True if the configuration has another program.
     [[nodiscard]] bool is_other(const ControllerConfig& next) const;
 
+    /// Refuses a program that leaves out what the present one has, unless that is allowed.
+    [[nodiscard]] Configured<void> check_left_out(const LabelConfig& next) const;
     /// Tells the log what is left out of the program.
     void tell_left_out(LogSink& log, const std::string& file) const;
     /// Changes the program online to that of the configuration, which takes long: on any thread,
