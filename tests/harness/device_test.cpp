@@ -308,12 +308,30 @@ TEST_CASE("a PLC that knows no frame 4E is asked in 3E the next time")
     const auto value = read_point(points[0], std::span{line.words}.first(2));
     REQUIRE(value);
     CHECK(*value == Variant{std::int32_t{0x56781234}});
-    // It is remembered.
+    // It is remembered, until another PLC takes the place.
     line.cut("gone");
     line.now = line.device.next_deadline();
     plc.reconnect();
     line.connect(plc);
     CHECK(line.device.state() == DeviceState::Online);
+}
+
+TEST_CASE("a PLC that refuses the long form is asked in the short one")
+{
+    SlmpResponder plc{{.takes_long_form = false}};
+    plc.add_devices("D", 100);
+    plc.set("D7", 42);
+    const std::vector<DevicePoint> points{slmp_point("D7"), slmp_point("D5000")};
+    Line<SlmpResponder> line{{.name = "mixer"}, make_slmp_protocol({}, points)};
+    line.connect(plc);
+    const auto statuses = line.read(addresses_of(points));
+    REQUIRE(statuses.size() == 2);
+    CHECK(statuses[0] == good);
+    CHECK(statuses[1].is_bad());
+    CHECK(line.words.front() == 42);
+    const auto served = plc.served();
+    CHECK(line.read(addresses_of(points)) == statuses);
+    CHECK(plc.served() - served <= 1);
 }
 
 TEST_CASE("a PLC in the long form has bits, words and texts")

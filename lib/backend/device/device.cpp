@@ -9,6 +9,8 @@ namespace busbar::backend {
 
 namespace {
 
+constexpr std::size_t most_told = 16;
+
 /// FNV-1a: the same on each machine.
 std::uint64_t hash_of(std::string_view text, std::uint64_t attempt)
 {
@@ -50,6 +52,8 @@ struct Device::Impl {
     std::unique_ptr<DeviceLine> line;
     DeviceState state{DeviceState::Waiting};
     std::string trouble{"not connected yet"};
+    /// Reasons that were told since it was Online.
+    std::vector<std::string> told;
     std::string identity;
     DeviceCounters counters;
     std::function<void()> on_change;
@@ -118,6 +122,7 @@ void Device::Impl::step(TimePoint now)
         ++counters.connections;
         failures = 0;
         trouble.clear();
+        told.clear();
         identity = line->identity();
         plan.forget_refusals();
         tell(LogLevel::Info, "connected to " + config.host + ":" + std::to_string(config.port) +
@@ -136,8 +141,12 @@ void Device::Impl::end(const std::string& reason, TimePoint now)
     ++failures;
     until = now + pause();
     plan.fail_all(status::Bad_NoCommunication);
-    // The same reason again and again is told once.
-    if (was_online || reason != trouble) {
+    // The same reasons again and again are told once.
+    const bool is_known = std::ranges::find(told, reason) != told.end();
+    if (!is_known && told.size() < most_told) {
+        told.push_back(reason);
+    }
+    if (was_online || !is_known) {
         tell(LogLevel::Warning, (was_online ? "the connection ended: " : "no connection: ") +
                                     reason + "; its values have Bad_NoCommunication until then");
     }

@@ -47,12 +47,21 @@ SlmpUnit unit_of(std::uint32_t area)
     return type != nullptr ? type->unit : SlmpUnit::Word;
 }
 
+/// What was found out about a PLC by asking it, which outlives a connection: but the next one may
+/// be to another PLC.
+struct SlmpFindings {
+    /// The frame that the next connection begins with.
+    SlmpFrame frame{SlmpFrame::Frame4E};
+    /// The other frame is tried where this one has no answer.
+    bool may_change{true};
+    /// The form of requests.
+    bool has_long_form{true};
+};
+
 class SlmpLine final : public DeviceLine {
 public:
-    SlmpLine(SlmpClientOptions options, bool has_long_form, SlmpFrame& known, bool& is_known,
-             TimePoint now)
-        : frame_{options.frame},
-          has_long_form_{has_long_form}, client_{options}, known_{known}, is_known_{is_known}
+    SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now)
+        : frame_{options.frame}, client_{options}, findings_{findings}
     {
         SlmpOperation ask;
         ask.command = SlmpCommand::TypeName;
@@ -65,8 +74,9 @@ public:
     ~SlmpLine() override
     {
         // No answer to the first request: the other frame has its turn.
-        if (!is_known_ && !has_answered_) {
-            known_ = frame_ == SlmpFrame::Frame4E ? SlmpFrame::Frame3E : SlmpFrame::Frame4E;
+        if (findings_.may_change && !has_answered_) {
+            findings_.frame =
+                frame_ == SlmpFrame::Frame4E ? SlmpFrame::Frame3E : SlmpFrame::Frame4E;
         }
     }
 
@@ -75,6 +85,7 @@ public:
     [[nodiscard]] std::optional<DeviceAnswer> next_answer() override;
     Result<void> feed(std::span<const std::byte> in, TimePoint now) override
     {
+        now_ = now;
         auto fed = client_.feed(in, now);
         look();
         return fed;
@@ -84,6 +95,7 @@ public:
     [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
     void handle_deadline(TimePoint now) override
     {
+        now_ = now;
         client_.handle_deadline(now);
         look();
     }
@@ -94,25 +106,29 @@ public:
 private:
     void look();
     [[nodiscard]] DeviceAnswer answer_of(SlmpEvent& event, std::uint64_t request);
+    [[nodiscard]] bool repeats(const SlmpEvent& event, const PlanRequest& request);
 
     SlmpFrame frame_;
-    bool has_long_form_;
     SlmpClient client_;
-    /// The protocol's: the frame that a connection begins with, and whether it is known to work.
-    SlmpFrame& known_;
-    bool& is_known_;
+    SlmpFindings& findings_;
+    /// Of the last call.
+    TimePoint now_{};
     /// The request for the type's name, which a connection begins with.
     std::uint64_t asked_{0};
     bool is_ready_{false};
     bool has_answered_{false};
+    /// A request was served in the present form.
+    bool is_form_known_{false};
     std::string identity_;
     std::string reason_;
-    std::map<std::uint64_t, std::uint64_t> requests_;
+    /// By the client's id.
+    std::map<std::uint64_t, PlanRequest> requests_;
     std::vector<DeviceAnswer> answers_;
 };
 
 Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
 {
+    now_ = now;
     if (request.mask != 0xFFFF) {
         return fail(status::Bad_NotWritable);
     }
@@ -120,7 +136,7 @@ Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
     SlmpOperation operation;
     operation.command = request.is_write ? SlmpCommand::BatchWrite : SlmpCommand::BatchRead;
     operation.is_bits = unit_of(range.area) == SlmpUnit::Bit;
-    operation.has_long_form = has_long_form_;
+    operation.has_long_form = findings_.has_long_form;
     const std::uint32_t each = unit_of(range.area) == SlmpUnit::DoubleWord ? 2 : 1;
     operation.blocks.push_back({device_of(range), static_cast<std::uint16_t>(range.width * each)});
     operation.words = request.words;
@@ -128,8 +144,24 @@ Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
     if (!sent) {
         return fail(sent.error());
     }
-    requests_.emplace(*sent, request.id);
+    requests_.emplace(*sent, request);
     return {};
+}
+
+/// Q and L refuse the long form of requests as a command that they do not know, and have answers in
+/// the short one.
+bool SlmpLine::repeats(const SlmpEvent& event, const PlanRequest& request)
+{
+    if (event.status.is_bad() || is_form_known_) {
+        return false;
+    }
+    const SlmpFault fault = slmp_end_code(event.answer.end_code).fault;
+    if (findings_.has_long_form && fault == SlmpFault::Request) {
+        findings_.has_long_form = false;
+        return send(request, now_).has_value();
+    }
+    is_form_known_ = fault == SlmpFault::None;
+    return false;
 }
 
 DeviceAnswer SlmpLine::answer_of(SlmpEvent& event, std::uint64_t request)
@@ -162,7 +194,6 @@ void SlmpLine::look()
             continue;
         }
         has_answered_ = has_answered_ || !event->status.is_bad();
-        is_known_ = is_known_ || has_answered_;
         if (event->id == asked_) {
             identity_ = std::move(event->answer.text);
             is_ready_ = !event->status.is_bad();
@@ -173,10 +204,9 @@ void SlmpLine::look()
             }
             continue;
         }
-        const auto request = requests_.find(event->id);
-        if (request != requests_.end()) {
-            answers_.push_back(answer_of(*event, request->second));
-            requests_.erase(request);
+        const auto found = requests_.extract(event->id);
+        if (!found.empty() && !repeats(*event, found.mapped())) {
+            answers_.push_back(answer_of(*event, found.mapped().id));
         }
     }
 }
@@ -195,7 +225,8 @@ std::optional<DeviceAnswer> SlmpLine::next_answer()
 class SlmpProtocol final : public DeviceProtocol {
 public:
     SlmpProtocol(const SlmpProtocolOptions& options, std::span<const DevicePoint> points)
-        : options_{options}, frame_{options.client.frame}, is_known_{!options.finds_frame}
+        : options_{options}, findings_{options.client.frame, options.finds_frame,
+                                       options.notation.has_long_form}
     {
         for (const DevicePoint& point : points) {
             areas_.insert(point.address.area);
@@ -222,16 +253,14 @@ public:
     [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint now) override
     {
         SlmpClientOptions client = options_.client;
-        client.frame = frame_;
-        return std::make_unique<SlmpLine>(client, options_.notation.has_long_form, frame_,
-                                          is_known_, now);
+        client.frame = findings_.frame;
+        return std::make_unique<SlmpLine>(client, findings_, now);
     }
 
 private:
     SlmpProtocolOptions options_;
     std::set<std::uint32_t> areas_;
-    SlmpFrame frame_;
-    bool is_known_;
+    SlmpFindings findings_;
 };
 
 /// Whether the last part of ":int32:CDAB" is an order.

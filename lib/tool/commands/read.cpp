@@ -99,6 +99,9 @@ void print(Context& context, Connection& connection, const ReadNodes& read, Attr
             name_data_type(connection, value, text);
         }
         const bool is_bad = value.status.is_bad();
+        if (value.status.is_uncertain()) {
+            text.text += " (" + std::string{name(value.status)} + ")";
+        }
         table.add({{safe(read.nodes[i].text)},
                    {is_bad ? text.text : with_unit(text.text, read.facts[i].unit),
                     style_of(value.status)},
