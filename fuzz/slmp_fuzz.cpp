@@ -104,7 +104,7 @@ private:
         return {.frame = (choice & 2U) != 0 ? SlmpFrame::Frame3E : SlmpFrame::Frame4E,
                 .is_datagram = is_datagram_,
                 .max_under_way = 1U + choice / 4U % 4U,
-                .max_requests = max_requests,
+                .max_requests = 8,
                 .max_response = 1000};
     }
     [[nodiscard]] harness::SlmpPlcOptions plc_options()
