@@ -25,8 +25,8 @@ struct DeclarationLimits {
 
 /// Reads types and global variables from declarations as in IEC 61131-3, 3rd edition.
 ///
-/// `text` is UTF-8, with or without a byte order mark. It has, in any number and order, in upper or
-/// lower case:
+/// `text` is in this encoding, see decode_text. It has, in any number and order, in upper or lower
+/// case:
 ///
 /// - `TYPE ... END_TYPE`: STRUCT, UNION, enumerations (`(A := 1, B)`, `(A, B) INT`, `INT (A, B)`),
 ///   subranges (`INT (0..100)`), arrays of any bounds and dimensions, other names for types,
@@ -68,6 +68,7 @@ struct DeclarationLimits {
 /// CheckedProgram does that.
 [[nodiscard]] BUSBAR_API Configured<Program>
 read_declarations(std::string_view text, std::string_view file_name,
-                  const DeclarationLimits& limits = {}, Unserved unserved = Unserved::Refuse);
+                  const DeclarationLimits& limits = {}, Unserved unserved = Unserved::Refuse,
+                  TextEncoding encoding = TextEncoding::Recognized);
 
 } // namespace busbar::controller

@@ -7,10 +7,11 @@
 
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/model_report.hpp>
+#include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/model/space_reader.hpp>
 
-/// The mapping as a table for spreadsheets: CSV (RFC 4180), in UTF-8.
+/// The mapping as a table for spreadsheets: CSV (RFC 4180), written in UTF-8.
 ///
 ///     NodeId,Path,Part,Label,Rank,Dim1,Dim2,Dim3
 ///     nsu=urn:cell;i=5,/Objects/1:Cell/1:Speeds,,,1,3,,
@@ -55,11 +56,13 @@ struct ReadMappingTable {
     Mapping mapping{};
     /// `where` is "line 7", for example.
     ModelReports reports{};
+    TextEncoding encoding{TextEncoding::Utf8};
 };
 
 /// Reads a table with the columns in any order; Part, Label and either NodeId or Path must exist;
 /// others are ignored. Fields are separated by commas or, if the header's are, by semicolons or
-/// tabs, as spreadsheets of many countries write; a leading byte order mark is skipped.
+/// tabs, as spreadsheets of many countries write. The text is in any encoding that decode_text
+/// recognizes.
 ///
 /// A node is identified by NodeId, with "nsu=" or "ns=", or if that is empty by Path from the Root:
 /// "/Objects/2:Cell/2:Speed" in the text format of RelativePath (Part 4, A.2). Lines without label

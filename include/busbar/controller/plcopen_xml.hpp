@@ -26,17 +26,18 @@ inline constexpr std::string_view plcopen_publish_data = "urn:busbar:network-pub
 /// `<struct>`. The value of a `<simpleValue>` is written as in declarations; `<documentation>`
 /// becomes the comment. The bodies of programs and everything else are ignored.
 ///
-/// `text` is UTF-8 and has no DOCTYPE. The limits are those of declarations, where the elements of
-/// the XML count as memory too, and are nested as deep as aggregates may be. Problems are like
-/// those of read_declarations, with the place of their element: "machine.xml:12:5".
+/// `text` is in this encoding, see decode_text, and has no DOCTYPE. The limits are those of
+/// declarations, where the elements of the XML count as memory too, and are nested as deep as
+/// aggregates may be. Problems are like those of read_declarations, with the place of their
+/// element: "machine.xml:12:5".
 ///
 /// With Unserved::LeaveOut a `<dataType>` or a `<variable>` that is not understood goes to
 /// Program::left_out.
 ///
 /// In the target busbar::plcopen_xml, which needs pugixml.
-[[nodiscard]] BUSBAR_API Configured<Program> read_plcopen_xml(std::string_view text,
-                                                              std::string_view file_name,
-                                                              const DeclarationLimits& limits = {},
-                                                              Unserved unserved = Unserved::Refuse);
+[[nodiscard]] BUSBAR_API Configured<Program>
+read_plcopen_xml(std::string_view text, std::string_view file_name,
+                 const DeclarationLimits& limits = {}, Unserved unserved = Unserved::Refuse,
+                 TextEncoding encoding = TextEncoding::Recognized);
 
 } // namespace busbar::controller

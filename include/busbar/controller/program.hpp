@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/core/variant.hpp>
 
@@ -204,6 +205,8 @@ struct Program {
     std::vector<ProgramInstance> instances{};
     /// Declarations that the program has and that the lists above lack.
     std::vector<LeftOut> left_out{};
+    /// The encoding of the text that it was read from.
+    TextEncoding encoding{TextEncoding::Utf8};
 };
 
 } // namespace busbar::controller

@@ -69,21 +69,6 @@ std::optional<char32_t> take_utf8(std::string_view& text)
     return character;
 }
 
-/// Appends a character, which must be a code point but not a surrogate.
-void append_utf8(char32_t character, std::string& text)
-{
-    std::size_t size = forms.size();
-    while (character < forms[size - 1].least) {
-        --size;
-    }
-    unsigned shift = static_cast<unsigned>(size - 1) * 6;
-    text += static_cast<char>(forms[size - 1].mark | character >> shift);
-    while (shift > 0) {
-        shift -= 6;
-        text += static_cast<char>(0x80U | (character >> shift & 0x3FU));
-    }
-}
-
 /// Puts units of a character at the front of `rest`, all of them or none.
 template <typename Encode>
 bool write_text(std::string_view text, std::span<std::byte> label, Encode encode)
@@ -151,6 +136,20 @@ char32_t unit_at(std::span<const std::byte> label, std::size_t at)
 }
 
 } // namespace
+
+void append_utf8(char32_t character, std::string& text)
+{
+    std::size_t size = forms.size();
+    while (character < forms[size - 1].least) {
+        --size;
+    }
+    unsigned shift = static_cast<unsigned>(size - 1) * 6;
+    text += static_cast<char>(forms[size - 1].mark | character >> shift);
+    while (shift > 0) {
+        shift -= 6;
+        text += static_cast<char>(0x80U | (character >> shift & 0x3FU));
+    }
+}
 
 bool to_shift_jis(std::string_view text, std::span<std::byte> label)
 {

@@ -20,6 +20,9 @@ namespace busbar::controller::detail {
 [[nodiscard]] bool to_utf16(std::string_view text, std::span<std::byte> label);
 [[nodiscard]] std::string from_utf16(std::span<const std::byte> label);
 
+/// Appends a character, which must be a code point but not a surrogate.
+void append_utf8(char32_t character, std::string& text);
+
 /// The katakana middle dot replaces code points that Shift-JIS does not have (SH-082679, 8.2).
 inline constexpr std::uint16_t shift_jis_middle_dot = 0x8145;
 inline constexpr char32_t replacement_character = 0xFFFD;

@@ -379,7 +379,15 @@ ReadMappingTable read_mapping_table(std::string_view text, const model::SpaceRea
                             "more than " + std::to_string(limits.max_size) + " bytes"});
         return result;
     }
-    return TableReader{text, space, limits}.take();
+    const auto decoded = decode_text(text, "table", limits.max_size);
+    if (!decoded) {
+        result.reports.add(
+            {ModelCode::TableInvalid, {}, decoded.error().where, decoded.error().text});
+        return result;
+    }
+    result = TableReader{decoded->text(), space, limits}.take();
+    result.encoding = decoded->encoding();
+    return result;
 }
 
 NodeIndex find_table_node(std::string_view text, const model::SpaceReader& space)

@@ -5,7 +5,6 @@ namespace busbar::controller::detail {
 namespace {
 
 constexpr std::size_t max_fields = 64;
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 } // namespace
 
@@ -30,9 +29,6 @@ void add_field(std::string& to, std::string_view field)
 TableFields::TableFields(std::string_view text, std::size_t max_field)
     : text_{text}, max_field_{max_field}
 {
-    if (text_.starts_with(byte_order_mark)) {
-        text_.remove_prefix(byte_order_mark.size());
-    }
     const std::string_view header = text_.substr(0, text_.find_first_of("\r\n"));
     const std::size_t first = header.find_first_of(",;\t");
     if (first != std::string_view::npos) {

@@ -8,18 +8,15 @@
 namespace busbar::controller {
 
 Configured<Program> read_declarations(std::string_view text, std::string_view file_name,
-                                      const DeclarationLimits& limits, Unserved unserved)
+                                      const DeclarationLimits& limits, Unserved unserved,
+                                      TextEncoding encoding)
 {
-    if (text.size() > limits.max_text_size) {
-        return misconfigured(detail::place_text(file_name, {}),
-                             "is larger than " + std::to_string(limits.max_text_size) + " bytes");
+    const auto decoded = decode_text(text, file_name, limits.max_text_size, encoding);
+    if (!decoded) {
+        return Unexpected{decoded.error()};
     }
-    const std::string_view declarations = detail::without_mark(text);
+    const std::string_view declarations = decoded->text();
     const detail::TextPlaces places{declarations};
-    if (const auto offset = places.not_utf8()) {
-        return misconfigured(detail::place_text(file_name, places.at(*offset)),
-                             "found a byte that is not UTF-8");
-    }
     detail::ConstantTable constants;
     constants.set_file(file_name);
     const auto read_once = [&](Unserved choice) -> Configured<Program> {
@@ -41,6 +38,7 @@ Configured<Program> read_declarations(std::string_view text, std::string_view fi
                              first->problem.text);
     }
     detail::settle_enumerators(*program);
+    program->encoding = decoded->encoding();
     return program;
 }
 

@@ -37,7 +37,7 @@ std::optional<std::size_t> first_not_utf8(std::string_view text)
     return {};
 }
 
-TextPlaces::TextPlaces(std::string_view text) : text_{text}, not_utf8_{first_not_utf8(text)}
+TextPlaces::TextPlaces(std::string_view text) : text_{text}
 {
     ProgramPlace place{1, 1};
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -60,12 +60,6 @@ ProgramPlace TextPlaces::at(std::size_t offset) const
         pass_byte(place, text_[i]);
     }
     return place;
-}
-
-std::string_view without_mark(std::string_view text)
-{
-    constexpr std::string_view mark = "\xEF\xBB\xBF";
-    return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 } // namespace busbar::controller::detail

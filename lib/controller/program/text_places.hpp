@@ -19,8 +19,6 @@ public:
 
     /// Returns the place of the byte at `offset`, or of the end. Columns count code points.
     [[nodiscard]] ProgramPlace at(std::size_t offset) const;
-    /// Offset of the first byte that is not UTF-8.
-    [[nodiscard]] std::optional<std::size_t> not_utf8() const { return not_utf8_; }
 
 private:
     static constexpr std::size_t step = 1'024;
@@ -28,13 +26,9 @@ private:
     std::string_view text_;
     /// Places of the bytes at 0, step, 2 * step and so on.
     std::vector<ProgramPlace> noted_{};
-    std::optional<std::size_t> not_utf8_{};
 };
 
 /// Finds the first byte of `text` that is not UTF-8.
 [[nodiscard]] std::optional<std::size_t> first_not_utf8(std::string_view text);
-
-/// Returns `text` without a byte order mark at its front.
-[[nodiscard]] BUSBAR_API std::string_view without_mark(std::string_view text);
 
 } // namespace busbar::controller::detail

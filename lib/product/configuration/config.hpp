@@ -112,8 +112,7 @@ struct MachineConfig {
     std::string program_name;
     /// Text of the program's file, for comparing; null without a program.
     std::shared_ptr<const std::string> program_text;
-    /// Says what happens to declarations of the program that cannot be served.
-    controller::Unserved unserved{controller::Unserved::LeaveOut};
+    ProgramReading reading{};
     /// True if another program may leave out what the one before it does not.
     bool may_leave_out_more{false};
     /// Name of the folder that contains the machine's nodes; if empty, the server's name.
@@ -147,6 +146,7 @@ struct LabelConfig {
     /// Null for none.
     std::shared_ptr<const controller::Program> program;
     std::string program_file;
+    ProgramReading reading{};
     /// Text of the program's file, for comparing; null without a program.
     std::shared_ptr<const std::string> program_text;
     controller::SimulatedLabelsOptions options;

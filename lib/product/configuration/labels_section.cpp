@@ -21,13 +21,14 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
 {
     constexpr std::int64_t most_minutes{std::int64_t{24} * 60};
     table.allow({"program", "access_unit", "waiting", "sampling", "sampled_points",
-                 "utc_offset_minutes", "isolate_failures", "call_limit_ms", "strict"});
+                 "utc_offset_minutes", "isolate_failures", "call_limit_ms", "strict", "encoding"});
     LabelConfig& labels = config.labels;
     labels.program_file = table.text("program", "");
     auto& options = labels.options;
     read_numbers(table, "labels", config);
     options.can_sample = table.flag("sampling", options.can_sample);
-    options.unserved = read_unserved(table);
+    labels.reading = read_reading(table);
+    options.unserved = labels.reading.unserved;
     labels.may_leave_out_more =
         table.has("strict") && options.unserved == controller::Unserved::LeaveOut;
     labels.isolates_failures = table.flag("isolate_failures", false);

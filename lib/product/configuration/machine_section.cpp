@@ -101,7 +101,8 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
                  "execution_log_files", "execution_log_records", "retained_ms", "types",
-                 "simulated_hardware", "event_levels", "make_medium", "plcopen_model", "strict"});
+                 "simulated_hardware", "event_levels", "make_medium", "plcopen_model", "strict",
+                 "encoding"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -126,9 +127,9 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     if (machine.program_file.empty()) {
         return;
     }
-    machine.unserved = read_unserved(table);
+    machine.reading = read_reading(table);
     machine.may_leave_out_more =
-        table.has("strict") && machine.unserved == controller::Unserved::LeaveOut;
+        table.has("strict") && machine.reading.unserved == controller::Unserved::LeaveOut;
     auto file = read_machine_program(table, "program");
     machine.program_text = std::move(file.text);
     machine.program = std::move(file.program);

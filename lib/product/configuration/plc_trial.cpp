@@ -9,9 +9,10 @@
 namespace busbar::product {
 
 PlcTrial::PlcTrial(const ControllerConfig& config)
-    : program{config.machine.program}, unserved{config.machine.unserved},
-      publishing{config.machine.publishing}, elementary{config.machine.types.elementary},
-      labels{config.labels.program}, labels_file{config.labels.program_file},
+    : program{config.machine.program}, reading{config.machine.reading},
+      publishing{config.machine.publishing},
+      elementary{config.machine.types.elementary}, labels{config.labels.program},
+      labels_file{config.labels.program_file}, label_reading{config.labels.reading},
       label_options{config.labels.options}, plc{config.plc}, image{config.image}
 {
 }

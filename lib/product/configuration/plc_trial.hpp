@@ -11,6 +11,8 @@
 #include <busbar/core/problem.hpp>
 #include <busbar/server/process_image.hpp>
 
+#include "product/store/source_files.hpp"
+
 namespace busbar::product {
 
 struct ControllerConfig;
@@ -29,12 +31,13 @@ struct PlcTrial {
 
     /// The program of a machine; may be null.
     std::shared_ptr<const controller::CheckedProgram> program;
-    controller::Unserved unserved;
+    ProgramReading reading;
     controller::PublishingLimits publishing;
     controller::ElementaryTypes elementary;
     /// The program of labels, which may be null, and its file.
     std::shared_ptr<const controller::Program> labels;
     std::string labels_file;
+    ProgramReading label_reading;
     controller::SimulatedLabelsOptions label_options;
     controller::PlcConfig plc;
     server::ImageOptions image;

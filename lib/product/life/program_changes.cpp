@@ -44,7 +44,7 @@ SourceFiles::Prepared prepare_labels(PlcTrial trial, const std::string& file,
     if (file.empty() || !text || (known != nullptr && **text == *known)) {
         return {};
     }
-    auto program = read_labels(**text, file, trial.label_options.unserved);
+    auto program = read_labels(**text, file, trial.label_reading);
     if (!program) {
         return {};
     }

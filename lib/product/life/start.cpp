@@ -112,7 +112,7 @@ void check_left_out(const ControllerConfig& config, const TakenOver& last)
         if (program.left_out.empty() || found == last.files.end() || *found->second == text) {
             return;
         }
-        if (const Configured<AnyProgram> before = read_before(*found->second, file, lenient)) {
+        if (const Configured<AnyProgram> before = read_before(*found->second, file)) {
             expect(product::check_left_out(**before, program, file));
         }
     };
@@ -120,17 +120,20 @@ void check_left_out(const ControllerConfig& config, const TakenOver& last)
     if (machine.program != nullptr && machine.program_name == machine.program_file &&
         !machine.may_leave_out_more) {
         check(machine.program->program(), machine.program_file, *machine.program_text,
-              [](const std::string& text, const std::string& file, controller::Unserved unserved) {
-                  return read_program(text, file, unserved).transform([](const auto& read) {
-                      return AnyProgram{read, &read->program()};
-                  });
+              [&](const std::string& text, const std::string& file) {
+                  return read_program(text, file,
+                                      {.unserved = lenient, .encoding = machine.reading.encoding})
+                      .transform([](const auto& read) {
+                          return AnyProgram{read, &read->program()};
+                      });
               });
     }
     const LabelConfig& labels = config.labels;
     if (labels.program != nullptr && !labels.may_leave_out_more) {
         check(*labels.program, labels.program_file, *labels.program_text,
-              [](const std::string& text, const std::string& file, controller::Unserved unserved) {
-                  return read_labels(text, file, unserved);
+              [&](const std::string& text, const std::string& file) {
+                  return read_labels(text, file,
+                                     {.unserved = lenient, .encoding = labels.reading.encoding});
               });
     }
 }

@@ -273,12 +273,12 @@ MemoryItem program_item(const Settings& settings, const NextProgram& next)
     };
     item.part = std::move(part);
     item.check = [next, &settings](std::string_view, std::span<const std::byte> bytes) {
-        const auto unserved = settings.config().machine.unserved;
+        const ProgramReading reading = settings.config().machine.reading;
         return read_received(text_of(bytes), name_of_received())
             .and_then([&](const ReceivedProgram& program) {
                 return next->is_prepared(program.text)
                            ? Configured<void>{}
-                           : read_program(program.text, program.name, unserved)
+                           : read_program(program.text, program.name, reading)
                                  .transform([](const auto&) {});
             });
     };

@@ -236,7 +236,7 @@ Configured<void> check_left_out(const controller::Program& before, const control
 Configured<PreparedProgram> prepare_program(const ProgramBase& base, std::string_view text,
                                             const std::string& name)
 {
-    return read_program(text, name, base.trial.unserved)
+    return read_program(text, name, base.trial.reading)
         .and_then([&](SourceFiles::Program program) -> Configured<SourceFiles::Program> {
             if (!base.may_leave_out_more) {
                 auto kept =

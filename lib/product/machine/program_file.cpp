@@ -23,9 +23,17 @@ void check_strict(const TomlTable& table, const controller::Program& program,
                   const std::string& file)
 {
     const auto left_out = left_out_texts(program, file);
-    if (read_unserved(table) == controller::Unserved::Refuse && !left_out.empty()) {
+    if (read_reading(table).unserved == controller::Unserved::Refuse && !left_out.empty()) {
         throw ConfigError{"", left_out.front()};
     }
+}
+
+/// Returns false if the text is in another encoding than the one that it was read in before.
+bool is_read_so(std::string_view text, controller::TextEncoding asked,
+                controller::TextEncoding before)
+{
+    const auto decoded = controller::decode_text(text, {}, text.size() * 3, asked);
+    return decoded && decoded->encoding() == before;
 }
 
 /// Returns the program at this place: the remembered one, or a new reading.
@@ -34,18 +42,20 @@ ReadProgram program_of(const TomlTable& table, const std::string& place, std::st
 {
     SourceFiles& sources = table.sources();
     ReadProgram& program = sources.program(place);
-    if (program == nullptr) {
-        program = expect(read_program(text, name, read_unserved(table)));
+    const ProgramReading reading = read_reading(table);
+    if (program == nullptr || !is_read_so(text, reading.encoding, program->program().encoding)) {
+        program = expect(read_program(text, name, reading));
     }
     check_strict(table, program->program(), name);
     return program;
 }
 
 Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name,
-                                               controller::Unserved unserved)
+                                               const ProgramReading& reading)
 {
-    return name.ends_with(xml_ending) ? controller::read_plcopen_xml(text, name, {}, unserved)
-                                      : controller::read_declarations(text, name, {}, unserved);
+    return name.ends_with(xml_ending)
+               ? controller::read_plcopen_xml(text, name, {}, reading.unserved, reading.encoding)
+               : controller::read_declarations(text, name, {}, reading.unserved, reading.encoding);
 }
 
 std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
@@ -64,19 +74,19 @@ std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const st
 } // namespace
 
 Configured<ReadProgram> read_program(std::string_view text, const std::string& name,
-                                     controller::Unserved unserved)
+                                     const ProgramReading& reading)
 {
-    return read_unchecked(text, name, unserved).and_then([&](controller::Program read) {
-        return controller::CheckedProgram::create(std::move(read), unserved)
+    return read_unchecked(text, name, reading).and_then([&](controller::Program read) {
+        return controller::CheckedProgram::create(std::move(read), reading.unserved)
             .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
     });
 }
 
 Configured<std::shared_ptr<const controller::Program>>
-read_labels(std::string_view text, const std::string& name, controller::Unserved unserved)
+read_labels(std::string_view text, const std::string& name, const ProgramReading& reading)
 {
-    return read_unchecked(text, name, unserved).transform([&](controller::Program program) {
-        if (unserved == controller::Unserved::LeaveOut) {
+    return read_unchecked(text, name, reading).transform([&](controller::Program program) {
+        if (reading.unserved == controller::Unserved::LeaveOut) {
             controller::LabelProgram::leave_out(program);
         }
         return std::make_shared<const controller::Program>(std::move(program));
@@ -88,8 +98,9 @@ ProgramFile<controller::Program> read_labels_program(const TomlTable& table, con
     auto text = text_of_file(table, key);
     const std::string path = table.text(key);
     SourceFiles::Labels& labels = table.sources().labels(path);
-    if (labels == nullptr) {
-        labels = expect(read_labels(*text, path, read_unserved(table)));
+    const ProgramReading reading = read_reading(table);
+    if (labels == nullptr || !is_read_so(*text, reading.encoding, labels->encoding)) {
+        labels = expect(read_labels(*text, path, reading));
     }
     check_strict(table, *labels, path);
     return {std::move(text), labels, path};
@@ -112,10 +123,18 @@ ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& ta
             std::move(received.name)};
 }
 
-controller::Unserved read_unserved(const TomlTable& table)
+ProgramReading read_reading(const TomlTable& table)
 {
-    return table.flag("strict", false) ? controller::Unserved::Refuse
-                                       : controller::Unserved::LeaveOut;
+    ProgramReading reading{.unserved = table.flag("strict", false)
+                                           ? controller::Unserved::Refuse
+                                           : controller::Unserved::LeaveOut};
+    const std::string encoding = table.text("encoding", "");
+    const auto found = controller::find_text_encoding(encoding);
+    if (!encoding.empty() && !found) {
+        table.fail("encoding", R"("utf-8", "utf-16", "utf-16be", "shift-jis" or "windows-1252")");
+    }
+    reading.encoding = found.value_or(controller::TextEncoding::Recognized);
+    return reading;
 }
 
 std::vector<std::string> left_out_texts(const controller::Program& program, const std::string& file)
@@ -131,6 +150,11 @@ std::vector<std::string> left_out_texts(const controller::Program& program, cons
 
 void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file)
 {
+    if (program.encoding != controller::TextEncoding::Utf8) {
+        log.write(LogLevel::Info, "program",
+                  file + " was read as " + std::string{name(program.encoding)} +
+                      "; the key encoding of its section can name another encoding");
+    }
     std::vector<std::string> all;
     for (const controller::LeftOut& each : program.left_out) {
         const bool is_told = each.declared.publish != controller::NetworkPublish::Hidden ||

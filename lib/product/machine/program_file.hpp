@@ -11,6 +11,7 @@
 #include <busbar/core/problem.hpp>
 
 #include "product/configuration/toml_reader.hpp"
+#include "product/store/source_files.hpp"
 
 namespace busbar::product {
 
@@ -28,13 +29,13 @@ struct ProgramFile {
 /// Reads and checks a program from a file of this name; problems have the file, and line and column
 /// if known. Thread-safe.
 [[nodiscard]] Configured<std::shared_ptr<const controller::CheckedProgram>>
-read_program(std::string_view text, const std::string& name, controller::Unserved unserved);
+read_program(std::string_view text, const std::string& name, const ProgramReading& reading);
 /// Reads a program of labels like that; its types are not checked.
 [[nodiscard]] Configured<std::shared_ptr<const controller::Program>>
-read_labels(std::string_view text, const std::string& name, controller::Unserved unserved);
-/// Reads the key "strict" of a section with a program.
-[[nodiscard]] controller::Unserved read_unserved(const TomlTable& table);
-/// Reads the file of labels that the key names, with what read_unserved() says; SimulatedLabels
+read_labels(std::string_view text, const std::string& name, const ProgramReading& reading);
+/// Reads the keys "strict" and "encoding" of a section with a program.
+[[nodiscard]] ProgramReading read_reading(const TomlTable& table);
+/// Reads the file of labels that the key names, with what read_reading() says; SimulatedLabels
 /// checks its types, because it adds some of its own. Throws ConfigError, with name, line and
 /// column for a problem in the file.
 [[nodiscard]] ProgramFile<controller::Program> read_labels_program(const TomlTable& table,
@@ -49,7 +50,8 @@ read_labels(std::string_view text, const std::string& name, controller::Unserved
 /// no variables.
 [[nodiscard]] std::vector<std::string> left_out_texts(const controller::Program& program,
                                                       const std::string& file);
-/// Tells the log what is left out of a program, except for variables that were to be published.
+/// Tells the log what is left out of a program, except for variables that were to be published, and
+/// its encoding if that is not UTF-8.
 void tell_left_out(LogSink& log, const controller::Program& program, const std::string& file);
 /// Tells the log what left_out_texts() lists of the file.
 void tell_left_out(LogSink& log, std::span<const std::string> texts, const std::string& file);

@@ -219,7 +219,7 @@ std::function<void()> ProgramService::preparation(const TransferRequest& request
     prepared_ = misconfigured(std::string{wish->verb}, "was not prepared");
     if (wish->task == Wish::Task::Compare) {
         return [this, text, name = std::string{wish->name}, now = needs_.program().program] {
-            prepared_ = read_program(text, name, controller::Unserved::LeaveOut)
+            prepared_ = read_program(text, name, {controller::Unserved::LeaveOut, {}})
                             .transform([&](const SourceFiles::Program& read) {
                                 differences_ =
                                     difference_report(differences(read->program(), now->program()));

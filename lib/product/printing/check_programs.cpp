@@ -65,7 +65,7 @@ CheckedFile check_file(const ControllerConfig& config, const std::string& name)
     auto program = SourceFiles{}
                        .text(name, ReceivedProgram::max_text)
                        .and_then([&](const SourceFiles::Text& text) {
-                           return read_program(*text, name, config.machine.unserved);
+                           return read_program(*text, name, config.machine.reading);
                        });
     if (program) {
         file.program =
@@ -97,6 +97,8 @@ void print_text(const CheckedFile& file)
                         "are not although they are to be")
                     .c_str(),
                 counted(left_out.size(), "other declarations are left out").c_str());
+    std::printf("  encoding       %s\n",
+                std::string{name(file.program->program().encoding)}.c_str());
     for (const controller::PublishedVariable& each : publication.published()) {
         std::printf("  published      %s  %llu bytes\n", printable(each.variable->name).c_str(),
                     static_cast<unsigned long long>(each.size));
@@ -148,6 +150,7 @@ void write_json(detail::JsonWriter& json, const CheckedFile& file)
         return;
     }
     const controller::Publication& publication = file.program->publication();
+    add_member(json, "encoding", std::string{name(file.program->program().encoding)});
     add_member(json, "values", publication.values());
     add_member(json, "dataTypes", publication.data_types());
     add_member(json, "exceeded", file.exceeded());

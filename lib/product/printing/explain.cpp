@@ -102,6 +102,11 @@ std::string list_names(const std::vector<std::string>& names)
     return "[" + text + "]";
 }
 
+std::string encoding_text(controller::TextEncoding encoding)
+{
+    return in_quotes(std::string{name(encoding)});
+}
+
 constexpr std::array file_keys{
     FileKey{"certificates.folder",
             [](const ControllerConfig& c) { return in_quotes(c.certificates.folder); }},
@@ -111,6 +116,8 @@ constexpr std::array file_keys{
                 std::ranges::transform(c.files, std::back_inserter(names), &FilesConfig::name);
                 return list_names(names);
             }},
+    FileKey{"labels.encoding",
+            [](const ControllerConfig& c) { return encoding_text(c.labels.reading.encoding); }},
     FileKey{"labels.isolate_failures",
             [](const ControllerConfig& c) { return flag_text(c.labels.isolates_failures); }},
     FileKey{"labels.program",
@@ -121,6 +128,8 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) {
                 return flag_text(c.labels.options.unserved == controller::Unserved::Refuse);
             }},
+    FileKey{"machine.encoding",
+            [](const ControllerConfig& c) { return encoding_text(c.machine.reading.encoding); }},
     FileKey{"machine.event_levels",
             [](const ControllerConfig& c) {
                 std::vector<std::string> levels;
@@ -144,7 +153,7 @@ constexpr std::array file_keys{
             [](const ControllerConfig& c) { return in_quotes(c.machine.state_folder); }},
     FileKey{"machine.strict",
             [](const ControllerConfig& c) {
-                return flag_text(c.machine.unserved == controller::Unserved::Refuse);
+                return flag_text(c.machine.reading.unserved == controller::Unserved::Refuse);
             }},
     FileKey{"machine.types",
             [](const ControllerConfig& c) {

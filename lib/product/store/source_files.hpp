@@ -15,6 +15,16 @@ namespace busbar::product {
 
 struct PlcTrial;
 
+/// How the file of a program is read.
+struct ProgramReading {
+    /// Says what happens to declarations that cannot be served.
+    controller::Unserved unserved{controller::Unserved::LeaveOut};
+    /// The encoding of a text without a byte order mark.
+    controller::TextEncoding encoding{controller::TextEncoding::Recognized};
+
+    friend bool operator==(const ProgramReading&, const ProgramReading&) = default;
+};
+
 /// The text files of a configuration: its own file, and the programs and information models that it
 /// names. Reads each once and remembers it, so that everything is made from the same texts, even if
 /// the files change. A copy remembers the same.

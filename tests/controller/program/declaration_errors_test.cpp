@@ -149,7 +149,9 @@ TEST_CASE("Mistakes in variables are told with place, found and expected (3-3-2)
          "m.st:2:13: found a comment without an end, expected '*/'"},
         {"VAR_GLOBAL \xC3\xA4\xC3\xB6 INT; END_VAR", "m.st:1:15: found 'INT', expected ':'"},
         {"VAR_GLOBAL\r\n\r\nx INT; END_VAR", "m.st:3:3: found 'INT', expected ':'"},
-        {"VAR_GLOBAL \xC3( : INT; END_VAR", "m.st:1:12: found a byte that is not UTF-8"},
+        {"VAR_GLOBAL \xC3\xA4\xC3\xB6\xC3( : INT; END_VAR",
+         "m.st:1:14: found a byte that is not UTF-8; expected a text that is, or the name of its "
+         "encoding"},
         {"VAR_GLOBAL x\x01 : INT; END_VAR", "m.st:1:13: found '\\x01', expected ':'"},
     };
     for (const Mistake& mistake : mistakes) {

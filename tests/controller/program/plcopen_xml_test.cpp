@@ -207,7 +207,9 @@ TEST_CASE("Mistakes in PLCopen XML are told with place, found and expected (3-3-
     CHECK(problem_of("<p:project xmlns:p=\"http://www.plcopen.org/xml/tc6_0200\"/>").empty());
     CHECK(problem_of("<!DOCTYPE a><a/>") ==
           "m.xml:1:1: has a DOCTYPE, which PLCopen XML has no use for");
-    CHECK(problem_of("<a>\xFF</a>") == "m.xml:1:4: found a byte that is not UTF-8");
+    CHECK(problem_of("<?xml version='1.0' encoding='utf-8'?><a>\xFF</a>") ==
+          "m.xml:1:42: found a byte that is not UTF-8; expected a text that is, or the name of its "
+          "encoding");
     CHECK(in_types("") == "m.xml:3:1: found <dataType>, expected a type in its <baseType>");
     CHECK(in_types("<baseType><wstring/></baseType>") ==
           "m.xml:3:30: found <wstring>, expected a type that is known here");

@@ -214,20 +214,19 @@ bool PlcopenReader::read_instance(const pugi::xml_node& xml, const std::string& 
 namespace busbar::controller {
 
 Configured<Program> read_plcopen_xml(std::string_view text, std::string_view file_name,
-                                     const DeclarationLimits& limits, Unserved unserved)
+                                     const DeclarationLimits& limits, Unserved unserved,
+                                     TextEncoding encoding)
 {
-    if (text.size() > limits.max_text_size) {
-        return misconfigured(detail::place_text(file_name, {}),
-                             "is larger than " + std::to_string(limits.max_text_size) + " bytes");
+    const auto decoded = decode_text(text, file_name, limits.max_text_size, encoding);
+    if (!decoded) {
+        return Unexpected{decoded.error()};
     }
-    const std::string_view xml = detail::without_mark(text);
-    const detail::TextPlaces places{xml};
-    if (const auto offset = places.not_utf8()) {
-        return misconfigured(detail::place_text(file_name, places.at(*offset)),
-                             "found a byte that is not UTF-8");
-    }
-    detail::PlcopenReader reader{xml, file_name, places, limits, unserved};
-    return reader.read();
+    const detail::TextPlaces places{decoded->text()};
+    detail::PlcopenReader reader{decoded->text(), file_name, places, limits, unserved};
+    return reader.read().transform([&](Program program) {
+        program.encoding = decoded->encoding();
+        return program;
+    });
 }
 
 } // namespace busbar::controller
