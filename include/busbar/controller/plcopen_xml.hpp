@@ -18,13 +18,17 @@ namespace busbar::controller {
 /// Its content is as in a pragma of declarations: none, publish only, input or output.
 inline constexpr std::string_view plcopen_publish_data = "urn:busbar:network-publish";
 
-/// Reads types and global variables from PLCopen XML (TC6, versions 2.00 and 2.01): a `<project>`
-/// in http://www.plcopen.org/xml/tc6_0200 or tc6_0201.
+/// Reads types and global variables from PLCopen XML (TC6, versions 1.0 to 2.01): a `<project>`
+/// in http://www.plcopen.org/xml/tc6_0200, tc6_0201 or tc6.xsd; or from IEC 61131-10: a `<Project>`
+/// in www.iec.ch/public/TC65SC65BWG7TF10, whose elements have the same names with a capital.
 ///
 /// Reads `<dataTypes>`, and from configurations and resources `<globalVars>`, tasks and
 /// pouInstances, also if vendors have these in the project's `<addData>`, and `<union>` besides
 /// `<struct>`. The value of a `<simpleValue>` is written as in declarations; `<documentation>`
-/// becomes the comment. The bodies of programs and everything else are ignored.
+/// becomes the comment. The bodies of programs and everything else are ignored. Of IEC 61131-10 it
+/// reads `<DataTypeDecl>`, `<NamespaceDecl>` and the attribute networkPublish of Sysmac Studio.
+///
+/// Bounds, lengths, values of enumerations and of variables are expressions as in declarations.
 ///
 /// `text` is in this encoding, see decode_text, and has no DOCTYPE. The limits are those of
 /// declarations, where the elements of the XML count as memory too, and are nested as deep as

@@ -24,6 +24,8 @@ public:
 
     [[nodiscard]] bool read();
     [[nodiscard]] Program& program() { return program_; }
+    /// Parses a type.
+    [[nodiscard]] bool read_type_use(TypeUse& use) { return read_use(use); }
 
 private:
     /// The attributes of a block of variables, written before and after VAR_GLOBAL.
@@ -133,6 +135,10 @@ private:
     /// The names of namespaces that were entered, folded.
     std::unordered_set<std::string> namespaces_{};
 };
+
+/// Reads a type as it stands in declarations. Gives false after reporting a problem at the cursor.
+[[nodiscard]] BUSBAR_API bool read_type_use(DeclarationCursor& cursor, Unserved unserved,
+                                            TypeUse& use);
 
 /// Returns the first mistake in a text of which nothing was understood; null if something was.
 [[nodiscard]] const LeftOut* not_understood(const Program& program);

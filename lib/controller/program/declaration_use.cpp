@@ -4,6 +4,11 @@
 
 namespace busbar::controller::detail {
 
+bool read_type_use(DeclarationCursor& cursor, Unserved unserved, TypeUse& use)
+{
+    return DeclarationParser{cursor, unserved}.read_type_use(use);
+}
+
 bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
 {
     while (cursor_->skip_word("ARRAY")) {

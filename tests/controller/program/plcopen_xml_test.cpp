@@ -200,10 +200,11 @@ TEST_CASE("Mistakes in PLCopen XML are told with place, found and expected (3-3-
         return problem_of(globals_in("\n" + variable(type, more)));
     };
     CHECK(problem_of("<a") == "m.xml:1:2: is not well-formed XML: Error parsing start element tag");
-    CHECK(problem_of("<a/>") == "m.xml:1:1: found <a>, expected <project>");
+    CHECK(problem_of("<a/>") == "m.xml:1:1: found <a>, expected <project> of PLCopen XML or "
+                                "<Project> of IEC 61131-10");
     CHECK(problem_of("<p:project xmlns:p=\"urn:x\"/>") ==
-          "m.xml:1:1: found the namespace 'urn:x', expected http://www.plcopen.org/xml/tc6_0201 or "
-          "tc6_0200");
+          "m.xml:1:1: found the namespace 'urn:x', expected http://www.plcopen.org/xml/tc6_0201, "
+          "tc6_0200, tc6.xsd or www.iec.ch/public/TC65SC65BWG7TF10");
     CHECK(problem_of("<p:project xmlns:p=\"http://www.plcopen.org/xml/tc6_0200\"/>").empty());
     CHECK(problem_of("<!DOCTYPE a><a/>") ==
           "m.xml:1:1: has a DOCTYPE, which PLCopen XML has no use for");

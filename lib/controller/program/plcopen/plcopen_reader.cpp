@@ -13,15 +13,30 @@ namespace busbar::controller::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 2> plcopen_namespaces{
-    "http://www.plcopen.org/xml/tc6_0201",
-    "http://www.plcopen.org/xml/tc6_0200",
+constexpr std::array<std::string_view, 5> plcopen_namespaces{
+    "http://www.plcopen.org/xml/tc6_0201", "http://www.plcopen.org/xml/tc6_0200",
+    "http://www.plcopen.org/xml/tc6_0101",
+    "http://www.plcopen.org/xml/tc6.xsd", // 1.0 and 1.01
+    "www.iec.ch/public/TC65SC65BWG7TF10", // IEC 61131-10
 };
 
 /// Elements that are only searched for the elements inside.
-constexpr std::array<std::string_view, 8> container_names{
-    "types",         "dataTypes", "instances", "configurations",
-    "configuration", "resource",  "addData",   "data",
+constexpr std::array<std::string_view, 10> container_names{
+    "types",    "dataTypes", "instances", "configurations",  "configuration",
+    "resource", "addData",   "data",      "globalNamespace", "namespaceDecl",
+};
+
+/// Elements with a body that are types to variables, if at all.
+struct UnitName {
+    std::string_view name;
+    std::string_view words;
+};
+constexpr std::array unit_names{
+    UnitName{"functionBlock", "is a function block"},
+    UnitName{"function", "is a function"},
+    UnitName{"program", "is a program"},
+    UnitName{"class", "is a class"},
+    UnitName{"interface", "is an interface"},
 };
 
 /// Upper bound of the memory that a parsed document takes, including its text. Each bracket may
@@ -111,8 +126,9 @@ bool PlcopenReader::parse()
 
 bool PlcopenReader::check_root(const pugi::xml_node& root)
 {
-    if (local_name_of(root) != "project") {
-        return fail(root, "found " + tag_of(root) + ", expected <project>");
+    if (!is_named(root, "project")) {
+        return fail(root, "found " + tag_of(root) +
+                              ", expected <project> of PLCopen XML or <Project> of IEC 61131-10");
     }
     const std::string_view name = root.name();
     const std::size_t colon = name.find(':');
@@ -122,7 +138,8 @@ bool PlcopenReader::check_root(const pugi::xml_node& root)
     return std::find(plcopen_namespaces.begin(), plcopen_namespaces.end(), uri) !=
                plcopen_namespaces.end() ||
            fail(root, "found the namespace '" + printable(uri, 80) + "', expected " +
-                          std::string{plcopen_namespaces.front()} + " or tc6_0200");
+                          std::string{plcopen_namespaces.front()} + ", tc6_0200, tc6.xsd or " +
+                          std::string{plcopen_namespaces.back()});
 }
 
 bool PlcopenReader::read_container(const pugi::xml_node& container, std::size_t depth)
@@ -141,20 +158,40 @@ bool PlcopenReader::read_container(const pugi::xml_node& container, std::size_t 
 
 bool PlcopenReader::read_part(const pugi::xml_node& xml, std::size_t depth)
 {
-    const std::string_view name = local_name_of(xml);
-    if (std::find(container_names.begin(), container_names.end(), name) != container_names.end()) {
+    if (xml.type() != pugi::node_element) {
+        return true;
+    }
+    if (std::any_of(container_names.begin(), container_names.end(),
+                    [&](std::string_view name) { return is_named(xml, name); })) {
         return read_container(xml, depth + 1);
     }
-    if (name == "dataType" || name == "union") {
+    if (is_named(xml, "dataType") || is_named(xml, "union")) {
         return read_type(xml) || leave_out(xml, LeftOut::Kind::Type, {});
     }
-    if (name == "globalVars") {
+    if (is_named(xml, "dataTypeDecl")) {
+        return read_declared_type(xml) || leave_out(xml, LeftOut::Kind::Type, {});
+    }
+    if (is_named(xml, "globalVars")) {
         return read_variables(xml);
     }
-    if (name == "task") {
+    if (is_named(xml, "task")) {
         return read_task(xml);
     }
-    return name != "pouInstance" || read_instance(xml, {});
+    if (leaves_out_ && is_named(xml.parent(), "globalNamespace")) {
+        return note_unit(xml);
+    }
+    return !is_named(xml, "pouInstance") || read_instance(xml, {});
+}
+
+bool PlcopenReader::note_unit(const pugi::xml_node& xml)
+{
+    for (const UnitName& each : unit_names) {
+        if (is_named(xml, each.name)) {
+            static_cast<void>(fail(xml, std::string{each.words}));
+            return leave_out(xml, LeftOut::Kind::Unit, {});
+        }
+    }
+    return true;
 }
 
 bool PlcopenReader::read_task(const pugi::xml_node& xml)
@@ -173,7 +210,7 @@ bool PlcopenReader::read_task(const pugi::xml_node& xml)
     task.priority = static_cast<std::uint32_t>(priority);
     program_.tasks.push_back(task);
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) == "pouInstance" && !read_instance(child, task.name)) {
+        if (is_named(child, "pouInstance") && !read_instance(child, task.name)) {
             return false;
         }
     }

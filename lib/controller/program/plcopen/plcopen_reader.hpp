@@ -14,7 +14,8 @@
 
 namespace busbar::controller::detail {
 
-/// Parses a PLCopen XML file into a Program. Each step gives false once there is a problem.
+/// Parses a file of PLCopen XML or IEC 61131-10 into a Program. Each step gives false once there is
+/// a problem.
 class PlcopenReader {
 public:
     /// All arguments must outlive this object.
@@ -33,6 +34,8 @@ private:
     /// Reads all types, variables, tasks and instances of programs below the container.
     [[nodiscard]] bool read_container(const pugi::xml_node& container, std::size_t depth);
     [[nodiscard]] bool read_part(const pugi::xml_node& xml, std::size_t depth);
+    /// Notes a unit of the <GlobalNamespace>, which may be the type of variables.
+    [[nodiscard]] bool note_unit(const pugi::xml_node& xml);
     [[nodiscard]] bool read_task(const pugi::xml_node& xml);
     [[nodiscard]] bool read_interval(const pugi::xml_node& xml, ProgramTask& task);
     [[nodiscard]] bool read_instance(const pugi::xml_node& xml, const std::string& task);
@@ -40,6 +43,11 @@ private:
     // plcopen_types.cpp
     [[nodiscard]] bool read_type(const pugi::xml_node& xml);
     [[nodiscard]] bool read_type_body(const pugi::xml_node& xml, DerivedType& type);
+    /// Reads the <baseType> of an enumeration, if present.
+    [[nodiscard]] bool read_base(const pugi::xml_node& xml, ElementaryType& base);
+    /// Reads the elements of `xml` as the values of an enumeration.
+    [[nodiscard]] bool read_values(const pugi::xml_node& xml, std::string_view element,
+                                   DerivedType& type, ElementaryType base);
     [[nodiscard]] bool read_members(const pugi::xml_node& xml, DerivedType& type);
     [[nodiscard]] bool read_enumerators(const pugi::xml_node& xml, DerivedType& type);
     [[nodiscard]] bool read_enumerator(const pugi::xml_node& xml, DerivedType& type,
@@ -50,6 +58,15 @@ private:
     [[nodiscard]] bool read_dimensions(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_subrange(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_bounds(const pugi::xml_node& xml, Bounds& bounds);
+
+    // iec61131_10.cpp
+    /// Reads a <DataTypeDecl> of IEC 61131-10.
+    [[nodiscard]] bool read_declared_type(const pugi::xml_node& xml);
+    [[nodiscard]] bool read_specification(const pugi::xml_node& xml, DerivedType& type);
+    /// Reads a type that is written as in declarations.
+    [[nodiscard]] bool read_type_name(const pugi::xml_node& xml, TypeUse& use);
+    /// Reads the type in the <BaseType> and, if present, the range of values.
+    [[nodiscard]] bool read_derived(const pugi::xml_node& xml, TypeUse& use);
 
     // plcopen_variables.cpp
     [[nodiscard]] bool read_variables(const pugi::xml_node& xml);
@@ -63,6 +80,8 @@ private:
     [[nodiscard]] bool read_flag(const pugi::xml_node& xml, const char* name, bool& flag);
     /// Reads the <initialValue>, if present.
     [[nodiscard]] bool read_initial(const pugi::xml_node& xml, InitialValue& initial);
+    /// Reads the attribute or the <Address>, if present.
+    [[nodiscard]] bool read_address(const pugi::xml_node& xml, std::string& address);
     /// Reads the single value in `holder`.
     [[nodiscard]] bool read_value(const pugi::xml_node& holder, InitialValue& value,
                                   std::size_t depth);
@@ -102,8 +121,14 @@ private:
 
 /// Returns the element's name without its prefix.
 [[nodiscard]] std::string_view local_name_of(const pugi::xml_node& xml);
-/// Returns the first child element of that name, ignoring prefixes; null if there is none.
+/// True if the element has this name, ignoring its prefix and whether it begins with a capital, as
+/// the names of IEC 61131-10 do.
+[[nodiscard]] bool is_named(const pugi::xml_node& xml, std::string_view name);
+/// Returns the first child element that is_named() so; null if there is none.
 [[nodiscard]] pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name);
+/// Returns what kind of specification an element of IEC 61131-10 is: its xsi:type without a prefix.
+[[nodiscard]] std::string_view specification_of(const pugi::xml_node& xml);
+[[nodiscard]] bool is_array_specification(const pugi::xml_node& xml);
 /// Returns the first child that is an element.
 [[nodiscard]] pugi::xml_node first_element_of(const pugi::xml_node& xml);
 /// Writes an element's name as "<variable>".

@@ -4,6 +4,7 @@
 
 #include "controller/program/initial_reader.hpp"
 #include "controller/program/program_problem.hpp"
+#include "core/ascii_case.hpp"
 #include "plcopen_reader.hpp"
 
 namespace busbar::controller::detail {
@@ -15,10 +16,19 @@ std::string_view local_name_of(const pugi::xml_node& xml)
     return colon == std::string_view::npos ? name : name.substr(colon + 1);
 }
 
+bool is_named(const pugi::xml_node& xml, std::string_view name)
+{
+    const std::string_view found = local_name_of(xml);
+    return found.size() == name.size() && !name.empty() &&
+           busbar::detail::to_ascii_lower(found.front()) ==
+               busbar::detail::to_ascii_lower(name.front()) &&
+           found.substr(1) == name.substr(1);
+}
+
 pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name)
 {
     return xml.find_child([&](const pugi::xml_node& child) {
-        return child.type() == pugi::node_element && local_name_of(child) == name;
+        return child.type() == pugi::node_element && is_named(child, name);
     });
 }
 

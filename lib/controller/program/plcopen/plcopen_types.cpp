@@ -10,7 +10,7 @@ bool PlcopenReader::read_type(const pugi::xml_node& xml)
     DerivedType type{.name = {}, .place = place_of(xml)};
     const std::size_t later = constants_.later_count();
     // Some vendors write a union as a type of its own.
-    const bool is_union = local_name_of(xml) == "union";
+    const bool is_union = is_named(xml, "union");
     const pugi::xml_node body = is_union ? xml : first_element_of(child_of(xml, "baseType"));
     if (!keep(xml, sizeof type) || !read_name(xml, "name", type.name)) {
         return false;
@@ -46,8 +46,9 @@ bool PlcopenReader::read_type_body(const pugi::xml_node& xml, DerivedType& type)
 
 bool PlcopenReader::read_members(const pugi::xml_node& xml, DerivedType& type)
 {
+    const std::string_view element = child_of(xml, "member") ? "member" : "variable";
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) != "variable") {
+        if (!is_named(child, element)) {
             continue;
         }
         Member member{.name = {}, .place = place_of(child)};
@@ -60,9 +61,8 @@ bool PlcopenReader::read_members(const pugi::xml_node& xml, DerivedType& type)
     return true;
 }
 
-bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& type)
+bool PlcopenReader::read_base(const pugi::xml_node& xml, ElementaryType& base)
 {
-    ElementaryType base = ElementaryType::Dint;
     if (const pugi::xml_node holder = child_of(xml, "baseType")) {
         TypeUse use;
         if (!read_use(xml, "baseType", use)) {
@@ -73,11 +73,22 @@ bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& typ
         }
         base = use.elementary;
     }
+    return true;
+}
+
+bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& type)
+{
+    ElementaryType base = ElementaryType::Dint;
+    return read_base(xml, base) && read_values(child_of(xml, "values"), "value", type, base);
+}
+
+bool PlcopenReader::read_values(const pugi::xml_node& xml, std::string_view element,
+                                DerivedType& type, ElementaryType base)
+{
     constants_.begin_enumeration(type.name);
     bool is_read = true;
-    for (const pugi::xml_node& child : child_of(xml, "values").children()) {
-        is_read =
-            is_read && (local_name_of(child) != "value" || read_enumerator(child, type, base));
+    for (const pugi::xml_node& child : xml.children()) {
+        is_read = is_read && (!is_named(child, element) || read_enumerator(child, type, base));
     }
     constants_.end_enumeration();
     return is_read;
@@ -117,17 +128,20 @@ bool PlcopenReader::read_use(const pugi::xml_node& xml, std::string_view holder,
 bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
 {
     pugi::xml_node type = xml;
-    while (local_name_of(type) == "array") {
+    while (local_name_of(type) == "array" || is_array_specification(type)) {
         const pugi::xml_node element = first_element_of(child_of(type, "baseType"));
         if (!read_dimensions(type, use)) {
             return false;
         }
         if (!element) {
-            return fail(type, "found <array>, expected a type in its <baseType>");
+            return fail(type, "found " + tag_of(type) + ", expected a type in its <baseType>");
         }
         type = element;
     }
     const std::string_view name = local_name_of(type);
+    if (name == "TypeName") {
+        return read_type_name(type, use);
+    }
     if (name == "derived") {
         return read_name(type, "name", use.type_name);
     }
@@ -155,7 +169,7 @@ bool PlcopenReader::read_dimensions(const pugi::xml_node& xml, TypeUse& use)
 {
     const std::size_t before = use.dimensions.size();
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) != "dimension") {
+        if (!is_named(child, "dimension") && !is_named(child, "dimensionSpec")) {
             continue;
         }
         if (use.dimensions.size() == limits_->max_dimensions) {
@@ -163,7 +177,8 @@ bool PlcopenReader::read_dimensions(const pugi::xml_node& xml, TypeUse& use)
                         "has more than " + std::to_string(limits_->max_dimensions) + " dimensions");
         }
         Bounds bounds;
-        if (!keep(child, sizeof bounds) || !read_bounds(child, bounds)) {
+        const pugi::xml_node range = child_of(child, "indexRange");
+        if (!keep(child, sizeof bounds) || !read_bounds(range ? range : child, bounds)) {
             return false;
         }
         use.dimensions.push_back(bounds);

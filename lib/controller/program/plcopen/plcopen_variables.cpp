@@ -30,12 +30,19 @@ private:
     std::string text_{};
 };
 
+/// Returns where Sysmac Studio says how a variable is published.
+pugi::xml_node properties_of(const pugi::xml_node& data)
+{
+    return child_of(data, "GlobalVariableAdditionalProperties");
+}
+
 /// Returns each <data> that says how the element is published.
 std::vector<pugi::xml_node> publish_data_of(const pugi::xml_node& xml)
 {
     std::vector<pugi::xml_node> all;
     for (const pugi::xml_node& data : child_of(xml, "addData").children()) {
-        if (std::string_view{data.attribute("name").value()} == plcopen_publish_data) {
+        if (std::string_view{data.attribute("name").value()} == plcopen_publish_data ||
+            properties_of(data).attribute("networkPublish")) {
             all.push_back(data);
         }
     }
@@ -44,7 +51,9 @@ std::vector<pugi::xml_node> publish_data_of(const pugi::xml_node& xml)
 
 std::optional<NetworkPublish> publish_in(const pugi::xml_node& data)
 {
-    return publish_of(trimmed_text(child_of(data, "publish").text().get()));
+    const pugi::xml_attribute property = properties_of(data).attribute("networkPublish");
+    return publish_of(
+        trimmed_text(property ? property.value() : child_of(data, "publish").text().get()));
 }
 
 } // namespace
@@ -61,7 +70,7 @@ bool PlcopenReader::read_variables(const pugi::xml_node& xml)
     common.is_retained = common.is_retained || is_persistent;
     constants_.set_list(xml.attribute("name").value());
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) == "variable" && !read_variable(child, common) &&
+        if (is_named(child, "variable") && !read_variable(child, common) &&
             !leave_out(child, LeftOut::Kind::Variable,
                        publish_of_variable(child, common.publish))) {
             return false;
@@ -73,17 +82,12 @@ bool PlcopenReader::read_variables(const pugi::xml_node& xml)
 bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable variable)
 {
     variable.place = place_of(xml);
-    variable.address = xml.attribute("address").value();
-    if (!keep(xml, sizeof variable + variable.address.size()) ||
+    if (!keep(xml, sizeof variable) || !read_address(xml, variable.address) ||
         !read_name(xml, "name", variable.name) || !read_use(xml, "type", variable.type) ||
         !read_initial(xml, variable.initial) ||
         (variable.is_constant && !add_constant(xml, variable)) ||
         !read_publish(xml, variable.publish) || !read_documentation(xml, variable.comment)) {
         return false;
-    }
-    if (!variable.address.empty() && !is_direct_address(variable.address)) {
-        return fail(xml,
-                    "in <variable>: " + found_expected(variable.address, "an address as %IX0.0"));
     }
     program_.variables.push_back(std::move(variable));
     return true;
@@ -96,6 +100,18 @@ bool PlcopenReader::add_constant(const pugi::xml_node& xml, const GlobalVariable
         {.name = variable.name, .text = value.attribute("value").value(), .place = variable.place},
         variable.type);
     return keep(xml, ConstantTable::memory_of_one);
+}
+
+bool PlcopenReader::read_address(const pugi::xml_node& xml, std::string& address)
+{
+    const pugi::xml_node holder = child_of(xml, "address");
+    const std::string_view text = (holder ? holder : xml).attribute("address").value();
+    // IEC 61131-10 is from tools with addresses of their own: %W461.00, IOBus://rack#0.
+    if (!text.empty() && !holder && !is_direct_address(text)) {
+        return fail(xml, "in <variable>: " + found_expected(text, "an address as %IX0.0"));
+    }
+    address = text.substr(0, limits_->max_name_length);
+    return keep(xml, address.size());
 }
 
 NetworkPublish PlcopenReader::publish_of_variable(const pugi::xml_node& xml, NetworkPublish common)
@@ -143,11 +159,11 @@ bool PlcopenReader::read_value(const pugi::xml_node& holder, InitialValue& value
         return fail(holder,
                     "has more than " + std::to_string(limits_->max_depth) + " values around it");
     }
-    const std::string_view name = local_name_of(xml);
-    if (name == "arrayValue" || name == "structValue") {
-        return read_parts(xml, value, name == "arrayValue", depth);
+    const bool is_list = is_named(xml, "arrayValue");
+    if (is_list || is_named(xml, "structValue")) {
+        return read_parts(xml, value, is_list, depth);
     }
-    if (name != "simpleValue") {
+    if (!is_named(xml, "simpleValue")) {
         return fail(xml ? xml : holder, "found " + tag_of(xml ? xml : holder) +
                                             ", expected <simpleValue>, <arrayValue> or "
                                             "<structValue>");
@@ -167,7 +183,7 @@ bool PlcopenReader::read_parts(const pugi::xml_node& xml, InitialValue& value, b
                                std::size_t depth)
 {
     for (const pugi::xml_node& child : xml.children()) {
-        if (local_name_of(child) != "value") {
+        if (!is_named(child, "value")) {
             continue;
         }
         InitialValue part;
