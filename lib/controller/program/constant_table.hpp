@@ -172,6 +172,7 @@ template <typename Read>
     }
     for (int pass = 2; pass <= most && constants.needs_pass(); ++pass) {
         constants.complete(program ? *program : Program{}, pass == most);
+        program = Program{}; // does not need the memory of both
         program = read(unserved);
     }
     return program;

@@ -36,8 +36,9 @@ std::string place_text(std::string_view file_name, const ProgramPlace& place)
 
 DeclarationCursor::DeclarationCursor(std::string_view text, std::string_view file_name,
                                      const TextPlaces* places, const DeclarationLimits& limits,
-                                     MemoryBudget& memory, ConstantTable& constants)
-    : text_{text}, lexer_{text}, file_name_{file_name}, places_{places}, limits_{&limits},
+                                     MemoryBudget& memory, ConstantTable& constants,
+                                     std::size_t begin)
+    : text_{text}, lexer_{text, begin}, file_name_{file_name}, places_{places}, limits_{&limits},
       memory_{&memory}, constants_{&constants}
 {
     now_ = lexer_.next();

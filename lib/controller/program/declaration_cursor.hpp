@@ -41,10 +41,11 @@ private:
 class BUSBAR_API DeclarationCursor {
 public:
     /// All arguments must outlive this object. Without `places`, problems and places have no lines.
-    /// Names in expressions are looked up in `constants`.
+    /// Names in expressions are looked up in `constants`. The first token is at `begin` or after
+    /// it.
     DeclarationCursor(std::string_view text, std::string_view file_name, const TextPlaces* places,
                       const DeclarationLimits& limits, MemoryBudget& memory,
-                      ConstantTable& constants);
+                      ConstantTable& constants, std::size_t begin = 0);
 
     [[nodiscard]] const DeclarationToken& now() const { return now_; }
     [[nodiscard]] bool is_end() const { return now_.kind == DeclarationToken::Kind::End; }

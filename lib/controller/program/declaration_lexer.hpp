@@ -39,8 +39,11 @@ struct DeclarationToken {
 /// Splits a UTF-8 text into tokens. Looks at each byte a few times at most.
 class DeclarationLexer {
 public:
-    /// `text` must outlive this object and its tokens.
-    explicit DeclarationLexer(std::string_view text) : text_{text} {}
+    /// `text` must outlive this object and its tokens; the first token is at `begin` or after it.
+    explicit DeclarationLexer(std::string_view text, std::size_t begin = 0)
+        : text_{text}, at_{begin}
+    {
+    }
 
     /// Returns the next token; End for ever after the last one.
     [[nodiscard]] DeclarationToken next();
@@ -75,7 +78,7 @@ private:
     [[nodiscard]] DeclarationToken take(DeclarationToken::Kind kind, std::size_t end);
 
     std::string_view text_;
-    std::size_t at_{0};
+    std::size_t at_;
     std::string_view comment_{};
     bool is_same_line_{false};
     bool has_comment_{false};

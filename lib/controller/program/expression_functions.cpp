@@ -1,6 +1,8 @@
 #include <array>
 #include <cmath>
 
+#include <busbar/controller/program_types.hpp>
+
 #include "core/ascii_case.hpp"
 #include "declaration_keywords.hpp"
 #include "expression.hpp"

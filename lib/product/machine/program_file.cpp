@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/label_program.hpp>
-#include <busbar/controller/plcopen_xml.hpp>
+#include <busbar/controller/program_text.hpp>
 #include <busbar/core/status_codes.hpp>
 
 #include "product/store/received_program.hpp"
@@ -13,8 +12,6 @@
 namespace busbar::product {
 
 namespace {
-
-constexpr std::string_view xml_ending = ".xml";
 
 using ReadProgram = std::shared_ptr<const controller::CheckedProgram>;
 
@@ -53,9 +50,7 @@ ReadProgram program_of(const TomlTable& table, const std::string& place, std::st
 Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name,
                                                const ProgramReading& reading)
 {
-    return name.ends_with(xml_ending)
-               ? controller::read_plcopen_xml(text, name, {}, reading.unserved, reading.encoding)
-               : controller::read_declarations(text, name, {}, reading.unserved, reading.encoding);
+    return controller::read_program_text(text, name, {}, reading.unserved, reading.encoding);
 }
 
 std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
@@ -66,7 +61,8 @@ std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const st
         table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
     }
     if (!text) {
-        table.fail(key, "a file of declarations (IEC 61131-3) or PLCopen XML");
+        table.fail(key,
+                   "a file of declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or TwinCAT");
     }
     return *std::move(text);
 }

@@ -15,8 +15,7 @@
 
 namespace busbar::product {
 
-/// A file with types and global variables: PLCopen XML by its name, otherwise declarations of IEC
-/// 61131-3.
+/// A file with types and global variables, of a format that read_program_text() recognizes.
 template <typename Program>
 struct ProgramFile {
     /// The file's text, for comparing.

@@ -39,18 +39,6 @@ constexpr std::array unit_names{
     UnitName{"interface", "is an interface"},
 };
 
-/// Upper bound of the memory that a parsed document takes, including its text. Each bracket may
-/// begin an element followed by a text, each equals sign an attribute.
-std::size_t memory_of_document(std::string_view text)
-{
-    constexpr std::size_t node = 64;
-    constexpr std::size_t attribute = 40;
-    const auto count = [&](char c) {
-        return static_cast<std::size_t>(std::count(text.begin(), text.end(), c));
-    };
-    return text.size() + count('<') * 2 * node + count('=') * attribute;
-}
-
 /// Converts "PT1H2.5S" to the notation of IEC 61131-3; empty for any other text.
 std::string iec_interval(std::string_view text)
 {

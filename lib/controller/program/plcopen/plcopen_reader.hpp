@@ -119,6 +119,9 @@ private:
     bool is_exhausted_{false};
 };
 
+/// Returns an upper bound of the memory that a parsed document takes, including its text. Each
+/// bracket may begin an element followed by a text, each equals sign an attribute.
+[[nodiscard]] std::size_t memory_of_document(std::string_view text);
 /// Returns the element's name without its prefix.
 [[nodiscard]] std::string_view local_name_of(const pugi::xml_node& xml);
 /// True if the element has this name, ignoring its prefix and whether it begins with a capital, as

@@ -9,6 +9,16 @@
 
 namespace busbar::controller::detail {
 
+std::size_t memory_of_document(std::string_view text)
+{
+    constexpr std::size_t node = 64;
+    constexpr std::size_t attribute = 40;
+    const auto count = [&](char c) {
+        return static_cast<std::size_t>(std::count(text.begin(), text.end(), c));
+    };
+    return text.size() + count('<') * 2 * node + count('=') * attribute;
+}
+
 std::string_view local_name_of(const pugi::xml_node& xml)
 {
     const std::string_view name = xml.name();
