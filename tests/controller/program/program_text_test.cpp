@@ -112,6 +112,43 @@ TEST_CASE("Types and units of TwinCAT are read")
     CHECK(unit->left_out[0].declared.name == "Pump");
 }
 
+TEST_CASE("A table of variables of Sysmac Studio is read, with or without titles")
+{
+    const std::string titles =
+        "Name\tData Type\tInitial Value\tAT\tRetain\tConstant\tNetwork Publish\tComment\r\n";
+    const bool has_titles = GENERATE(true, false);
+    const std::string table = (has_titles ? titles : "") +
+                              "Speed\tINT\tN * 2\t%D100\tTrue\tFalse\tOutput\tin m/s\r\n"
+                              "Trace\tARRAY[0..N] OF REAL\t\t\tFalse\tFalse\tPublish Only\t\r\n"
+                              "\r\n"
+                              "N\tINT\t4\t\tFalse\tTrue\tDo not publish\t\r\n"
+                              "Pump\tPOINTER TO INT\t\t\tFalse\tFalse\tInput\t\r\n"
+                              "Wrong\tINT\t1 2\t\tMaybe\tFalse\tInput\t";
+    const auto program = read_program_text(table, "m.txt", {}, Unserved::LeaveOut);
+    REQUIRE(program);
+    REQUIRE(program->variables.size() == 3);
+    const GlobalVariable& speed = program->variables[0];
+    CHECK(speed.name == "Speed");
+    CHECK(speed.initial.value == Variant{std::int64_t{8}});
+    CHECK(speed.address == "%D100");
+    CHECK(speed.is_retained);
+    CHECK(speed.publish == NetworkPublish::Output);
+    CHECK(speed.comment == "in m/s");
+    CHECK(speed.place.line == (has_titles ? 2 : 1));
+    CHECK(program->variables[1].publish == NetworkPublish::PublishOnly);
+    CHECK(program->variables[1].type.dimensions.at(0) == Bounds{0, 4});
+    CHECK(program->variables[2].is_constant);
+    REQUIRE(program->left_out.size() == 2);
+    const std::string line = has_titles ? "6" : "5";
+    CHECK(busbar::text(program->left_out[0].problem) ==
+          line + ":6: variable Pump: is of the type POINTER, which is not served");
+    CHECK(program->left_out[0].declared.publish == NetworkPublish::Input);
+    CHECK(
+        busbar::text(program->left_out[1].problem).find("found 'Maybe', expected True or False") !=
+        std::string::npos);
+    CHECK(problem_of(table).find("m.txt:" + line + ":6: ") == 0);
+}
+
 TEST_CASE("Objects of TwinCAT without declarations are refused with their place")
 {
     CHECK(problem_of("<TcPlcObject/>") ==
