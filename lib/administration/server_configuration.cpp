@@ -291,17 +291,23 @@ void ServerConfiguration::get_rejected_list(MethodCall call)
 void ServerConfiguration::remove_rejected(MethodCall call)
 {
     const std::string thumbprint = crypto::spelled_thumbprint(text_view(call, 0));
-    StatusCode result = status::Bad_NotFound;
+    // Look at all groups first, so that a lack of memory there leaves the certificate in each.
+    std::vector<crypto::CertificateStore*> stores;
     for (const CertificateGroup& group : transaction_.groups()) {
-        const auto removed = group.store->remove(crypto::StoreList::Rejected, thumbprint);
-        if (removed) {
-            result = status::Good;
-        } else if (removed.error().status != status::Bad_NotFound) {
-            return call.fail(removed.error().status);
+        const auto entries = group.store->list(crypto::StoreList::Rejected);
+        if (std::any_of(entries.begin(), entries.end(),
+                        [&](const auto& each) { return each.thumbprint == thumbprint; })) {
+            stores.push_back(group.store);
         }
     }
-    if (result.is_bad()) {
-        return call.fail(result);
+    if (stores.empty()) {
+        return call.fail(status::Bad_NotFound);
+    }
+    for (crypto::CertificateStore* const store : stores) {
+        const auto removed = store->remove(crypto::StoreList::Rejected, thumbprint);
+        if (!removed) {
+            return call.fail(removed.error().status);
+        }
     }
     call.succeed();
 }

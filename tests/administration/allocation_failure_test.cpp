@@ -16,9 +16,10 @@
 
 namespace allocation_failure_test {
 
-// Each Method of administration with the k-th of its allocations failing, for k = 1, 2, ... until
-// it goes through. What fails answers Bad_OutOfMemory, or closes the connection, and changes
-// nothing: the same Method succeeds at once, and nothing that was allocated is left in the end.
+// Each Method of administration, and Writes of its Variables, with the k-th of its allocations
+// failing, for k = 1, 2, ... until it goes through. What fails answers Bad_OutOfMemory, or closes
+// the connection, and changes nothing: the same Method succeeds at once, and nothing that was
+// allocated is left in the end.
 
 using namespace busbar;
 using namespace busbar::test;
@@ -27,16 +28,19 @@ namespace {
 
 using World = FailureWorld;
 
-/// A Method; whatever is not set does nothing.
-struct Row {
+/// A Method, or the Write of a Variable; whatever is not set does nothing.
+template <typename Request>
+struct RowOf {
     std::string name;
     /// What has to be before, and what is asked.
-    std::function<CallRequest(World&)> prepare;
+    std::function<Request(World&)> prepare;
     /// Makes things as they were before prepare().
     std::function<void(World&)> restore{[](World&) {}};
     /// Of those allocations that fail, for a Method that makes a key each time.
     std::size_t step{1};
 };
+using Row = RowOf<CallRequest>;
+using WriteRow = RowOf<WriteRequest>;
 
 const Variant no_text{String{}};
 
@@ -149,6 +153,14 @@ std::vector<Row> certificate_rows()
              static_cast<void>(
                  world.applications.add(crypto::StoreList::Rejected, stranger().der()));
              return World::on_server(id::ServerConfiguration_GetRejectedList, {});
+         }},
+        {"RemoveRejectedCertificate",
+         [](World& world) {
+             static_cast<void>(
+                 world.applications.add(crypto::StoreList::Rejected, stranger().der()));
+             return World::calling(NodeId{0, id::ServerConfiguration},
+                                   NodeId{1, "ServerConfiguration/RemoveRejectedCertificate"},
+                                   {text(stranger().thumbprint_text().c_str())});
          }},
     };
 }
@@ -276,11 +288,29 @@ CallRequest with_rule(std::uint32_t method)
                           {Variant{ExtensionObject::from(IdentityMappingRuleType{rule})}});
 }
 
+CallRequest with_application(std::uint32_t method)
+{
+    return World::calling(NodeId{0, id::WellKnownRole_Operator}, NodeId{0, method},
+                          {text("urn:example:an application with a long name")});
+}
+
+CallRequest with_endpoint(std::uint32_t method)
+{
+    EndpointType endpoint;
+    endpoint.endpoint_url = "opc.tcp://an-endpoint-with-a-long-name.example:4840";
+    return World::calling(NodeId{0, id::WellKnownRole_Operator}, NodeId{0, method},
+                          {Variant{ExtensionObject::from(std::move(endpoint))}});
+}
+
 std::vector<Row> role_rows()
 {
     // Of Operator.
     constexpr std::uint32_t add_identity = 15684;
     constexpr std::uint32_t remove_identity = 15686;
+    constexpr std::uint32_t add_application = 16228;
+    constexpr std::uint32_t remove_application = 16230;
+    constexpr std::uint32_t add_endpoint = 16232;
+    constexpr std::uint32_t remove_endpoint = 16234;
     return {
         {"AddRole", [](World&) { return adding_role(); },
          [](World& world) { world.need(removing_role()); }},
@@ -295,6 +325,20 @@ std::vector<Row> role_rows()
          [](World& world) {
              world.need(with_rule(add_identity));
              return with_rule(remove_identity);
+         }},
+        {"AddApplication", [](World&) { return with_application(add_application); },
+         [](World& world) { world.need(with_application(remove_application)); }},
+        {"RemoveApplication",
+         [](World& world) {
+             world.need(with_application(add_application));
+             return with_application(remove_application);
+         }},
+        {"AddEndpoint", [](World&) { return with_endpoint(add_endpoint); },
+         [](World& world) { world.need(with_endpoint(remove_endpoint)); }},
+        {"RemoveEndpoint",
+         [](World& world) {
+             world.need(with_endpoint(add_endpoint));
+             return with_endpoint(remove_endpoint);
          }},
     };
 }
@@ -480,10 +524,33 @@ std::vector<Row> server_rows()
     };
 }
 
-/// False if the Method went through without a failure.
-bool fail_once(World& world, const Row& row, std::size_t k)
+std::vector<WriteRow> write_rows()
 {
-    const CallRequest asked = row.prepare(world);
+    const NodeId sessions{1, "Settings.limits.sessions"};
+    const NodeId names{1, "Settings.server.host_names"};
+    const NodeId excludes{0, 15418}; // ApplicationsExclude of Operator
+    const auto write = [](const NodeId& variable, const Variant& value) {
+        return [=](World&) { return World::writing_to(variable, value); };
+    };
+    const auto restore = [](const NodeId& variable, const Variant& value) {
+        return
+            [=](World& world) { CHECK(world.ask(World::writing_to(variable, value)).is_good()); };
+    };
+    const Variant few{Array<String>{"press-4"}};
+    const Variant more{Array<String>{"press-4", "the press of the second hall"}};
+    return {
+        {"a setting", write(sessions, Variant{std::int64_t{7}}),
+         restore(sessions, Variant{std::int64_t{100}})},
+        {"a setting that is a list", write(names, more), restore(names, few)},
+        {"a rule of a role", write(excludes, Variant{true}), restore(excludes, Variant{false})},
+    };
+}
+
+/// False if the Method went through without a failure.
+template <typename Request>
+bool fail_once(World& world, const RowOf<Request>& row, std::size_t k)
+{
+    const Request asked = row.prepare(world);
     world.log.text.clear();
     fail_allocation(k);
     const StatusCode answer = world.ask(asked);
@@ -508,7 +575,8 @@ bool fail_once(World& world, const Row& row, std::size_t k)
 
 /// How many allocations failed of the first `most`: each one, or every seventh unless the effort is
 /// full.
-std::size_t fail_each(const Row& row, ManualWorker* worker, std::size_t most)
+template <typename Request>
+std::size_t fail_each(const RowOf<Request>& row, ManualWorker* worker, std::size_t most)
 {
     World world{worker};
     const std::size_t step = is_full_effort() ? row.step : std::max<std::size_t>(row.step, 7);
@@ -519,9 +587,10 @@ std::size_t fail_each(const Row& row, ManualWorker* worker, std::size_t most)
     return count;
 }
 
-void check(const std::vector<Row>& rows, ManualWorker* worker = nullptr)
+template <typename Request>
+void check(const std::vector<RowOf<Request>>& rows, ManualWorker* worker = nullptr)
 {
-    for (const Row& row : rows) {
+    for (const RowOf<Request>& row : rows) {
         DYNAMIC_SECTION(row.name)
         {
             static_cast<void>(fail_each(row, worker, 1)); // makes what lasts as long as the program
@@ -585,6 +654,11 @@ TEST_CASE("administration: an allocation that fails ends one Method of temporary
 TEST_CASE("administration: an allocation that fails ends one Method of the server")
 {
     check(server_rows());
+}
+
+TEST_CASE("administration: an allocation that fails ends one Write")
+{
+    check(write_rows());
 }
 
 } // namespace allocation_failure_test

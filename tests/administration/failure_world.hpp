@@ -55,24 +55,27 @@ struct FailureWorld : Configuration {
         settle();
         REQUIRE(root.take<CallResponse>(sent));
     }
-    /// What the server does for a request, with its worker, counted. Bad_ConnectionClosed if it
-    /// closes the connection.
+    /// What the server does for a request of one Method or Write, with its worker, counted.
+    /// Bad_ConnectionClosed if it closes the connection.
     StatusCode ask(const CallRequest& request)
     {
-        CallRequest sent = request;
-        sent.request_header.authentication_token = root.authentication_token;
-        sent.request_header.request_handle = ++root.last_handle;
-        const auto id = root.channel.send([&](binary::Writer& writer) {
-            encode(writer, NodeId{0, CallRequest::binary_encoding_id});
-            encode(writer, sent);
-        });
-        REQUIRE(id);
-        const auto bytes = take_output(root.channel);
-        counted([&] { static_cast<void>(root.connection.feed(bytes, now)); });
-        do_counted();
-        settle(); // what a failure has put off
-        const auto response = root.take<CallResponse>(*id);
+        const auto response = root.take<CallResponse>(send_counted(request));
         return !response ? response.error() : response->results[0].status_code;
+    }
+    StatusCode ask(const WriteRequest& request)
+    {
+        const auto response = root.take<WriteResponse>(send_counted(request));
+        return !response ? response.error() : response->results[0];
+    }
+    /// One Variable's Value.
+    [[nodiscard]] static WriteRequest writing_to(const NodeId& variable, Variant value)
+    {
+        WriteRequest request;
+        WriteValue& one = request.nodes_to_write.emplace_back();
+        one.node_id = variable;
+        one.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        one.value.value = std::move(value);
+        return request;
     }
     /// A connection for the session of one that was closed.
     void connect_again()
@@ -142,6 +145,23 @@ private:
             {"root", {}, 0, {}, {"SecurityAdmin", "ConfigureAdmin", "Engineer", "Operator"}},
             password, random));
         return log_in("root", password);
+    }
+    template <typename Request>
+    [[nodiscard]] std::uint32_t send_counted(const Request& request)
+    {
+        Request sent = request;
+        sent.request_header.authentication_token = root.authentication_token;
+        sent.request_header.request_handle = ++root.last_handle;
+        const auto id = root.channel.send([&](binary::Writer& writer) {
+            encode(writer, NodeId{0, Request::binary_encoding_id});
+            encode(writer, sent);
+        });
+        REQUIRE(id);
+        const auto bytes = take_output(root.channel);
+        counted([&] { static_cast<void>(root.connection.feed(bytes, now)); });
+        do_counted();
+        settle(); // what a failure has put off
+        return *id;
     }
     template <typename Work>
     void counted(Work work)
