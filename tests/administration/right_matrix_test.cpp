@@ -5,16 +5,22 @@
 #include <string>
 #include <vector>
 
+#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/running_server.hpp>
+#include <busbar/types/configuration.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/subscription.hpp>
 
+#include "administration/node_table.hpp"
 #include "administration/rights.hpp"
 #include "managed_fixture.hpp"
 
 namespace right_matrix_test {
 
 // Every Method and Variable of the administration, for nine identities over three channels: may do
-// what the table of rights says, and nothing else.
+// what the table of rights says, and nothing else. Then each of them for a user who has a role of
+// the table and loses it in between.
 
 using namespace busbar;
 using namespace busbar::test;
@@ -394,6 +400,233 @@ TEST_CASE("right matrix: each identity may what its row says over a channel that
     }
     CHECK(matrix.stops + matrix.restarts == 0);
     CHECK(matrix.user_list.users().size() == 1);
+}
+
+namespace {
+
+constexpr const char* patience = "patience is all";
+
+/// "pat" has a role by an IdentityMappingRule, which can be taken away.
+struct Taken : Matrix {
+    explicit Taken(const Identity& of) : identity{of}
+    {
+        REQUIRE(user_list.add({"pat", {}, 0, {}, {}}, patience, random));
+        // Or the last rule of SecurityAdmin would stay.
+        configured.replace({{.name = "chief", .roles = {"SecurityAdmin"}}});
+        give();
+        pat.emplace(log_in("pat", patience));
+    }
+    void give()
+    {
+        REQUIRE(roles.add_identity(identity.role, rule()));
+        server::RunningServer{server}.roles_changed();
+    }
+    void take()
+    {
+        REQUIRE(roles.remove_identity(identity.role, rule()));
+        server::RunningServer{server}.roles_changed();
+    }
+    /// By the role, and not because everybody has it.
+    [[nodiscard]] bool has(Roles some) const
+    {
+        return (some & identity.roles) != 0 && (some & who::everybody) == 0;
+    }
+
+    const Identity& identity;
+    std::optional<TestClient> pat;
+
+private:
+    [[nodiscard]] static IdentityMappingRuleType rule()
+    {
+        return {IdentityCriteriaType::UserName, "pat"};
+    }
+};
+
+/// A value of the type.
+Variant plain_value(const Argument& argument)
+{
+    const NodeId& type = argument.data_type;
+    if (type.is(id::IdentityMappingRuleType)) {
+        return Variant{ExtensionObject::from(
+            IdentityMappingRuleType{IdentityCriteriaType::UserName, "somebody else"})};
+    }
+    if (type.is(id::EndpointType)) {
+        return Variant{ExtensionObject::from(EndpointType{})};
+    }
+    const bool is_array = argument.value_rank >= 1;
+    const std::array<std::pair<std::uint32_t, Variant>, 11> values{
+        {{id::String, is_array ? Variant{Array<String>{}} : Variant{String{"x"}}},
+         {id::ByteString, is_array ? Variant{Array<ByteString>{}} : Variant{ByteString{}}},
+         {id::BaseDataType, is_array ? Variant{Array<Variant>{}} : Variant{}},
+         {id::NodeId, Variant{NodeId{}}},
+         {id::Boolean, Variant{false}},
+         {id::Byte, Variant{std::uint8_t{1}}},
+         {id::UInt16, Variant{std::uint16_t{0}}},
+         {id::Int32, Variant{std::int32_t{0}}},
+         {id::ServerState, Variant{std::int32_t{0}}},
+         {id::UInt64, Variant{std::uint64_t{0}}},
+         {id::LocalizedText, Variant{LocalizedText{"en", "x"}}}}};
+    const auto* const found = std::find_if(values.begin(), values.end(),
+                                           [&](const auto& each) { return type.is(each.first); });
+    return found != values.end()   ? found->second
+           : type.is(id::DateTime) ? Variant{DateTime{}}
+                                   : Variant{std::uint32_t{0}};
+}
+
+/// One of the Method, with arguments of their types.
+CallMethodRequest plain_call(const model::AddressSpace& space, const Node& node)
+{
+    CallMethodRequest call;
+    call.object_id = node.parent;
+    call.method_id = node.id;
+    const model::NodeIndex inputs = child_of(space, space.find(node.id), "InputArguments");
+    const Variant value = inputs != model::no_node ? space.value(inputs) : Variant{};
+    const auto* const list = value.array_if<ExtensionObject>();
+    for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+        call.input_arguments.push_back(
+            plain_value(binary::structure_of<Argument>((*list)[i]).value()));
+    }
+    return call;
+}
+
+} // namespace
+
+TEST_CASE("right matrix: a Method whose turn comes after its right has gone is not called",
+          "[attack]")
+{
+    std::size_t methods = 0;
+    for (const Identity& identity : identities) {
+        if ((identity.roles & ~who::everybody) == 0) {
+            continue; // they can lose nothing
+        }
+        std::optional<Taken> taken{std::in_place, identity};
+        for (const Node& node : only(taken->nodes(), true)) {
+            if (!taken->has(right_of(node.thing).standard.call)) {
+                continue;
+            }
+            INFO(identity.role << ", " << node.path);
+            CallRequest request;
+            request.methods_to_call.push_back(plain_call(taken->server.address_space(), node));
+            request.methods_to_call.push_back(request.methods_to_call[0]);
+            const auto sent = taken->pat->send(request); // the first is called at once
+            taken->take();
+            taken->complete();
+            const auto response = taken->pat->take<CallResponse>(sent);
+            INFO((response ? name(response->results[0].status_code) : name(response.error())));
+            REQUIRE(response);
+            CHECK(name(response->results[0].status_code) != "Bad_UserAccessDenied");
+            CHECK((response->results[1].status_code == status::Bad_UserAccessDenied ||
+                   response->results[1].status_code == status::Bad_NodeIdUnknown));
+            ++methods;
+            if (node.thing == Thing::Reset) { // which takes more away than that
+                taken.emplace(identity);
+            } else {
+                taken->give();
+            }
+        }
+    }
+    CHECK(methods > 90);
+}
+
+namespace {
+
+/// An item for each Variable, numbered as they are.
+void monitor(Taken& taken, const std::vector<Node>& variables)
+{
+    TestClient& client = *taken.pat;
+    CreateSubscriptionRequest subscription;
+    subscription.requested_publishing_interval = 100;
+    subscription.requested_lifetime_count = 3'000;
+    subscription.requested_max_keep_alive_count = 10;
+    subscription.publishing_enabled = true;
+    const auto made = client.call<CreateSubscriptionResponse>(subscription);
+    REQUIRE(made);
+    CreateMonitoredItemsRequest request;
+    request.subscription_id = made->subscription_id;
+    for (const Node& variable : variables) {
+        MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
+        item.item_to_monitor.node_id = variable.id;
+        item.item_to_monitor.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        item.monitoring_mode = MonitoringMode::Reporting;
+        item.requested_parameters.client_handle =
+            static_cast<std::uint32_t>(request.items_to_create.size() - 1);
+        item.requested_parameters.sampling_interval = 100;
+        item.requested_parameters.queue_size = 2;
+    }
+    const auto sent = client.send(request);
+    auto items = client.take<CreateMonitoredItemsResponse>(sent);
+    for (int turn = 0; turn < 100 && !items; ++turn) { // they are made in turns
+        taken.complete();
+        client.connection.handle_deadline(taken.now);
+        items = client.take<CreateMonitoredItemsResponse>(sent);
+    }
+    INFO((items ? "Good" : name(items.error())));
+    REQUIRE(items);
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+        INFO(variables[i].path);
+        CHECK(name(items->results[i].status_code) == "Good");
+    }
+}
+
+/// The last value that each item reports within some seconds; null for those that do not report.
+std::vector<std::optional<DataValue>> publish(Taken& taken, std::size_t items)
+{
+    using namespace std::chrono_literals;
+    std::vector<std::optional<DataValue>> values(items);
+    for (int round = 0; round < 4; ++round) {
+        const auto sent = taken.pat->send(PublishRequest{});
+        for (int i = 0; i < 12; ++i) {
+            taken.advance(100ms);
+            taken.complete();
+            taken.pat->run();
+        }
+        const auto response = taken.pat->take<PublishResponse>(sent);
+        REQUIRE(response);
+        for (const auto& data : response->notification_message.notification_data) {
+            if (const auto* const changes = data.get_if<DataChangeNotification>()) {
+                for (const auto& each : changes->monitored_items) {
+                    values.at(each.client_handle) = each.value;
+                }
+            }
+        }
+    }
+    return values;
+}
+
+} // namespace
+
+TEST_CASE("right matrix: an item whose right has gone reports that, and no value any more",
+          "[attack]")
+{
+    std::size_t items = 0;
+    for (const Identity& identity : identities) {
+        if ((identity.roles & ~who::everybody) == 0) {
+            continue; // they can lose nothing
+        }
+        Taken taken{identity};
+        std::vector<Node> variables;
+        for (Node& node : only(taken.nodes(), false)) {
+            if (taken.has(right_of(node.thing).standard.see)) {
+                variables.push_back(std::move(node));
+            }
+        }
+        if (variables.empty()) {
+            continue;
+        }
+        monitor(taken, variables);
+        const auto before = publish(taken, variables.size());
+        taken.take();
+        const auto after = publish(taken, variables.size());
+        for (std::size_t i = 0; i < variables.size(); ++i) {
+            INFO(identity.role << ", " << variables[i].path);
+            CHECK(before[i]);
+            REQUIRE(after[i]);
+            CHECK(after[i]->status.is_bad());
+            CHECK(after[i]->value.is_null());
+            ++items;
+        }
+    }
+    CHECK(items > 300);
 }
 
 } // namespace right_matrix_test
