@@ -25,29 +25,9 @@ using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
 using busbar::test::check_failing_worlds;
-using busbar::test::fail_allocation;
-using busbar::test::has_allocation_failed;
-using busbar::test::survives_counted;
+using busbar::test::fail_and_repeat;
 
 namespace {
-
-/// Has `work`, which is false if it refused, done with the `k`-th allocation failing, and again if
-/// that was the end of it. False if it went through.
-template <typename Work>
-bool fail_once(std::size_t k, Work work)
-{
-    bool is_done = false;
-    fail_allocation(k);
-    const bool has_survived = survives_counted([&] { is_done = work(); });
-    const bool has_failed = has_allocation_failed();
-    fail_allocation(0);
-    INFO("allocation " << k);
-    CHECK((has_failed || (has_survived && is_done)));
-    if (!has_survived || !is_done) {
-        CHECK(work());
-    }
-    return has_failed;
-}
 
 constexpr std::string_view declarations = R"(
 TYPE Point : STRUCT x : INT := 3; y : ARRAY[0..2] OF LREAL; END_STRUCT END_TYPE
@@ -85,15 +65,15 @@ std::string document_with_host(const std::string& host)
 TEST_CASE("an allocation that fails while declarations are read ends that")
 {
     check_failing_worlds("read_declarations", [](std::size_t k) {
-        return fail_once(k,
-                         [] { return read_declarations(declarations, "machine.st").has_value(); });
+        return fail_and_repeat(
+            k, [] { return read_declarations(declarations, "machine.st").has_value(); });
     });
 }
 
 TEST_CASE("an allocation that fails while a program is published leaves none of it")
 {
     check_failing_worlds("PublishedProgram", [](std::size_t k) {
-        return fail_once(k, [] {
+        return fail_and_repeat(k, [] {
             const auto made = PublishedProgram::create(machine_program(), nj501_publishing());
             return made && (*made)->make_image(1);
         });
@@ -103,7 +83,7 @@ TEST_CASE("an allocation that fails while a program is published leaves none of 
 TEST_CASE("an allocation that fails while a program gets nodes leaves nothing that is not theirs")
 {
     check_failing_worlds("MachineNodes", [](std::size_t k) {
-        return fail_once(k, [] {
+        return fail_and_repeat(k, [] {
             const Machine machine{machine_program()};
             return machine.nodes.namespace_index() != 0;
         });
@@ -117,8 +97,8 @@ TEST_CASE("an allocation that fails in an online edit leaves the program as it w
             PublishedProgram::create(machine_program(), nj501_publishing()).value();
         ProgramImage image = program->make_image(1).value();
         const auto before = program->handles().size();
-        const bool has_failed =
-            fail_once(k, [&] { return program->edit(edited_program(), 1, image).has_value(); });
+        const bool has_failed = fail_and_repeat(
+            k, [&] { return program->edit(edited_program(), 1, image).has_value(); });
         CHECK(program->handles().size() == before + 2);
         CHECK(program->handles().size() == program->publication().published().size());
         return has_failed;
@@ -133,7 +113,7 @@ TEST_CASE("an allocation that fails while a project is checked or taken over lea
         storage::MemoryStorage storage;
         ProjectStore store{storage, "project", {}};
         REQUIRE(store.replace(bytes_of(first)));
-        return fail_once(k, [&] {
+        return fail_and_repeat(k, [&] {
             REQUIRE_FALSE(store.is_busy());
             REQUIRE(store.current() != nullptr);
             CHECK(store.current()->network.host_name == "FIRST");
@@ -151,7 +131,7 @@ TEST_CASE("an allocation that fails in a backup or a restore leaves the files as
     check_failing_worlds(restores ? "restore" : "backup", [&](std::size_t k) {
         busbar::test::MemoryFixture second;
         second.put_all(busbar::test::second_machine());
-        const bool has_failed = fail_once(k, [&] {
+        const bool has_failed = fail_and_repeat(k, [&] {
             if (!restores) {
                 return second.memory.backup({"NJ_2"}).has_value();
             }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -38,6 +39,31 @@ void check_failing_worlds(std::string_view what, Fail fail,
         INFO(what << ", allocation " << k);
         CHECK(after == before);
     }
+}
+
+/// Has `work`, which is false if it refused, done with the `k`-th allocation failing, and again if
+/// that was the end of it. `check` sees what such an end has left. False if it went through.
+template <typename Work, typename Check>
+bool fail_and_repeat(std::size_t k, Work work, Check check)
+{
+    bool is_done = false;
+    fail_allocation(k);
+    const bool has_survived = survives_counted([&] { is_done = work(); });
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k);
+    CHECK((has_failed || (has_survived && is_done)));
+    if (!has_survived || !is_done) {
+        check();
+        CHECK(work());
+    }
+    return has_failed;
+}
+
+template <typename Work>
+bool fail_and_repeat(std::size_t k, Work work)
+{
+    return fail_and_repeat(k, std::move(work), [] {});
 }
 
 } // namespace busbar::test

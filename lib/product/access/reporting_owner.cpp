@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 
 #include "core/json_writer.hpp"
@@ -47,7 +48,9 @@ StatusCode ReportingOwner::report(const TransferRequest& request,
                                   const Configured<std::string>& done, std::string_view verb)
 {
     if (done) {
-        report_ = {request.session, *done};
+        // What was done is done, with a report or without the memory for one.
+        report_.text.clear();
+        busbar::detail::attempt([&] { report_ = Report{request.session, *done}; });
         return allow();
     }
     const StatusCode status = refuse(done.error().status, text(done.error()));

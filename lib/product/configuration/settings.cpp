@@ -116,6 +116,7 @@ void Settings::take(Version version)
     config_ = std::move(version.merged.config);
     const SettingValues before = std::exchange(values_, std::move(version.merged.values));
     sources_ = std::move(version.sources);
+    checked_.reset();
     if (running_.apply) {
         running_.apply(config_);
     }
@@ -168,14 +169,19 @@ bool Settings::waits_for_restart() const
 
 Configured<void> Settings::check(const SettingValues& changes)
 {
+    checked_.reset();
     try {
-        const Version all = version(text_, sources_, changes);
+        Checked all{changes, version(text_, sources_, changes)};
         if (is_in_run(config_.machine)) {
-            if (auto checked = check_in_run(values_, all.merged.values); !checked) {
+            if (auto checked = check_in_run(values_, all.version.merged.values); !checked) {
                 return checked;
             }
         }
-        return check_version(all);
+        auto checked = check_version(all.version);
+        if (checked) {
+            checked_ = std::move(all);
+        }
+        return checked;
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};
     }
@@ -209,7 +215,9 @@ Configured<void> Settings::check_version(const Version& all) const
 
 void Settings::apply(const SettingValues& changes)
 {
-    take(version(text_, sources_, changes));
+    auto checked = std::exchange(checked_, {});
+    take(checked && checked->changes == changes ? std::move(checked->version)
+                                                : version(text_, sources_, changes));
 }
 
 std::vector<std::string> forget_changes(const std::string& path)

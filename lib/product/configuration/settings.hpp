@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,7 +65,11 @@ public:
     [[nodiscard]] SourceFiles& sources() { return sources_; }
     [[nodiscard]] const SourceFiles& sources() const { return sources_; }
     /// Replaces the files, without making config() again.
-    void use(SourceFiles sources) { sources_ = std::move(sources); }
+    void use(SourceFiles sources)
+    {
+        sources_ = std::move(sources);
+        checked_.reset();
+    }
     [[nodiscard]] administration::SettingList& list() { return list_; }
     [[nodiscard]] const administration::SettingList& list() const { return list_; }
     /// The folder of certificates for ordinary changes, and the storage below the gate for a
@@ -90,6 +95,11 @@ private:
         SourceFiles sources;
     };
 
+    struct Checked {
+        administration::SettingValues changes;
+        Version version;
+    };
+
     [[nodiscard]] Version version(const std::string& text, SourceFiles sources,
                                   const administration::SettingValues& changes) const;
     [[nodiscard]] Configured<void> check_version(const Version& all) const;
@@ -109,6 +119,9 @@ private:
     administration::SettingValues values_;
     administration::SettingValues started_;
     Running running_;
+    /// What the last check() made, so that apply(), which comes after the changes were stored,
+    /// cannot fail for lack of memory, and reads nothing again.
+    std::optional<Checked> checked_;
 };
 
 /// Removes online changes, readable or not: settings, and a program that was sent. Returns what it

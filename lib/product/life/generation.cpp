@@ -232,10 +232,15 @@ void Generation::attach(const Requests& requests)
              },
          .apply =
              [this, changed = requests.settings_changed](const ControllerConfig& next) {
-                 apply(next);
-                 changed();
+                 // The changes are stored: what fails now is told, and takes effect at a start.
+                 LogSink& log = log_of(around_);
+                 busbar::detail::guarded(log, "settings", [&] { apply(next); });
+                 busbar::detail::guarded(log, "settings", changed);
              },
-         .security_changed = [this] { security_changed(); }});
+         .security_changed =
+             [this] {
+                 busbar::detail::guarded(log_of(around_), "settings", [&] { security_changed(); });
+             }});
 }
 
 /// Bypasses the audit, which already has a record with the user.

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
@@ -193,7 +194,7 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     auto wish = wish_of(request.options);
     const auto done = carry_out(*wish, bytes);
     if (done && wish->task != Wish::Task::Verify) {
-        tell_replaced(needs_.log, request, wish->with_security);
+        busbar::detail::attempt([&] { tell_replaced(needs_.log, request, wish->with_security); });
     }
     const std::string_view options = request.options.get_if<String>()->view();
     return report(request, done, options.substr(0, options.find('\n')));
@@ -216,7 +217,7 @@ Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std
             needs_.hold_files([&] {
                 done = restore(wish, bytes);
                 if (done) {
-                    needs_.values_replaced();
+                    values_replaced();
                 }
             });
             break;
@@ -229,7 +230,7 @@ Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std
                                      : misconfigured("clear", "found a file, expected an empty one",
                                                      status::Bad_InvalidArgument);
                 if (done) {
-                    needs_.values_replaced();
+                    values_replaced();
                 }
             });
             break;
@@ -239,9 +240,14 @@ Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std
         }
     });
     if (done && wish.task != Wish::Task::Verify) {
-        needs_.replaced();
+        busbar::detail::guarded(needs_.log, source, needs_.replaced);
     }
     return done;
+}
+
+void MachineBackup::values_replaced() const
+{
+    busbar::detail::guarded(needs_.log, source, needs_.values_replaced);
 }
 
 Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::byte> bytes)
@@ -252,14 +258,19 @@ Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::
     }
     const bool has_data = *restored != controller::Restored::Nothing;
     const bool lacks_profile = *restored == controller::Restored::WithoutProfile;
-    needs_.log.write(LogLevel::Info, source,
-                     std::string{has_data ? "restored from a backup"
-                                          : "cleared: the backup is of a controller without OPC UA "
-                                            "server"} +
-                         (lacks_profile ? ", which has no security profile" : "") +
-                         "; it takes effect after a restart, which is due");
     wish.with_security = wish.with_security && !lacks_profile;
-    return restore_report(has_data, lacks_profile);
+    // The files are replaced: a lack of memory from here on costs the line or the report.
+    Configured<std::string> report;
+    busbar::detail::attempt([&] {
+        needs_.log.write(LogLevel::Info, source,
+                         std::string{has_data ? "restored from a backup"
+                                              : "cleared: the backup is of a controller without "
+                                                "OPC UA server"} +
+                             (lacks_profile ? ", which has no security profile" : "") +
+                             "; it takes effect after a restart, which is due");
+    });
+    busbar::detail::attempt([&] { report = restore_report(has_data, lacks_profile); });
+    return report;
 }
 
 Configured<std::string> MachineBackup::verify(const Wish& wish,
@@ -270,10 +281,12 @@ Configured<std::string> MachineBackup::verify(const Wish& wish,
 
 Configured<std::string> MachineBackup::clear(const Wish& wish)
 {
+    std::string report = R"({"cleared":true})";
     return memory_.clear_all(wish.with_security, needs_.mode()).transform([&] {
-        needs_.log.write(LogLevel::Info, source,
-                         "all memory was cleared; it takes effect after a restart, which is due");
-        return std::string{R"({"cleared":true})"};
+        busbar::detail::write_safely(
+            needs_.log, LogLevel::Info, source,
+            "all memory was cleared; it takes effect after a restart, which is due");
+        return std::move(report);
     });
 }
 

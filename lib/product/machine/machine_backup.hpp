@@ -95,6 +95,7 @@ private:
     [[nodiscard]] Configured<std::string> verify(const Wish& wish,
                                                  std::span<const std::byte> bytes) const;
     [[nodiscard]] Configured<std::string> clear(const Wish& wish);
+    void values_replaced() const;
 
     Needs needs_;
     controller::MachineMemory memory_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/controller/declaration_reader.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
@@ -96,6 +97,12 @@ std::string verdict_report(const ProgramVerdict& verdict, const controller::Prog
     write_left_out(json, program, file);
     json.end_object();
     return json.take();
+}
+
+/// The report of a change, which needs memory before the program is changed.
+std::string report_of(ProgramChange::Step step)
+{
+    return step == ProgramChange::Step::Edit ? R"({"edited":true})" : R"({"downloaded":true})";
 }
 
 } // namespace
@@ -253,7 +260,7 @@ StatusCode ProgramService::take(const TransferRequest& request, std::span<const 
         Record record{.kind = RecordKind::SettingsChanged, .source = program_source};
         record.actor.session_id = &request.session;
         record.actor.user = request.user.name;
-        tell(needs_.log, record);
+        busbar::detail::attempt([&] { tell(needs_.log, record); });
     }
     return report(request, done, has_changed ? wish->verb : std::string_view{});
 }
@@ -289,11 +296,11 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
         step, wish.leaves_out,
         document_of({std::string{wish.name}, user, needs_.clock.now(), std::string{text}}),
         *std::move(prepared_)};
+    std::string done = report_of(step);
     return needs_.change(change).transform([&](const ProgramVerdict& verdict) {
         return step == Step::Check
                    ? verdict_report(verdict, program->program(), std::string{wish.name})
-               : step == Step::Edit ? std::string{R"({"edited":true})"}
-                                    : std::string{R"({"downloaded":true})"};
+                   : std::move(done);
     });
 }
 
@@ -309,12 +316,13 @@ Configured<std::string> ProgramService::restore()
         return Unexpected{std::move(prepared_).error()};
     }
     ProgramChange change{.leaves_out = true, .prepared = *std::move(prepared_)};
+    std::string edited = report_of(Step::Edit);
+    std::string downloaded = report_of(Step::Download);
     return needs_.change(change).and_then([&](const ProgramVerdict& verdict) {
         const bool is_edit = verdict.is_same || verdict.against_edit.empty();
         change.step = is_edit ? Step::Edit : Step::Download;
-        return needs_.change(change).transform([&](const ProgramVerdict&) {
-            return std::string{is_edit ? R"({"edited":true})" : R"({"downloaded":true})"};
-        });
+        return needs_.change(change).transform(
+            [&](const ProgramVerdict&) { return std::move(is_edit ? edited : downloaded); });
     });
 }
 
@@ -322,8 +330,8 @@ Configured<std::string> ProgramService::change_mode(const Wish& wish) const
 {
     const auto mode =
         wish.name == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
-    return needs_.set_mode(mode).transform(
-        [&] { return R"({"mode":")" + std::string{wish.name} + R"("})"; });
+    std::string done = R"({"mode":")" + std::string{wish.name} + R"("})";
+    return needs_.set_mode(mode).transform([&] { return std::move(done); });
 }
 
 } // namespace busbar::product

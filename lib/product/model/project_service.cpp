@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text_forms.hpp>
 #include <busbar/types/ids.hpp>
@@ -192,13 +193,17 @@ Configured<std::string> ProjectService::write(std::span<const std::byte> bytes)
     if (!*staged) {
         return Unexpected{std::move(staged->error())};
     }
+    // Allocate memory before the project is in the store.
+    Configured<std::string> done{R"({"written":true})"};
     if (auto written = needs_.store.take_up(**std::move(staged)); !written) {
         return Unexpected{std::move(written.error())};
     }
     needs_.is_update_due = true;
-    needs_.log.write(LogLevel::Info, project_source,
-                     "a project was written: " + std::to_string(bytes.size()) + " bytes");
-    return std::string{R"({"written":true})"};
+    busbar::detail::attempt([&] {
+        needs_.log.write(LogLevel::Info, project_source,
+                         "a project was written: " + std::to_string(bytes.size()) + " bytes");
+    });
+    return done;
 }
 
 /// Runs on the worker.
@@ -243,13 +248,14 @@ Configured<std::string> ProjectService::update(std::span<const std::byte> bytes,
         return misconfigured("update", "found a file, expected an empty one",
                              status::Bad_InvalidArgument);
     }
+    Configured<std::string> done{R"({"updated":true})"};
     if (auto may = take_labels(despite_labels); !may) {
         return Unexpected{std::move(may.error())};
     }
     if (auto updated = needs_.update(); !updated) {
         return Unexpected{std::move(updated.error())};
     }
-    return std::string{R"({"updated":true})"};
+    return done;
 }
 
 } // namespace busbar::product
