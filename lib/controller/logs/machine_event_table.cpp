@@ -23,9 +23,11 @@ constexpr std::array event_types{
         observation,
         {},
         EventEnd::Renewal,
-        "The server's certificate names another IP address than the controller has.",
-        "The controller's address was changed after the certificate was generated.",
-        "Give the controller its address back, or regenerate the server's certificate."},
+        "The server's certificate does not name an IP address or a host name of the controller.",
+        "The controller's address or name was changed after the certificate was generated, or the "
+        "certificate was made without it.",
+        "Give the controller its address or name back, or make a certificate that has it: "
+        "regenerate it, or install one of your authority."},
     MachineEventType{
         0x35D00000,
         "OPC UA Server Setting Error",

@@ -45,6 +45,8 @@ await has_records 'SERVER 0004 Prepare$' $((prepares + 1))
 await has_records 'SERVER 0005 Run$' $((prepares + 1))
 await logged 'event log: 15020000 Server Certificate Mismatch'
 await has_records 'CERT 0004 Mismatch_Host NxOpcUaServer@192.0.2.7 20[0-9T:.-]*Z' 1
+chief 0 admin events "opc.tcp://192.0.2.8:$port" --ignore host-name --code 15020000
+says 'does not name an IP address or a host name of the controller'
 chief 4 admin status "opc.tcp://192.0.2.8:$port" # whose name is in no certificate
 chief 0 admin status "opc.tcp://192.0.2.8:$port" --ignore host-name
 says '^Server operating status: *Running$'
