@@ -106,6 +106,70 @@ void merge(Mapping& into, const Mapping& from)
     }
 }
 
+/// Takes the labels of a part, and of parts within it, away where `taken` has a label. Returns how
+/// many there were.
+std::size_t take_away(std::string& label, const std::string& taken)
+{
+    return !taken.empty() && !std::exchange(label, {}).empty() ? 1 : 0;
+}
+
+std::size_t take_away(std::vector<MappedPart>& parts, const std::vector<MappedPart>& taken);
+
+std::size_t take_away(MappedPart& part, const MappedPart& taken)
+{
+    if (taken.label.empty()) {
+        return take_away(part.parts, taken.parts);
+    }
+    const std::size_t count = controller::count_labels(part);
+    part.label.clear();
+    part.parts.clear();
+    return count;
+}
+
+std::size_t take_away(std::vector<MappedPart>& parts, const std::vector<MappedPart>& taken)
+{
+    std::size_t count = 0;
+    for (const MappedPart& each : taken) {
+        for (MappedPart& part : parts) {
+            count += is_same_part(part, each) ? take_away(part, each) : 0;
+        }
+    }
+    std::erase_if(parts,
+                  [](const MappedPart& part) { return part.label.empty() && part.parts.empty(); });
+    return count;
+}
+
+std::size_t take_away(controller::DataMapping& variable, const controller::DataMapping& taken)
+{
+    const bool loses_scaling = taken.scaling.is_set() && variable.scaling.is_set();
+    variable.scaling = loses_scaling ? controller::Scaling{} : variable.scaling;
+    return take_away(variable.value, taken.value) + take_away(variable.quality, taken.quality) +
+           (loses_scaling ? 1 : 0);
+}
+
+std::size_t take_away(controller::MethodMapping& method, const controller::MethodMapping& taken)
+{
+    return take_away(method.handle, taken.handle) + take_away(method.done, taken.done) +
+           take_away(method.arguments, taken.arguments) + take_away(method.outputs, taken.outputs);
+}
+
+template <typename Map>
+std::size_t take_away(Map& all, const Map& taken)
+{
+    std::size_t count = 0;
+    for (const auto& [node, part] : taken) {
+        const auto found = all.find(node);
+        if (found == all.end()) {
+            continue;
+        }
+        count += take_away(found->second, part);
+        if (controller::count_labels(found->second) == 0) {
+            all.erase(found);
+        }
+    }
+    return count;
+}
+
 /// Not where the check finds an error with one of these nodes that was changed.
 void keep_mapping(Context& context, const std::string& path, controller::Project& project,
                   const ModelSet& models, const Mapping& changed)
@@ -128,21 +192,32 @@ void keep_mapping(Context& context, const std::string& path, controller::Project
     save_project(path, project);
 }
 
-/// Reads LABEL [PART], and more pairs of both, from `words`. Parts that only count together, as
-/// those of a Method with OutputArguments, are mapped at once.
-Mapping labels_of(Context& context, const ModelSet& models, const std::vector<std::string>& words)
+/// What a command changes of a mapping.
+struct MappingChange {
+    Mapping labels;
+    /// Has any label for each part that loses its own.
+    Mapping taken;
+};
+
+/// Reads LABEL [PART], and more pairs of both, from `words`; "" takes the label of PART away. Parts
+/// that only count together, as those of a Method with OutputArguments, are mapped at once.
+MappingChange labels_of(Context& context, const ModelSet& models,
+                        const std::vector<std::string>& words)
 {
     if (words.size() > 4 && words.size() % 2 != 0) {
         throw Failure{Exit::Usage, safe(words.back()) + ": a label without its part",
                       "expected LABEL PART, as often as there are parts"};
     }
-    Mapping mapping;
+    MappingChange change;
     for (std::size_t i = 2; i < words.size(); i += 2) {
         const std::string part = i + 1 < words.size() ? words[i + 1] : "";
-        merge(mapping, mapping_of(context, models, words[1], "Part,Label",
-                                  quoted(part) + "," + quoted(words[i])));
+        const bool is_taken = words[i].empty();
+        const std::string any = part == "Scaling" ? "0..1=0..1" : "label";
+        merge(is_taken ? change.taken : change.labels,
+              mapping_of(context, models, words[1], "Part,Label",
+                         quoted(part) + "," + quoted(is_taken ? any : words[i])));
     }
-    return mapping;
+    return change;
 }
 
 /// Takes all labels of a node away.
@@ -163,18 +238,33 @@ Exit clear_node(Context& context, const ProjectArguments& arguments)
     return admin::report(context, safe(words[1]) + ": nothing is mapped");
 }
 
-/// A label for a node or, with PART, for a part of it; "" takes all labels of the node away.
+/// A label for a node or, with PART, for a part of it; "" takes the labels of the part away, or all
+/// of the node.
 Exit map_node(Context& context, const ProjectArguments& arguments)
 {
     const auto& words = arguments.words;
-    if (words[2].empty()) {
+    if (words.size() == 3 && words[2].empty()) {
         return clear_node(context, arguments);
     }
     controller::Project project = open_project(words[0]);
     ModelSet models = open_models(project);
-    const Mapping changed = labels_of(context, models, words);
-    merge(models.mapping(), changed);
-    keep_mapping(context, words[0], project, models, changed);
+    MappingChange change = labels_of(context, models, words);
+    Mapping& all = models.mapping();
+    const std::size_t taken = take_away(all.variables, change.taken.variables) +
+                              take_away(all.methods, change.taken.methods);
+    if (taken == 0 && count_labels(change.labels) == 0) {
+        throw Failure{Exit::Failed, safe(words[1]) + ": nothing is mapped there",
+                      "`busbar project csv` lists what is mapped"};
+    }
+    merge(all, change.labels);
+    const Mapping changed = std::exchange(change.labels, {});
+    merge(change.taken, changed); // both are checked
+    keep_mapping(context, words[0], project, models, change.taken);
+    if (taken != 0) {
+        return admin::report(context, safe(words[1]) + " has " + std::to_string(taken) +
+                                          " labels less and " +
+                                          std::to_string(count_labels(changed)) + " more");
+    }
     return admin::report(context,
                          safe(words[1]) +
                              (words.size() <= 4
@@ -315,10 +405,11 @@ void add_mapping(CLI::App& project, Run& run)
 {
     const auto arguments = std::make_shared<ProjectArguments>();
     constexpr std::size_t most_words = 512;
-    auto* map =
-        add_offline(project, run, "map", "Maps a node, or parts of it, to labels; \"\" unmaps it.",
-                    3, most_words, "FILE NODE LABEL [PART] [LABEL PART]...", map_node, arguments);
-    map->footer("PART is .Name, [0] or [0].Name of a structure or an array, Quality or Scaling\n"
+    auto* map = add_offline(
+        project, run, "map", "Maps a node, or parts of it, to labels; \"\" as LABEL unmaps.", 3,
+        most_words, "FILE NODE LABEL [PART] [LABEL PART]...", map_node, arguments);
+    map->footer("A LABEL \"\" takes that of PART away, without PART all of the node.\n"
+                "PART is .Name, [0] or [0].Name of a structure or an array, Quality or Scaling\n"
                 "(0..27648=0..1500) of a Variable, Handle, Done, Input[0] or Output[0] of a\n"
                 "Method: `busbar project csv FILE --unmapped` lists them with their types,\n"
                 "`busbar project types` the types of labels.");

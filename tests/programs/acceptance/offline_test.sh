@@ -258,6 +258,20 @@ says_not '/1:aUInt16,,'
 project 0 csv cell.busbar
 says '/1:aUInt16,,Line.Count,'
 says '/1:aDouble,,Line.Force,'
+# One part of a node loses its label, the others keep theirs.
+cp cell.busbar parts.busbar
+project 0 map parts.busbar "ns=1;i=140" 'Line.Row[0]' '[0]' 'Line.Row[1]' '[1]' 'Line.Row[2]' '[2]'
+project 0 map parts.busbar "ns=1;i=140" "" '[1]'
+says 'has 1 labels less and 0 more'
+project 0 csv parts.busbar
+says 'Line.Row\[0\]'
+says 'Line.Row\[2\]'
+says_not 'Line.Row\[1\]'
+project 1 map parts.busbar "ns=1;i=140" "" '[1]'
+says 'nothing is mapped there'
+project 0 map parts.busbar "ns=1;i=140" ""
+project 0 csv parts.busbar
+says_not 'Line.Row'
 # A part of the table adds; only a question takes labels away.
 cp cell.busbar before
 printf 'Path;Part;Label\r\n/Objects/1:Cell/1:aSByte;;Line.Small\r\n' > part.csv
