@@ -25,15 +25,19 @@ std::optional<Problem> within(std::optional<Problem> problem, const std::string&
     return problem;
 }
 
-/// The value that a variable of this type has without a declared one.
-std::int64_t first_value(const ResolvedType& type)
+/// The value that a variable of this type has without a declared one. A date begins in 1970, as
+/// IEC 61131-3 counts it, though a DateTime counts from 1601.
+Variant first_value(const ResolvedType& type)
 {
     if (type.kind == ResolvedType::Kind::Enumeration) {
-        return type.type->enumerators.front().value;
+        return Variant{std::int64_t{type.type->enumerators.front().value}};
+    }
+    if (type.elementary == ElementaryType::Date || type.elementary == ElementaryType::DateAndTime) {
+        return Variant{DateTime::from_unix_seconds(0)};
     }
     const bool has_zero =
         !type.subrange || (type.subrange->lower <= 0 && type.subrange->upper >= 0);
-    return has_zero ? 0 : type.subrange->lower;
+    return Variant{has_zero ? std::int64_t{0} : type.subrange->lower};
 }
 
 /// Finds the enumerator of that name or with that value.
@@ -89,8 +93,7 @@ std::optional<Problem> InitialValues::store_default(const Target& target) const
         server::detail::put_text(target.to, "");
         return {};
     }
-    static_cast<void>(
-        put_initial_number(target.place.type, Variant{first_value(target.type)}, target.to));
+    static_cast<void>(put_initial_number(target.place.type, first_value(target.type), target.to));
     return {};
 }
 

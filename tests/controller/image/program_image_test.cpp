@@ -145,6 +145,11 @@ TEST_CASE("A variable without initial value begins as its type says (6-2-2)")
     CHECK(begins_with({.name = "n", .type = of(ElementaryType::Int)}) == Variant{std::int16_t{0}});
     CHECK(begins_with({.name = "s", .type = of(ElementaryType::String)}) == Variant{String{""}});
     CHECK(begins_with({.name = "e", .type = of("mode")}) == Variant{3});
+    const DateTime first_day = DateTime::from_unix_seconds(0);
+    CHECK(begins_with({.name = "d", .type = of(ElementaryType::Date)}) == Variant{first_day});
+    CHECK(begins_with({.name = "t", .type = of(ElementaryType::DateAndTime)}) ==
+          Variant{first_day});
+    CHECK(begins_with({.name = "o", .type = of(ElementaryType::TimeOfDay)}) == Variant{DateTime{}});
     TypeUse narrow = of(ElementaryType::Int);
     narrow.subrange = Bounds{4, 9};
     CHECK(begins_with({.name = "r", .type = array(narrow, {{0, 1}})}) ==

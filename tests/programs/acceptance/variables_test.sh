@@ -160,6 +160,8 @@ type aReal 10 -0.5
 type aLreal 11 2.5
 type aTime 11 1500
 type aString 12 'pärts' 'pärts'
+value aDate 1970-01-01T00:00:00Z # IEC 61131-3 counts dates from it
+value aDt 1970-01-01T00:00:00Z
 type aDt 13 2026-11-21T06:00:00Z
 type aDate 13 2026-11-21T00:00:00Z
 type aTod 13 1601-01-01T06:00:00Z
