@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -136,9 +137,26 @@ std::string change(Connection& connection, const AdminArguments& arguments, cons
            " has the role " + safe(name);
 }
 
+/// Warns of a name that is none of the server's users: a rule for it is allowed (Part 18, 4.4.2),
+/// but is a mistake more often.
+void warn_of_stranger(Context& context, Connection& connection, const std::string& name)
+{
+    const auto users = find_users(connection);
+    if (users && std::none_of(users->begin(), users->end(),
+                              [&](const auto& user) { return user.user_name.view() == name; })) {
+        context.warn("warning", safe(name) + " is not a user of the server: the role is for a user "
+                                             "of that name who is added later, or logs in with a "
+                                             "token. `busbar admin user list` shows the users");
+    }
+}
+
 Exit grant(Context& context, Connection& connection, const AdminArguments& arguments)
 {
-    return report(context, change(connection, arguments, "AddIdentity", "granting the role"));
+    const std::string done = change(connection, arguments, "AddIdentity", "granting the role");
+    if (!arguments.is_everyone) {
+        warn_of_stranger(context, connection, arguments.words.front());
+    }
+    return report(context, done);
 }
 
 Exit revoke(Context& context, Connection& connection, const AdminArguments& arguments)

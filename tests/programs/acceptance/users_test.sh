@@ -98,6 +98,12 @@ entry variables 5-1-2: user authentication
 run 4 --user user2 --password-file better --trust read "$url" i=2259
 await has_record 'AUTH 0002 User ERROR user2 BadUserAccessDenied$'
 chief 0 admin role grant "$url" user2 Operator
+says_not 'is not a user'
+chief 0 admin role grant "$url" nobody Operator # who may come with a token
+says 'nobody is not a user of the server'
+chief 0 admin role list "$url"
+says 'user nobody'
+chief 0 admin role revoke "$url" nobody Operator
 as_user2() {
     cycle_when_due
     # shellcheck disable=SC2086 # nothing, or a word
