@@ -127,9 +127,10 @@ void RunningController::listen(const ControllerConfig& config, Listening::Listen
 
 void RunningController::listen_as_told()
 {
-    const bool is_shut_down =
-        machine_ && machine_->life().operating_status() == controller::OperatingStatus::Shutdown;
-    if (is_shut_down || !listening_.can_go_as_told() || next_ != nullptr) {
+    const bool is_out =
+        machine_ ? machine_->life().operating_status() == controller::OperatingStatus::Shutdown
+                 : is_shut_down_;
+    if (is_out || !listening_.can_go_as_told() || next_ != nullptr) {
         return;
     }
     try_to([&] {
@@ -189,7 +190,8 @@ Surroundings RunningController::surroundings()
             .labels = labels_ ? labels_->labels() : runtime_.labels(),
             .label_priority = labels_ ? labels_->task_priority() : 0,
             .port = listening_.port(),
-            .pending = pending_};
+            .pending = pending_,
+            .is_shut_down = is_shut_down_};
 }
 
 Requests RunningController::requests()
@@ -203,7 +205,10 @@ Requests RunningController::requests()
             },
         .shut_down =
             [this](const std::string& reason) {
-                machine_->shut_server_down(reason);
+                is_shut_down_ = true;
+                if (machine_) {
+                    machine_->shut_server_down(reason);
+                }
                 loop_.unregister();
             },
         .restart = [this](const administration::RestartWish& wish) { restart(wish); },

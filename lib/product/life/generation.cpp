@@ -39,10 +39,12 @@ std::int32_t local_utc_offset(DateTime now)
                : 0;
 }
 
-/// Only a restart lets a machine's server in again that is out (W588, 4-1-2).
-Configured<void> check_run(const Machine* machine)
+/// Only a restart lets a server in again that is out (W588, 4-1-2; SH-082679, 9.13).
+Configured<void> check_run(const Surroundings& around)
 {
-    const std::string why = machine != nullptr ? machine->why_out() : std::string{};
+    const std::string why = around.machine != nullptr ? around.machine->why_out()
+                            : around.is_shut_down     ? "an administrator shut it down"
+                                                      : "";
     return why.empty() ? Configured<void>{}
                        : misconfigured("the OPC UA server",
                                        "found that " + why +
@@ -198,6 +200,7 @@ server::Server Generation::make_server()
 
 void Generation::attach(const Requests& requests)
 {
+    const bool goes_on = around_.machine != nullptr || project_ != nullptr;
     const auto files = around_.machine != nullptr ? around_.machine->file_systems()
                                                   : std::vector<administration::FileSystem>{};
     administered_.attach(
@@ -208,8 +211,8 @@ void Generation::attach(const Requests& requests)
          .worker = worker_,
          .stop = requests.stop,
          .start_over = requests.start_over,
-         .shut_down = around_.machine != nullptr ? requests.shut_down : nullptr,
-         .may_run = [machine = around_.machine] { return check_run(machine); },
+         .shut_down = goes_on ? requests.shut_down : nullptr,
+         .may_run = [this] { return check_run(around_); },
          .restart = requests.restart,
          .may_restart = requests.may_restart,
          .may_replace_own = requests.may_replace_own,
@@ -222,7 +225,8 @@ void Generation::attach(const Requests& requests)
          .renewed = requests.renewed,
          .file_systems = files,
          .file_transfers = transfers(requests),
-         .status = status_facts({server_, config_, *settings_, around_.machine, around_.pending})});
+         .status = status_facts({server_, config_, *settings_, around_.machine, around_.pending,
+                                 around_.is_shut_down, goes_on})});
     settings_->run(
         {.check =
              [this, listeners = requests.check_listeners](const ControllerConfig& next) {

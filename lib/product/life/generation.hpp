@@ -50,6 +50,8 @@ struct Surroundings {
     /// Port that the server listens on.
     std::uint16_t port;
     const PendingChanges& pending;
+    /// True while an administrator has shut the server down, and the controller goes on.
+    const bool& is_shut_down;
 };
 
 /// Requests of administrators to the controller. Called on the server's thread.
@@ -57,7 +59,7 @@ struct Requests {
     std::function<void()> stop;
     /// Stops the controller, which starts again with what is there then.
     std::function<void()> start_over;
-    /// A machine goes on without its server.
+    /// A machine, or the PLC behind a project, goes on without its server.
     std::function<void(const std::string& reason)> shut_down;
     std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate was replaced.

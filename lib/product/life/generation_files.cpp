@@ -50,7 +50,7 @@ std::vector<administration::TemporaryFileTransfer> Generation::transfers(const R
     all.insert(all.end(), more.begin(), more.end());
     if (project_ != nullptr) {
         all.push_back(project_->transfer(
-            {.server = server_,
+            {.is_shut_down = around_.is_shut_down,
              .version = BUSBAR_VERSION,
              .log = administered_.log(),
              .labels = around_.labels,

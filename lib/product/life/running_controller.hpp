@@ -272,6 +272,8 @@ private:
     std::string refused_;
     bool has_terminal_;
     bool starts_again_{false};
+    /// True from a shutdown of the server, after which the controller goes on, to a restart.
+    bool is_shut_down_{false};
     /// Number of new certificates so far.
     int renewals_{0};
     /// The generation that is being created, and the tasks that wait for it; null for none.

@@ -208,6 +208,7 @@ void RunningController::succeed(Successor& next)
 {
     next.generation->finish();
     take_over(std::move(next.generation), std::move(next.wish.handover));
+    is_shut_down_ = false;
     if (next.moves) {
         listening_.stay();
         pending_.done(PendingChanges::By::Listeners);
@@ -228,7 +229,7 @@ void RunningController::succeed(Successor& next)
                           current_->plant().plc().instructions());
         stay_out();
     }
-    if (machine_ && machine_->why_out().empty()) {
+    if (!machine_ || machine_->why_out().empty()) {
         loop_.register_again();
     }
     clients_.use(current_->clients());

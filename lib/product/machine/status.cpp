@@ -27,6 +27,9 @@ controller::OperatingStatus operating_status(const StatusSources& sources)
     if (sources.machine != nullptr) {
         return sources.machine->life().operating_status();
     }
+    if (sources.is_shut_down) {
+        return OperatingStatus::Shutdown;
+    }
     switch (server::RunningServer{sources.server}.state()) {
     case ServerState::Running:
         return OperatingStatus::Running;
@@ -136,8 +139,7 @@ std::vector<administration::StatusFact> status_facts(const StatusSources& source
         {"RestartReasons", list, [sources] { return texts(restart_reasons(sources)); }},
         {"PendingChanges", list, [sources] { return texts(pending_changes(sources)); }},
         {"CurrentErrors", list, [sources] { return texts(current_errors(sources.machine)); }},
-        {"GoesOnWithoutServer", Variant{true},
-         [sources] { return Variant{sources.machine != nullptr}; }},
+        {"GoesOnWithoutServer", Variant{true}, [sources] { return Variant{sources.goes_on}; }},
     };
 }
 

@@ -51,6 +51,10 @@ struct StatusSources {
     /// Null for none.
     const Machine* machine;
     const PendingChanges& pending;
+    /// True while an administrator has shut the server down, and the controller goes on.
+    const bool& is_shut_down;
+    /// True if a shutdown does not end the controller.
+    bool goes_on;
 };
 
 /// The facts of the server's status (W588, 4-2-1): Use, OperatingStatus, EndPoint (empty unless it

@@ -274,9 +274,9 @@ administration::TemporaryFileTransfer KeptProject::transfer(TransferNeeds needs)
         .store = store_,
         .log = needs.log,
         .status =
-            [&server = needs.server, version = std::move(needs.version)] {
-                return ProjectService::ModuleStatus{
-                    operation_mode, server.is_stopped() ? "Shutdown" : "Running", version};
+            [&is_shut_down = needs.is_shut_down, version = std::move(needs.version)] {
+                return ProjectService::ModuleStatus{operation_mode,
+                                                    is_shut_down ? "Shutdown" : "Running", version};
             },
         .update = std::move(needs.restart),
         .is_update_due = is_other_due_,

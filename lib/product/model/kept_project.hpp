@@ -64,7 +64,8 @@ public:
                                                 bool isolates_failures) const;
     /// The objects that its transfers use; all must outlive the server.
     struct TransferNeeds {
-        const server::Server& server;
+        /// True while an administrator has shut the server down.
+        const bool& is_shut_down;
         std::string version;
         LogSink& log;
         /// Labels of the PLC.

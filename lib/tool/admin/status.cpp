@@ -204,8 +204,9 @@ Exit shut_down(Context& context, Connection& connection, const AdminArguments& a
         return report(context, "the server restarts" + when);
     }
     return report(context, "the server stops" + when +
-                               (goes_on ? ", and the controller's program goes on; busbar admin "
-                                          "shutdown --restart starts the server again"
+                               (goes_on ? ", and the controller's program goes on; `busbar admin "
+                                          "shutdown --restart`, or `busbar project restart`, "
+                                          "starts the server again"
                                         : ", and the controller ends"));
 }
 

@@ -200,10 +200,26 @@ index=$(($(sed 's/.*"value":\[//' out | tr ',' '\n' | grep -n cell.example | cut
 held held 8 "ns=$index;i=104" &
 holder=$!
 sleep 3
+one_step
 chief 0 project stop "$url" --yes --seconds 30
+says 'project restart'
 wait $holder
 grep -q '^Bad_Shutdown:$' held || fail "a Write while it stops: $(cat held)"
 grep -q '^Good: 1 Good$' held || fail "a Read while it stops: $(cat held)"
-await ended
-due=""
+
+entry model 9.13: module control
+# The controller goes on, so that the tool brings the server back.
+stopped() { reaches admin status "$url" && grep -q '^Server operating status: *Shutdown$' out; }
+await stopped
+says '^End point: *---$'
+ends_with 0 --user hmi --password-file password --trust read "$url" "$(cell 104)" &&
+    fail "a server that was stopped is read"
+says Bad_ServerHalted
+chief 0 project restart "$url" --yes --seconds 0
+says 'restarts'
+await in_use
+chief 0 project status "$url"
+says 'serverStatus  *Running'
+as hmi 0 read "$url" "$(cell 104)"
+shut_down
 finish
