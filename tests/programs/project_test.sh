@@ -308,5 +308,11 @@ says 'project *in use'
 as operator 1 --ignore host-name read "$tool" "$speed"
 says 'Bad_NodeIdUnknown' # he sees nothing there
 as chief 0 --ignore host-name project stop "$tool" --yes --seconds 0
+stopped() {
+    "$busbar" --user chief --password-file password --trust --ignore host-name admin status "$tool" \
+        > out 2>&1 && grep -q '^Server operating status: *Shutdown$' out
+}
+await stopped
+kill "$pid"
 await ended
 exit $((failures > 0))
