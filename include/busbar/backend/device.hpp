@@ -20,7 +20,7 @@
 /// connect again.
 namespace busbar::backend {
 
-/// What became of a request on a DeviceLine.
+/// The outcome of a request on a DeviceLine.
 struct DeviceAnswer {
     /// The kinds of answers.
     enum class Kind : std::uint8_t {
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] virtual bool is_closed() const = 0;
     /// The reason, as a sentence without a full stop; empty if the other side closed it.
     [[nodiscard]] virtual std::string reason() const = 0;
-    /// What the PLC calls itself; empty if it was not asked or does not say.
+    /// Returns the name that the PLC gives itself; empty if it was not asked or does not say.
     [[nodiscard]] virtual std::string identity() const { return {}; }
 };
 
@@ -91,7 +91,7 @@ public:
 
 /// The configuration of a Device.
 struct DeviceConfig {
-    /// For the log.
+    /// The name in the log.
     std::string name{};
     /// Host and port of the PLC, or of its gateway.
     std::string host{};
@@ -158,7 +158,7 @@ public:
     [[nodiscard]] DeviceState state() const;
     /// The reason for not being Online, for people; empty while it is.
     [[nodiscard]] const std::string& trouble() const;
-    /// What the PLC calls itself, since it was Online.
+    /// Returns the name that the PLC gave itself when it was last Online.
     [[nodiscard]] const std::string& identity() const;
     /// The work so far.
     [[nodiscard]] const DeviceCounters& counters() const;

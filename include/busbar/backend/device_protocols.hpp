@@ -42,8 +42,8 @@ make_modbus_protocol(const ModbusProtocolOptions& options, std::span<const Devic
 struct SlmpProtocolOptions {
     /// Its connections.
     SlmpClientOptions client{};
-    /// How its addresses are written. Where a PLC refuses the long form that is said here, the short
-    /// one is taken.
+    /// The notation of its addresses. The short form of requests is used after a PLC has refused
+    /// the long form that this says.
     SlmpNotation notation{};
     /// The frame is found out: 4E first, and 3E if that has no answer, which PLCs that know only 3E
     /// say nothing to.

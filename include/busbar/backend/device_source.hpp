@@ -55,7 +55,7 @@ struct DevicePoint {
 [[nodiscard]] BUSBAR_API Result<std::uint16_t>
 write_point(const DevicePoint& point, const Variant& value, std::span<std::uint16_t> words);
 
-/// What a Variable answers while its PLC does not.
+/// The answer of a Variable while its PLC does not answer.
 enum class WhenAway : std::uint8_t {
     /// Bad_NoCommunication, with the time of the last value and without the value.
     Bad,

@@ -47,8 +47,7 @@ SlmpUnit unit_of(std::uint32_t area)
     return type != nullptr ? type->unit : SlmpUnit::Word;
 }
 
-/// What was found out about a PLC by asking it, which outlives a connection: but the next one may
-/// be to another PLC.
+/// The results of asking a PLC, which outlive a connection; the next one may be to another PLC.
 struct SlmpFindings {
     /// The frame that the next connection begins with.
     SlmpFrame frame{SlmpFrame::Frame4E};
@@ -111,7 +110,7 @@ private:
     SlmpFrame frame_;
     SlmpClient client_;
     SlmpFindings& findings_;
-    /// Of the last call.
+    /// The time of the last call.
     TimePoint now_{};
     /// The request for the type's name, which a connection begins with.
     std::uint64_t asked_{0};
@@ -121,7 +120,7 @@ private:
     bool is_form_known_{false};
     std::string identity_;
     std::string reason_;
-    /// By the client's id.
+    /// The requests without an answer, by the client's id.
     std::map<std::uint64_t, PlanRequest> requests_;
     std::vector<DeviceAnswer> answers_;
 };

@@ -15,7 +15,7 @@ class TomlTable;
 /// A Variable whose value is in a PLC behind a backend.
 struct BackendVariable {
     std::string name;
-    /// As the configuration or table has it.
+    /// Its address as the configuration or table has it.
     std::string at;
     backend::DevicePoint point;
     /// Code of UNECE Recommendation 20, such as "CEL"; empty for none.

@@ -30,7 +30,7 @@ constexpr std::size_t most_field = 1'024;
 constexpr std::size_t longest_name = 128;
 constexpr std::array<std::string_view, 4> scale_keys{"raw_low", "raw_high", "low", "high"};
 
-/// What a variable's place in the configuration or table refuses: the key and the reason.
+/// A mistake of a variable in the configuration or a table: the key and the reason.
 struct Mistake {
     std::string_view key;
     std::string text;
@@ -264,7 +264,8 @@ ModbusProtocolOptions read_modbus(const TomlTable& table)
     return options;
 }
 
-/// What families of PLCs differ in (SH-080956ENG, and the manuals of their Ethernet ports).
+/// Sets the options in which families of PLCs differ (SH-080956ENG, and the manuals of their
+/// Ethernet ports).
 void take_family(const TomlTable& table, SlmpProtocolOptions& options)
 {
     const std::string family = table.text("family", "iq-r");
