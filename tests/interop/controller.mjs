@@ -144,10 +144,11 @@ export const openHouse = {
  * fill the folder of the certificates before it starts. `bulk` is how many variables are served besides, from Bulk0
  * on: they take most of the time that it needs to start. With a `machine` (declarations) its variables are
  * served instead of the simple ones, with an execution log; with `labels` they are the labels of a project, which is
- * in the folder "project".
+ * in the folder "project". `backends` are tables [[backend]] of the configuration.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, bulk = 0, args = [] } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, bulk = 0, backends = "",
+  args = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -172,7 +173,8 @@ ${endpoints.map(endpoint).join("")}
 [users]${quickHash}
 ${users}
 ${[user, ...accounts].map((each) => account(program, folder, each)).join("")}
-${plcSection(folder, machine, labels, bulk)}`);
+${plcSection(folder, machine, labels, bulk)}
+${backends}`);
   // A project has a port of its own, but for this.
   const model = labels ? ["--project", join(folder, "project"), "--port", String(port)] : [];
   const child = spawn(program, ["--config", config, ...model, ...args], { stdio: ["ignore", "pipe", "pipe"] });
