@@ -187,7 +187,11 @@ public:
                 throw UsageError{"--" + command + ": " + answer};
             }
         }
-        const auto host = asio::ip::make_address(options.host);
+        asio::error_code error;
+        const auto host = asio::ip::make_address(options.host, error);
+        if (error) {
+            throw UsageError{"--listen must begin with an IP address, not \"" + options.host + '"'};
+        }
         std::uint16_t port = 0;
         if (options.is_udp) {
             asio::ip::udp::socket socket{context_, {host, options.port}};
@@ -198,7 +202,8 @@ public:
             port = acceptor_.local_endpoint().port();
             accept();
         }
-        std::printf("ready at %s:%u\n", options.host.c_str(), unsigned{port});
+        std::printf(host.is_v6() ? "ready at [%s]:%u\n" : "ready at %s:%u\n", options.host.c_str(),
+                    unsigned{port});
         std::fflush(stdout);
         signals_.async_wait([this](const asio::error_code&, int) { context_.stop(); });
         input_.assign(::dup(STDIN_FILENO));
@@ -348,7 +353,7 @@ int main(int argc, char** argv)
         std::fprintf(stderr, "busbar-plc-responder: %s; --help shows the options\n", error.what());
         return 2;
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "busbar-plc-responder: %s\n", error.what());
+        std::fprintf(stderr, "busbar-plc-responder: cannot serve: %s\n", error.what());
         return 1;
     }
 }
