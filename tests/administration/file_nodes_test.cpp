@@ -1,6 +1,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <busbar/server/running_server.hpp>
 
@@ -395,6 +397,89 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected l
     CHECK(names(client) == Names{"a"});
     storage.set_away(false);
     CHECK(text(client, "a") == "first");
+}
+
+namespace {
+
+/// Files that only the program writes, such as logs, on a server of their own.
+struct ProgramFiles : FilesFixture {
+    ProgramFiles()
+    {
+        REQUIRE(more.attach(other));
+        REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+        for (const char* name : {"a", "b"}) {
+            REQUIRE(
+                file_storage.replace(name, std::as_bytes(std::span{"text", 4}), FileAccess::Owner));
+        }
+        more.refresh_files();
+        while (std::exchange(waker.is_awake, false)) {
+            other.handle_completions(now);
+        }
+    }
+    std::string_view ask(const char* user, const std::string& path, const char* method,
+                         std::vector<Variant> inputs)
+    {
+        TestClient client = connect_to(other);
+        REQUIRE(client.create_session());
+        REQUIRE(client.activate(client.user(user, std::string_view{user} == "admin"
+                                                      ? "admin-secret!"
+                                                      : "patience is all")) == status::Good);
+        CallMethodRequest call;
+        call.object_id = node(path);
+        call.method_id = path.empty() ? folder_method(method) : file_method(method);
+        call.input_arguments = Array<Variant>{inputs};
+        CallRequest request;
+        request.methods_to_call = {call};
+        const auto response = client.call<CallResponse>(request);
+        REQUIRE(response);
+        return name(response->results[0].status_code);
+    }
+
+    server::Server other{
+        server::Server::create(ServerFixture::secure_config(), {.random = &random,
+                                                                .wall_clock = &wall_clock,
+                                                                .log = &log,
+                                                                .validator = &validator,
+                                                                .users = &passwords,
+                                                                .roles = &roles,
+                                                                .waker = &waker})
+            .value()};
+    administration::Administration more{{.wall_clock = &wall_clock,
+                                         .log = &log,
+                                         .roles = &roles,
+                                         .file_systems = {[this] {
+                                             auto written = files;
+                                             written.is_written_by_program = true;
+                                             return written;
+                                         }()}}};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(ProgramFiles,
+                 "file nodes: of what the program writes clients only read and delete", "[attack]")
+{
+    const Variant name_of_new{String{"c"}};
+    for (const char* user : {"admin", "op", "looker", "eng"}) {
+        INFO(user);
+        const auto refused = [&](const char* path, const char* method,
+                                 const std::vector<Variant>& inputs) {
+            const auto answer = ask(user, path, method, inputs);
+            INFO(method << ": " << answer);
+            CHECK((answer == "Bad_UserAccessDenied" || answer == "Bad_NodeIdUnknown"));
+        };
+        refused("", "CreateFile", {name_of_new, Variant{false}});
+        refused("", "CreateDirectory", {name_of_new});
+        refused("", "MoveOrCopy",
+                {Variant{node("a")}, Variant{node()}, Variant{true}, name_of_new});
+        refused("a", "Write", {Variant{std::uint32_t{1}}, Variant{ByteString{}}});
+    }
+    CHECK(ask("op", "a", "Open", {Variant{reading}}) == "Good");
+    CHECK(ask("eng", "a", "Open", {Variant{writing}}) != "Good");
+    CHECK(ask("op", "", "Delete", {Variant{node("a")}}) != "Good");
+    CHECK(file_storage.entry("a"));
+    CHECK(ask("eng", "", "Delete", {Variant{node("a")}}) == "Good");
+    CHECK((!file_storage.entry("a") && file_storage.entry("b") && !file_storage.entry("c")));
 }
 
 } // namespace file_nodes_test
