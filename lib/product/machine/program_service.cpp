@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* program_source = "program";
 constexpr const char* unknown_options =
-    "found an unknown option of a program; the name of a file ends with .st or .xml";
+    "found an unknown option of a program; the name of a file has no slash";
 
 std::string_view mode_name(controller::MachineMode mode)
 {

@@ -1,7 +1,7 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/label_check.hpp>
-#include <busbar/controller/plcopen_xml.hpp>
+#include <busbar/controller/program_text.hpp>
 
 #include "commands.hpp"
 #include "reports.hpp"
@@ -90,16 +90,14 @@ void print_text(Context& context, const controller::ModelReports& reports,
 controller::ModelReports check_program(const controller::Project& project, const std::string& file)
 {
     const std::string text = read_file(file, controller::DeclarationLimits{}.max_text_size);
-    const auto read = [&] {
-        return file.ends_with(".xml") ? controller::read_plcopen_xml(text, file)
-                                      : controller::read_declarations(text, file);
-    };
-    auto reports = read().and_then([&](controller::Program program) {
-        return controller::check_labels(open_models(project), std::move(program));
-    });
+    auto reports =
+        controller::read_program_text(text, file).and_then([&](controller::Program program) {
+            return controller::check_labels(open_models(project), std::move(program));
+        });
     if (!reports) {
         throw Failure{Exit::Failed, busbar::text(reports.error()),
-                      "expected the PLC's declarations (IEC 61131-3) or PLCopen XML"};
+                      "expected the PLC's declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or "
+                      "a file of TwinCAT"};
     }
     return *std::move(reports);
 }
