@@ -165,6 +165,9 @@ public:
     /// The work of its plan so far.
     [[nodiscard]] const PlanCounters& plan_counters() const;
 
+    /// Sends what the owner of a line has given to it besides the plan.
+    void flush(TimePoint now);
+
     // For the driver of its connection.
 
     /// Calls `handler` when output() or next_deadline() have changed within read() or write().

@@ -192,6 +192,14 @@ Result<std::uint64_t> Device::write(std::span<const PlanWrite> writes, TimePoint
     return batch;
 }
 
+void Device::flush(TimePoint now)
+{
+    impl_->step(now);
+    if (impl_->on_output) {
+        impl_->on_output();
+    }
+}
+
 std::optional<PlanResult> Device::next_result()
 {
     return impl_->plan.next_result();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <deque>
 #include <map>
 #include <set>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <busbar/core/status_codes.hpp>
 
 #include "core/ascii_case.hpp"
+#include "slmp_line.hpp"
 
 namespace busbar::backend {
 
@@ -47,87 +49,27 @@ SlmpUnit unit_of(std::uint32_t area)
     return type != nullptr ? type->unit : SlmpUnit::Word;
 }
 
-/// The results of asking a PLC, which outlive a connection; the next one may be to another PLC.
-struct SlmpFindings {
-    /// The frame that the next connection begins with.
-    SlmpFrame frame{SlmpFrame::Frame4E};
-    /// The other frame is tried where this one has no answer.
-    bool may_change{true};
-    /// The form of requests.
-    bool has_long_form{true};
-};
-
-class SlmpLine final : public DeviceLine {
+/// Sends the requests of a plan.
+class SlmpPlanLine final : public detail::SlmpLine {
 public:
-    SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now)
-        : frame_{options.frame}, client_{options}, findings_{findings}
-    {
-        SlmpOperation ask;
-        ask.command = SlmpCommand::TypeName;
-        const auto sent = client_.send(std::move(ask), now);
-        asked_ = sent ? *sent : 0;
-        is_ready_ = !sent;
-    }
-    SlmpLine(const SlmpLine&) = delete;
-    SlmpLine& operator=(const SlmpLine&) = delete;
-    ~SlmpLine() override
-    {
-        // No answer to the first request: the other frame has its turn.
-        if (findings_.may_change && !has_answered_) {
-            findings_.frame =
-                frame_ == SlmpFrame::Frame4E ? SlmpFrame::Frame3E : SlmpFrame::Frame4E;
-        }
-    }
+    using SlmpLine::SlmpLine;
 
-    [[nodiscard]] bool is_ready() const override { return is_ready_; }
     Result<void> send(const PlanRequest& request, TimePoint now) override;
     [[nodiscard]] std::optional<DeviceAnswer> next_answer() override;
-    Result<void> feed(std::span<const std::byte> in, TimePoint now) override
-    {
-        now_ = now;
-        auto fed = client_.feed(in, now);
-        look();
-        return fed;
-    }
-    [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
-    void consume(std::size_t size) override { client_.consume(size); }
-    [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
-    void handle_deadline(TimePoint now) override
-    {
-        now_ = now;
-        client_.handle_deadline(now);
-        look();
-    }
-    [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
-    [[nodiscard]] std::string reason() const override { return reason_; }
-    [[nodiscard]] std::string identity() const override { return identity_; }
 
 private:
-    void look();
-    [[nodiscard]] DeviceAnswer answer_of(SlmpEvent& event, std::uint64_t request);
+    void answered(SlmpEvent event) override;
     [[nodiscard]] bool repeats(const SlmpEvent& event, const PlanRequest& request);
 
-    SlmpFrame frame_;
-    SlmpClient client_;
-    SlmpFindings& findings_;
-    /// The time of the last call.
-    TimePoint now_{};
-    /// The request for the type's name, which a connection begins with.
-    std::uint64_t asked_{0};
-    bool is_ready_{false};
-    bool has_answered_{false};
     /// A request was served in the present form.
     bool is_form_known_{false};
-    std::string identity_;
-    std::string reason_;
     /// The requests without an answer, by the client's id.
     std::map<std::uint64_t, PlanRequest> requests_;
-    std::vector<DeviceAnswer> answers_;
+    std::deque<DeviceAnswer> answers_;
 };
 
-Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
+Result<void> SlmpPlanLine::send(const PlanRequest& request, TimePoint now)
 {
-    now_ = now;
     if (request.mask != 0xFFFF) {
         return fail(status::Bad_NotWritable);
     }
@@ -135,11 +77,11 @@ Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
     SlmpOperation operation;
     operation.command = request.is_write ? SlmpCommand::BatchWrite : SlmpCommand::BatchRead;
     operation.is_bits = unit_of(range.area) == SlmpUnit::Bit;
-    operation.has_long_form = findings_.has_long_form;
+    operation.has_long_form = findings().has_long_form;
     const std::uint32_t each = unit_of(range.area) == SlmpUnit::DoubleWord ? 2 : 1;
     operation.blocks.push_back({device_of(range), static_cast<std::uint16_t>(range.width * each)});
     operation.words = request.words;
-    const auto sent = client_.send(std::move(operation), now);
+    const auto sent = ask(std::move(operation), now);
     if (!sent) {
         return fail(sent.error());
     }
@@ -149,21 +91,21 @@ Result<void> SlmpLine::send(const PlanRequest& request, TimePoint now)
 
 /// Q and L refuse the long form of requests as a command that they do not know, and have answers in
 /// the short one.
-bool SlmpLine::repeats(const SlmpEvent& event, const PlanRequest& request)
+bool SlmpPlanLine::repeats(const SlmpEvent& event, const PlanRequest& request)
 {
     if (event.status.is_bad() || is_form_known_) {
         return false;
     }
     const SlmpFault fault = slmp_end_code(event.answer.end_code).fault;
-    if (findings_.has_long_form && fault == SlmpFault::Request) {
-        findings_.has_long_form = false;
-        return send(request, now_).has_value();
+    if (findings().has_long_form && fault == SlmpFault::Request) {
+        findings().has_long_form = false;
+        return send(request, now()).has_value();
     }
     is_form_known_ = fault == SlmpFault::None;
     return false;
 }
 
-DeviceAnswer SlmpLine::answer_of(SlmpEvent& event, std::uint64_t request)
+DeviceAnswer answer_of(SlmpEvent& event, std::uint64_t request)
 {
     DeviceAnswer answer;
     answer.request = request;
@@ -184,40 +126,22 @@ DeviceAnswer SlmpLine::answer_of(SlmpEvent& event, std::uint64_t request)
     return answer;
 }
 
-/// Takes what has come, since a connection is ready by the answer to its own request.
-void SlmpLine::look()
+void SlmpPlanLine::answered(SlmpEvent event)
 {
-    while (auto event = client_.next_event()) {
-        if (event->kind == SlmpEvent::Kind::Closed) {
-            reason_ = std::move(event->reason);
-            continue;
-        }
-        has_answered_ = has_answered_ || !event->status.is_bad();
-        if (event->id == asked_) {
-            identity_ = std::move(event->answer.text);
-            is_ready_ = !event->status.is_bad();
-            if (!is_ready_) {
-                client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E
-                                                       ? "it has no answer to a frame 4E"
-                                                       : "it has no answer to a frame 3E");
-            }
-            continue;
-        }
-        const auto found = requests_.extract(event->id);
-        if (!found.empty() && !repeats(*event, found.mapped())) {
-            answers_.push_back(answer_of(*event, found.mapped().id));
-        }
+    const auto found = requests_.extract(event.id);
+    if (!found.empty() && !repeats(event, found.mapped())) {
+        answers_.push_back(answer_of(event, found.mapped().id));
     }
 }
 
-std::optional<DeviceAnswer> SlmpLine::next_answer()
+std::optional<DeviceAnswer> SlmpPlanLine::next_answer()
 {
     look();
     if (answers_.empty()) {
         return std::nullopt;
     }
     DeviceAnswer first = std::move(answers_.front());
-    answers_.erase(answers_.begin());
+    answers_.pop_front();
     return first;
 }
 
@@ -253,13 +177,13 @@ public:
     {
         SlmpClientOptions client = options_.client;
         client.frame = findings_.frame;
-        return std::make_unique<SlmpLine>(client, findings_, now);
+        return std::make_unique<SlmpPlanLine>(client, findings_, now);
     }
 
 private:
     SlmpProtocolOptions options_;
     std::set<std::uint32_t> areas_;
-    SlmpFindings findings_;
+    detail::SlmpFindings findings_;
 };
 
 /// Whether the last part of ":int32:CDAB" is an order.

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <busbar/backend/device.hpp>
+#include <busbar/backend/slmp_client.hpp>
+
+namespace busbar::backend::detail {
+
+/// The results of asking a PLC, which outlive a connection; the next one may be to another PLC.
+struct SlmpFindings {
+    /// The frame that the next connection begins with.
+    SlmpFrame frame{SlmpFrame::Frame4E};
+    /// The other frame is tried where this one has no answer.
+    bool may_change{true};
+    /// The form of requests.
+    bool has_long_form{true};
+};
+
+/// A connection to a PLC by SLMP. It begins with the question for the type's name, which also finds
+/// out whether the PLC knows the frame.
+class SlmpLine : public DeviceLine {
+public:
+    /// `findings` must outlive the object.
+    SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now);
+    ~SlmpLine() override;
+
+    [[nodiscard]] bool is_ready() const override { return is_ready_; }
+    Result<void> feed(std::span<const std::byte> in, TimePoint now) override;
+    [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
+    void consume(std::size_t size) override { client_.consume(size); }
+    [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
+    void handle_deadline(TimePoint now) override;
+    [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
+    [[nodiscard]] std::string reason() const override { return reason_; }
+    [[nodiscard]] std::string identity() const override { return identity_; }
+
+    /// Sends an operation; errors of SlmpClient::send().
+    [[nodiscard]] Result<std::uint64_t> ask(SlmpOperation operation, TimePoint now);
+
+protected:
+    /// Called with the answer to each operation of ask().
+    virtual void answered(SlmpEvent event) = 0;
+    /// Passes on what has come.
+    void look();
+    [[nodiscard]] SlmpFindings& findings() { return findings_; }
+    /// The time of the last call.
+    [[nodiscard]] TimePoint now() const { return now_; }
+
+private:
+    SlmpFrame frame_;
+    SlmpClient client_;
+    SlmpFindings& findings_;
+    TimePoint now_;
+    /// The request for the type's name.
+    std::uint64_t asked_{0};
+    bool is_ready_{false};
+    bool has_answered_{false};
+    std::string identity_;
+    std::string reason_;
+};
+
+} // namespace busbar::backend::detail
