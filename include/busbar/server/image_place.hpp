@@ -31,6 +31,8 @@ struct ImageVariable {
     std::vector<std::uint32_t> dimensions{};
     /// Maximum number of bytes of a text; ignored for other types.
     std::uint32_t capacity{0};
+    /// Maximum number of UTF-16 units of a text, besides `capacity`; 0: any.
+    std::uint32_t max_units{0};
     /// The structure of an ExtensionObject; null for other types.
     std::shared_ptr<const ImageStructure> structure{};
     /// Clients cannot write it. Ignored for a member.
@@ -84,6 +86,7 @@ struct ImagePlace {
     std::uint32_t stride{0};
     std::uint32_t elements{1};
     std::uint32_t capacity{0};
+    std::uint32_t max_units{0};
     std::vector<std::uint32_t> dimensions{};
     std::shared_ptr<const ImageStructure> structure{};
     std::optional<ImageRange> range{}; // for integers

@@ -167,7 +167,7 @@ StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRang
         return status::Bad_IndexRangeDataMismatch;
     }
     if constexpr (is_image_text<T>) {
-        if (std::ranges::any_of(values, [&](const T& t) { return t.size() > place.capacity; })) {
+        if (std::ranges::any_of(values, [&](const T& t) { return !text_has_room(place, t); })) {
             return status::Bad_OutOfRange;
         }
     } else if constexpr (!std::same_as<T, ExtensionObject>) {

@@ -10,6 +10,23 @@ namespace busbar::server {
 
 namespace detail {
 
+bool has_room(const ImagePlace& place, std::string_view text)
+{
+    if (text.size() > place.capacity) {
+        return false;
+    }
+    // Sequences of four bytes are two units, all others one.
+    const auto units_of = [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte >= 0xF0 ? 2U : (byte & 0xC0U) != 0x80U ? 1U : 0U;
+    };
+    std::size_t units = 0;
+    for (std::size_t i = 0; i < text.size() && place.max_units != 0; ++i) {
+        units += units_of(text[i]);
+    }
+    return units <= place.max_units;
+}
+
 std::optional<std::string_view> text_at(const std::byte* from, std::uint32_t capacity)
 {
     ImageText head{};
@@ -46,11 +63,11 @@ template <typename T>
 bool texts_fit(const ImagePlace& place, const Variant& value)
 {
     if (const T* scalar = value.get_if<T>()) {
-        return scalar->size() <= place.capacity;
+        return text_has_room(place, *scalar);
     }
     const Array<T>& texts = *value.array_if<T>();
     return std::ranges::all_of(texts.span(),
-                               [&](const T& text) { return text.size() <= place.capacity; });
+                               [&](const T& text) { return text_has_room(place, text); });
 }
 
 template <typename T>
@@ -206,7 +223,7 @@ bool ImageMemory::set_text(std::uint32_t handle, std::optional<std::string_view>
                            std::uint32_t element)
 {
     const ImagePlace& place = (*layout_)[handle];
-    if (text && text->size() > place.capacity) {
+    if (text && !detail::has_room(place, *text)) {
         return false;
     }
     detail::put_text(bytes(place) + std::size_t{element} * place.stride, text);
@@ -221,7 +238,7 @@ std::optional<std::string_view> StructureView::text(std::size_t member, std::uin
 bool StructureView::set_text(std::size_t member, std::optional<std::string_view> text,
                              std::uint32_t element) const
 {
-    if (text && text->size() > structure_->members()[member].capacity) {
+    if (text && !detail::has_room(structure_->members()[member], *text)) {
         return false;
     }
     detail::put_text(address(member, element), text);

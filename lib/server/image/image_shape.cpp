@@ -70,6 +70,7 @@ Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
     place.elements = static_cast<std::uint32_t>(count);
     place.dimensions = variable.dimensions;
     place.capacity = place.is_text() ? variable.capacity : 0;
+    place.max_units = place.is_text() ? variable.max_units : 0;
     if (variable.type == BuiltInType::ExtensionObject) {
         place.structure = variable.structure;
     }

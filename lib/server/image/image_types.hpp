@@ -49,6 +49,30 @@ auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
 [[nodiscard]] BUSBAR_API std::optional<std::string_view> text_at(const std::byte* from,
                                                                  std::uint32_t capacity);
 
+template <typename T>
+[[nodiscard]] std::optional<std::string_view> text_of(const T& text)
+{
+    if (text.is_null()) {
+        return std::nullopt;
+    }
+    if constexpr (std::same_as<T, ByteString>) {
+        return std::string_view{reinterpret_cast<const char*>(text.span().data()), text.size()};
+    } else {
+        return text.view();
+    }
+}
+
+/// Returns whether a text of these bytes of UTF-8 has room in the place.
+[[nodiscard]] BUSBAR_API bool has_room(const ImagePlace& place, std::string_view text);
+
+/// Returns whether a value has room in the place; null has.
+template <typename T>
+[[nodiscard]] bool text_has_room(const ImagePlace& place, const T& value)
+{
+    const auto text = text_of(value);
+    return !text || has_room(place, *text);
+}
+
 /// Stores a text at `to`, which must have enough room. It may be the text that is already there.
 BUSBAR_API void put_text(std::byte* to, std::optional<std::string_view> text);
 
@@ -64,19 +88,6 @@ template <typename T>
         return ByteString::borrow(std::as_bytes(std::span{text->data(), text->size()}));
     } else {
         return T{String::borrow(*text)};
-    }
-}
-
-template <typename T>
-[[nodiscard]] std::optional<std::string_view> text_of(const T& text)
-{
-    if (text.is_null()) {
-        return std::nullopt;
-    }
-    if constexpr (std::same_as<T, ByteString>) {
-        return std::string_view{reinterpret_cast<const char*>(text.span().data()), text.size()};
-    } else {
-        return text.view();
     }
 }
 

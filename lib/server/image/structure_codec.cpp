@@ -68,7 +68,7 @@ void decode_elements(binary::Reader& reader, const ImagePlace& place, std::byte*
                 reader.fail(status::Bad_OutOfRange);
             }
             std::memcpy(to, &value, sizeof value);
-        } else if (value.size() > place.capacity) {
+        } else if (!text_has_room(place, value)) {
             reader.fail(status::Bad_OutOfRange);
         } else {
             put_text(to, text_of(value));
