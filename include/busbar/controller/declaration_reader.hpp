@@ -31,7 +31,8 @@ struct DeclarationLimits {
 /// - `TYPE ... END_TYPE`: STRUCT, UNION, enumerations (`(A := 1, B)`, `(A, B) INT`, `INT (A, B)`),
 ///   subranges (`INT (0..100)`), arrays of any bounds and dimensions, other names for types,
 ///   STRING[n] and STRING(n), each with an initial value. Types may be used before they are
-///   declared. The `;` after END_STRUCT and END_UNION is optional.
+///   declared. The `;` after END_STRUCT and END_UNION is optional. `TYPE B EXTENDS A : STRUCT` has
+///   the members of A before its own.
 /// - `VAR_GLOBAL [CONSTANT] [RETAIN | NON_RETAIN] ... END_VAR`, with AT, initial values and several
 ///   names in one declaration. PERSISTENT, as some vendors call it, is RETAIN.
 /// - `CONFIGURATION`, `RESOURCE`, `TASK` and `PROGRAM ... WITH task : type`, for tasks and
@@ -48,9 +49,11 @@ struct DeclarationLimits {
 /// blanks, hyphens, underscores or nothing between the words; `{attribute 'OPC.UA.DA' := '1'}` as
 /// publish only and '0' as none. All other pragmas are ignored.
 ///
-/// The `$` of texts stands for bytes of UTF-8 in '...' and UTF-16 in "...". Not supported are
-/// unnamed types other than arrays and subranges, and types of characters and of 64 bit times
-/// (LTIME, CHAR, WSTRING and others).
+/// Where a type is expected there may also be a structure, a union or an enumeration without a
+/// name. It becomes a type that is named after the declaration that it is in, such as
+/// "Press.Position.STRUCT", "Press.UNION" or "Mode.ENUM".
+///
+/// The `$` of texts stands for bytes of UTF-8 in '...' and UTF-16 in "...". BIT is BOOL.
 ///
 /// Bounds, lengths, values of enumerations, initial values and repetitions are expressions with
 /// constants (`VAR_GLOBAL CONSTANT`) and values of enumerations, before or after their declaration,

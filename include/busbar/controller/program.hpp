@@ -36,7 +36,26 @@ enum class ElementaryType : std::uint8_t {
     TimeOfDay,
     DateAndTime,
     String,
+    // Types of the 3rd edition.
+    Ltime,
+    Ldate,
+    LtimeOfDay,
+    LdateAndTime,
+    Char,
+    Wchar,
+    Wstring,
 };
+
+/// True for String, Wstring, Char and Wchar, which are published as String.
+[[nodiscard]] constexpr bool is_text(ElementaryType type)
+{
+    return type == ElementaryType::String || type >= ElementaryType::Char;
+}
+/// True for Wstring and Wchar, whose characters are units of UTF-16.
+[[nodiscard]] constexpr bool is_wide(ElementaryType type)
+{
+    return type == ElementaryType::Wstring || type == ElementaryType::Wchar;
+}
 
 /// Both are included.
 struct Bounds {
@@ -55,7 +74,8 @@ struct TypeUse {
     /// Empty if it is not an array. The outermost first; dimensions of types that are arrays
     /// themselves follow these.
     std::vector<Bounds> dimensions{};
-    /// For String: the maximum bytes of UTF-8, without the terminating zero.
+    /// For String the maximum bytes of UTF-8, for Wstring the maximum units of UTF-16, both without
+    /// the terminating zero.
     std::uint32_t string_length{255};
     /// For integers: the allowed values.
     std::optional<Bounds> subrange{};

@@ -45,12 +45,15 @@ struct ResolvedType {
     const DerivedType* type{nullptr};
     /// The declaration's own, followed by those of the types that are arrays themselves.
     std::vector<Bounds> dimensions{};
-    std::uint32_t string_length{0}; // for String
+    /// For a text as in TypeUse; 1 for Char and Wchar.
+    std::uint32_t string_length{0};
     std::optional<Bounds> subrange{};
     /// The initial value of the first resolved type that has one; null if none has.
     const InitialValue* initial{nullptr};
 
     [[nodiscard]] bool is_array() const { return !dimensions.empty(); }
+    /// Returns the bytes of UTF-8 that a text has at most: three for a unit of UTF-16.
+    [[nodiscard]] std::uint32_t text_bytes() const;
     /// Returns 1 if it is not an array.
     [[nodiscard]] std::uint64_t elements() const;
 };
@@ -71,8 +74,9 @@ public:
     [[nodiscard]] ResolvedType resolve(const TypeUse& use) const;
     /// Returns its size in bytes in the memory of an NJ or NX CPU (W506, A-5-1): 2 for BOOL, arrays
     /// of which have 16 in a word; 4 for an enumeration, 8 for times and dates, a text's length
-    /// plus one. Members are at multiples of their alignment, a structure's size is a multiple of
-    /// the largest one, and a union is as large as its largest member.
+    /// plus one, of units of two bytes for WSTRING. Members are at multiples of their alignment, a
+    /// structure's size is a multiple of the largest one, and a union is as large as its largest
+    /// member.
     [[nodiscard]] std::uint64_t size_of(const TypeUse& use) const;
     /// Bytes that it takes in a process image at most, which keeps a byte for each BOOL, also of an
     /// array, and a text's length in four bytes before it. A union, which no image can have, counts
@@ -109,7 +113,7 @@ private:
     std::vector<Layouts> layouts_;
 };
 
-/// Returns the bytes of one value in the CPU, except for String.
+/// Returns the bytes of one value in the CPU, except for String and Wstring.
 [[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
 /// The DataTypes of elementary types.
 enum class ElementaryTypes : std::uint8_t {
@@ -125,6 +129,10 @@ enum class ElementaryTypes : std::uint8_t {
 /// day as DateTime, bit strings as unsigned integers (W588, 6-2-2); but with
 /// Plcopen TIME as an Int64 of milliseconds, TIME_OF_DAY as a UInt32 of milliseconds since midnight
 /// (OPC 30000, 9.2). Enumerations are Int32.
+///
+/// LTIME, LDATE, LTIME_OF_DAY and LDATE_AND_TIME are published as the types without L; but with
+/// Plcopen LTIME as an Int64 of nanoseconds, LTIME_OF_DAY as a UInt64 of nanoseconds since
+/// midnight. A DateTime has a resolution of 100 ns. CHAR, WCHAR and WSTRING are String.
 [[nodiscard]] BUSBAR_API BuiltInType
 built_in_type_of(ElementaryType type, ElementaryTypes choice = ElementaryTypes::BuiltIn);
 /// Returns "INT", for example.

@@ -59,6 +59,26 @@ std::optional<T> number_as(const Variant& value)
     return std::nullopt;
 }
 
+/// Returns milliseconds as a whole number of a unit of which one has `units`.
+Variant whole_duration(const Variant& value, double units)
+{
+    const double* const milliseconds = value.get_if<double>();
+    constexpr double most = 9e18;
+    return milliseconds != nullptr && std::abs(*milliseconds * units) < most
+               ? Variant{std::int64_t{std::llround(*milliseconds * units)}}
+               : Variant{value};
+}
+
+template <typename Convert>
+Variant since_midnight(const Variant& value, Convert convert)
+{
+    constexpr std::int64_t ticks_per_day = 864'000'000'000;
+    const DateTime* const time = value.get_if<DateTime>();
+    return time != nullptr && time->ticks >= 0 && time->ticks < ticks_per_day
+               ? Variant{std::int64_t{convert(time->ticks)}}
+               : Variant{value};
+}
+
 } // namespace
 
 bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to)
@@ -82,21 +102,17 @@ bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to)
 
 Variant as_published(ElementaryType type, BuiltInType built_in, const Variant& value)
 {
-    constexpr std::int64_t ticks_per_millisecond = 10'000;
-    constexpr std::int64_t milliseconds_per_day = 86'400'000;
-    if (type == ElementaryType::Time && built_in == BuiltInType::Int64) {
-        const double* const milliseconds = value.get_if<double>();
-        constexpr double most = 9e18;
-        return milliseconds != nullptr && std::abs(*milliseconds) < most
-                   ? Variant{std::int64_t{std::llround(*milliseconds)}}
-                   : Variant{value};
+    const bool is_long = type == ElementaryType::Ltime || type == ElementaryType::LtimeOfDay;
+    if ((type == ElementaryType::Time || is_long) && built_in == BuiltInType::Int64) {
+        return whole_duration(value, is_long ? 1e6 : 1);
     }
+    constexpr std::int64_t ticks_per_millisecond = 10'000;
+    constexpr std::int64_t nanoseconds_per_tick = 100;
     if (type == ElementaryType::TimeOfDay && built_in == BuiltInType::UInt32) {
-        const DateTime* const time = value.get_if<DateTime>();
-        return time != nullptr && time->ticks >= 0 &&
-                       time->ticks / ticks_per_millisecond < milliseconds_per_day
-                   ? Variant{time->ticks / ticks_per_millisecond}
-                   : Variant{value};
+        return since_midnight(value, [](auto ticks) { return ticks / ticks_per_millisecond; });
+    }
+    if (type == ElementaryType::LtimeOfDay && built_in == BuiltInType::UInt64) {
+        return since_midnight(value, [](auto ticks) { return ticks * nanoseconds_per_tick; });
     }
     return Variant{value};
 }

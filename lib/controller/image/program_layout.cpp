@@ -44,7 +44,8 @@ Configured<server::ImageVariable> ProgramLayout::variable(const TypeUse& use)
     }
     default:
         made.type = built_in_type_of(type.elementary, elementary_);
-        made.capacity = type.string_length;
+        made.capacity = type.text_bytes();
+        made.max_units = is_wide(type.elementary) ? type.string_length : 0;
         if (type.subrange) {
             made.range = server::ImageRange{type.subrange->lower, type.subrange->upper};
         }

@@ -37,10 +37,7 @@ constexpr std::array<std::string_view, 22> keywords{
 };
 
 /// Types of the 3rd edition and of vendors, for which there is no DataType here.
-constexpr std::array<std::string_view, 15> unknown_types{
-    "CHAR", "LDATE",   "LDATE_AND_TIME", "LDT",   "LT",  "LTIME",     "LTIME_OF_DAY", "LTOD",
-    "ANY",  "POINTER", "REF_TO",         "WCHAR", "BIT", "REFERENCE", "WSTRING",
-};
+constexpr std::array<std::string_view, 4> unknown_types{"ANY", "POINTER", "REF_TO", "REFERENCE"};
 
 struct TypeWord {
     std::string_view word;
@@ -71,6 +68,31 @@ constexpr std::array type_names{
     TypeWord{"DT", ElementaryType::DateAndTime},
     TypeWord{"STRING", ElementaryType::String},
 };
+
+constexpr std::array later_type_names{
+    TypeWord{"LTIME", ElementaryType::Ltime},
+    TypeWord{"LDATE", ElementaryType::Ldate},
+    TypeWord{"LTIME_OF_DAY", ElementaryType::LtimeOfDay},
+    TypeWord{"LTOD", ElementaryType::LtimeOfDay},
+    TypeWord{"LDATE_AND_TIME", ElementaryType::LdateAndTime},
+    TypeWord{"LDT", ElementaryType::LdateAndTime},
+    TypeWord{"CHAR", ElementaryType::Char},
+    TypeWord{"WCHAR", ElementaryType::Wchar},
+    TypeWord{"WSTRING", ElementaryType::Wstring},
+    // A member of one bit, as vendors have it, has the values of BOOL.
+    TypeWord{"BIT", ElementaryType::Bool},
+};
+
+template <std::size_t n>
+std::optional<ElementaryType> find_type(const std::array<TypeWord, n>& rows, std::string_view word)
+{
+    for (const TypeWord& row : rows) {
+        if (busbar::detail::is_same_ignoring_case(row.word, word)) {
+            return row.type;
+        }
+    }
+    return {};
+}
 
 template <std::size_t n>
 bool is_one_of(const std::array<std::string_view, n>& words, std::string_view word)
@@ -129,20 +151,19 @@ WordKind kind_of_word(std::string_view word)
     if (is_one_of(keywords, word)) {
         return WordKind::Keyword;
     }
-    if (elementary_type(word)) {
+    if (find_type(type_names, word)) {
         return WordKind::ElementaryType;
+    }
+    if (find_type(later_type_names, word)) {
+        return WordKind::LaterType;
     }
     return is_one_of(unknown_types, word) ? WordKind::UnknownType : WordKind::Name;
 }
 
 std::optional<ElementaryType> elementary_type(std::string_view word)
 {
-    for (const TypeWord& row : type_names) {
-        if (busbar::detail::is_same_ignoring_case(row.word, word)) {
-            return row.type;
-        }
-    }
-    return {};
+    const auto found = find_type(type_names, word);
+    return found ? found : find_type(later_type_names, word);
 }
 
 bool is_integer(ElementaryType type)

@@ -14,6 +14,8 @@ enum class WordKind : std::uint8_t {
     Name,
     Keyword,
     ElementaryType,
+    /// The same, but of the 3rd edition or of vendors: programs also use the word as a name.
+    LaterType,
     /// The name of a type that programs cannot use here.
     UnknownType,
 };

@@ -15,7 +15,8 @@ bool DeclarationParser::read()
             skip_to_block();
         }
     }
-    return true;
+    leave_namespaces();
+    return extensions_.empty() || extend_types();
 }
 
 bool DeclarationParser::read_block()

@@ -10,6 +10,7 @@
 #include <busbar/controller/program.hpp>
 
 #include "declaration_cursor.hpp"
+#include "inherited_members.hpp"
 
 namespace busbar::controller::detail {
 
@@ -58,6 +59,12 @@ private:
     [[nodiscard]] bool read_type_body(DerivedType& type);
     [[nodiscard]] bool read_members(DerivedType& type, std::string_view end_word);
     [[nodiscard]] bool read_member(DerivedType& type);
+    /// Parses a structure, union or enumeration without a name, which becomes a type that is named
+    /// after the declaration that it is in: "Press.Mode.ENUM".
+    [[nodiscard]] bool read_nameless(TypeUse& use);
+    [[nodiscard]] bool is_at_nameless() const;
+    /// Gives the structures that extend others all members.
+    [[nodiscard]] bool extend_types();
 
     // declaration_enumeration.cpp
     /// Parses enumerators such as "A := 1, B)", whose opening parenthesis is taken; `base` is the
@@ -119,6 +126,9 @@ private:
     [[nodiscard]] bool skip_variables();
     [[nodiscard]] bool enter_namespace();
     void skip_semicolons();
+    /// Removes the namespaces from names of types: declarations in them are read as if they stood
+    /// outside.
+    void leave_namespaces();
     /// Parses the name of a type, with those of its namespaces.
     [[nodiscard]] bool read_qualified(TypeUse& use);
 
@@ -132,6 +142,9 @@ private:
     std::size_t last_problem_{SIZE_MAX};
     /// Structures and unions around the current token.
     std::size_t depth_{0};
+    /// The name of the type or variable that is being parsed, with those of members.
+    std::string path_{};
+    std::vector<Extension> extensions_{};
     /// The names of namespaces that were entered, folded.
     std::unordered_set<std::string> namespaces_{};
 };

@@ -212,21 +212,54 @@ void DeclarationParser::skip_semicolons()
     }
 }
 
+void DeclarationParser::leave_namespaces()
+{
+    std::unordered_set<std::string> types;
+    const auto leave = [&](std::string& name) {
+        std::size_t after = name.find('.');
+        if (after == std::string::npos || types.contains(fold_name(name))) {
+            return;
+        }
+        std::size_t begin = 0;
+        while (after != std::string::npos &&
+               namespaces_.contains(fold_name(name.substr(begin, after - begin)))) {
+            begin = after + 1;
+            after = name.find('.', begin);
+        }
+        name.erase(0, begin);
+    };
+    if (namespaces_.empty()) {
+        return;
+    }
+    for (const DerivedType& type : program_.types) {
+        types.insert(fold_name(type.name));
+    }
+    for (DerivedType& type : program_.types) {
+        leave(type.alias.type_name);
+        for (Member& member : type.members) {
+            leave(member.type.type_name);
+        }
+    }
+    for (GlobalVariable& variable : program_.variables) {
+        leave(variable.type.type_name);
+    }
+    for (Extension& extension : extensions_) {
+        leave(extension.base);
+    }
+}
+
 bool DeclarationParser::read_qualified(TypeUse& use)
 {
     const std::size_t offset = cursor_->now().offset;
     std::string qualifier;
     while (cursor_->expect_name(use.type_name, "a type")) {
         if (!leaves_out_ || !cursor_->skip_symbol(".")) {
-            // Declarations in a namespace are read as if they stood outside.
             use.type_name.insert(0, qualifier);
             return !leaves_out_ || !cursor_->is_symbol("(") ||
                    cursor_->fail_with(offset, "is of the type " + quoted_name(use.type_name) +
                                                   " with arguments, which is not served");
         }
-        if (!qualifier.empty() || !namespaces_.contains(fold_name(use.type_name))) {
-            qualifier += use.type_name + ".";
-        }
+        qualifier += use.type_name + ".";
     }
     return false;
 }

@@ -36,11 +36,21 @@ bool DeclarationParser::read_type()
         return false;
     }
     declaring_.push_back({type.name, type.place});
-    if (!cursor_->expect_symbol(":") || !read_type_body(type)) {
+    path_ = type.name;
+    TypeUse base;
+    const std::size_t extends = cursor_->now().offset;
+    if ((cursor_->skip_word("EXTENDS") && !read_qualified(base)) || !cursor_->expect_symbol(":") ||
+        !read_type_body(type)) {
         return false;
     }
     if (cursor_->constants().later_count() != later) {
         cursor_->constants().add_unsettled(fold_name(type.name));
+    }
+    if (!base.type_name.empty()) {
+        if (type.kind != DerivedType::Kind::Structure) {
+            return cursor_->fail_with(extends, "extends a type, which only a structure can");
+        }
+        extensions_.push_back({program_.types.size(), std::move(base.type_name), extends});
     }
     program_.types.push_back(std::move(type));
     declaring_.clear();
@@ -89,6 +99,7 @@ bool DeclarationParser::read_members(DerivedType& type, std::string_view end_wor
 
 bool DeclarationParser::read_member(DerivedType& type)
 {
+    const std::size_t path = path_.size();
     const std::string_view expected = type.kind == DerivedType::Kind::Union
                                           ? "the name of a member or 'END_UNION'"
                                           : "the name of a member or 'END_STRUCT'";
@@ -97,16 +108,79 @@ bool DeclarationParser::read_member(DerivedType& type)
     InitialValue initial;
     std::string comment;
     std::optional<NetworkPublish> unused;
-    if (!read_names(names, expected) || !cursor_->expect_symbol(":") || !read_use(use) ||
-        !read_initial(initial) || !read_pragmas(unused) || !read_end(comment)) {
+    if (!read_names(names, expected)) {
         return false;
     }
+    path_ += "." + names.front().text;
+    if (!cursor_->expect_symbol(":") || !read_use(use) || !read_initial(initial) ||
+        !read_pragmas(unused) || !read_end(comment)) {
+        return false;
+    }
+    path_.resize(path);
     const std::size_t memory = sizeof(Member) + memory_of(use) + memory_of(initial);
     for (Name& name : names) {
         if (!cursor_->keep(memory)) {
             return false;
         }
         type.members.push_back({std::move(name.text), use, initial, name.place});
+    }
+    return true;
+}
+
+bool DeclarationParser::is_at_nameless() const
+{
+    return cursor_->is_word("STRUCT") || cursor_->is_word("UNION") || cursor_->is_symbol("(");
+}
+
+bool DeclarationParser::read_nameless(TypeUse& use)
+{
+    DerivedType type{.name = path_, .place = cursor_->place()};
+    const std::size_t later = cursor_->constants().later_count();
+    const std::size_t most = cursor_->limits().max_depth;
+    if (depth_ > most) {
+        return cursor_->fail_with(cursor_->now().offset,
+                                  "is within more than " + std::to_string(most) + " structures");
+    }
+    if (cursor_->skip_symbol("(")) {
+        type.name += ".ENUM";
+        if (!read_enumerators(type, {}) || !read_base(type)) {
+            return false;
+        }
+    } else {
+        const bool is_union = cursor_->skip_word("UNION");
+        type.kind = is_union ? DerivedType::Kind::Union : DerivedType::Kind::Structure;
+        type.name += is_union ? ".UNION" : ".STRUCT";
+        if ((!is_union && !cursor_->expect_word("STRUCT")) ||
+            !read_members(type, is_union ? "END_UNION" : "END_STRUCT")) {
+            return false;
+        }
+    }
+    use.type_name = type.name;
+    if (cursor_->constants().later_count() != later) {
+        cursor_->constants().add_unsettled(fold_name(type.name));
+    }
+    if (!cursor_->keep(sizeof type + 2 * type.name.size())) {
+        return false;
+    }
+    program_.types.push_back(std::move(type));
+    return true;
+}
+
+bool DeclarationParser::extend_types()
+{
+    InheritedMembers inherited{program_.types, extensions_, cursor_->memory()};
+    const std::vector<NotExtended> failed = inherited.run();
+    if (inherited.is_exhausted()) {
+        return cursor_->keep(SIZE_MAX);
+    }
+    declaring_publish_ = {};
+    for (const NotExtended& each : failed) {
+        if (!leaves_out_) {
+            return cursor_->fail_with(each.offset, each.reason);
+        }
+        if (!note(LeftOut::Kind::Type, each.name, cursor_->place_at(each.offset), each.reason)) {
+            return false;
+        }
     }
     return true;
 }

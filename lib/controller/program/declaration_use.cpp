@@ -16,11 +16,15 @@ bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
             return false;
         }
     }
+    if (is_at_nameless()) {
+        return read_nameless(use);
+    }
     if (cursor_->now().kind != DeclarationToken::Kind::Word) {
         return cursor_->fail("a type");
     }
     switch (kind_of_word(cursor_->now().text)) {
     case WordKind::ElementaryType:
+    case WordKind::LaterType:
         return read_elementary(use, declared);
     case WordKind::Name:
         return read_qualified(use);
@@ -73,7 +77,7 @@ bool DeclarationParser::read_range(Bounds& bounds)
 bool DeclarationParser::read_elementary(TypeUse& use, DerivedType* declared)
 {
     use.elementary = *elementary_type(cursor_->take().text);
-    if (use.elementary == ElementaryType::String) {
+    if (use.elementary == ElementaryType::String || use.elementary == ElementaryType::Wstring) {
         return read_length(use);
     }
     if (!is_integer(use.elementary) || !cursor_->skip_symbol("(")) {

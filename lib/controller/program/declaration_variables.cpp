@@ -55,8 +55,11 @@ bool DeclarationParser::read_declaration(const Block& block)
         return true;
     }
     GlobalVariable variable;
-    if (!read_names(declaring_, "the name of a variable or 'END_VAR'") ||
-        !read_address(variable.address) || !cursor_->expect_symbol(":") ||
+    if (!read_names(declaring_, "the name of a variable or 'END_VAR'")) {
+        return false;
+    }
+    path_ = declaring_.front().text;
+    if (!read_address(variable.address) || !cursor_->expect_symbol(":") ||
         !read_use(variable.type)) {
         return false;
     }

@@ -45,7 +45,7 @@ bool is_symbol_of_operator(const DeclarationToken& token)
 bool is_value_name(std::string_view word)
 {
     const WordKind kind = kind_of_word(word);
-    return kind == WordKind::Name || kind == WordKind::UnknownType;
+    return kind == WordKind::Name || kind == WordKind::LaterType || kind == WordKind::UnknownType;
 }
 
 /// Reads one expression of a cursor.

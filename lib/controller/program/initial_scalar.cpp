@@ -31,10 +31,23 @@ bool is_duration(const InitialValue& value)
            std::isfinite(*milliseconds);
 }
 
-bool is_text_within(const InitialValue& value, std::uint32_t most)
+/// Counts the units of UTF-16 of a text in UTF-8.
+std::size_t units_of(std::string_view text)
+{
+    std::size_t units = 0;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        units += byte >= 0xF0 ? 2 : (byte & 0xC0U) != 0x80U ? 1 : 0;
+    }
+    return units;
+}
+
+bool is_text_of(const InitialValue& value, const ResolvedType& type)
 {
     const auto* text = value.value.get_if<String>();
-    return is_written_as(value, Notation::Text) && text != nullptr && text->size() <= most &&
+    return is_written_as(value, Notation::Text) && text != nullptr &&
+           (is_wide(type.elementary) ? units_of(text->view()) : text->size()) <=
+               type.string_length &&
            !first_not_utf8(text->view());
 }
 
@@ -66,20 +79,25 @@ std::string real_words(double number)
 
 bool is_of_type(const InitialValue& value, const ResolvedType& type)
 {
+    if (is_text(type.elementary)) {
+        return is_text_of(value, type);
+    }
     switch (type.elementary) {
     case ElementaryType::Bool:
         return is_written_as(value, Notation::Number) &&
                (value.value.get_if<bool>() != nullptr || is_number_of(value, type));
     case ElementaryType::Time:
+    case ElementaryType::Ltime:
         return is_duration(value);
     case ElementaryType::Date:
+    case ElementaryType::Ldate:
         return is_date_as(value, Notation::Date);
     case ElementaryType::TimeOfDay:
+    case ElementaryType::LtimeOfDay:
         return is_date_as(value, Notation::TimeOfDay);
     case ElementaryType::DateAndTime:
+    case ElementaryType::LdateAndTime:
         return is_date_as(value, Notation::DateAndTime);
-    case ElementaryType::String:
-        return is_text_within(value, type.string_length);
     default:
         return is_number_of(value, type);
     }
@@ -116,7 +134,7 @@ std::string type_words(const ResolvedType& type)
 {
     std::string words = "a value of ";
     words += name(type.elementary);
-    if (type.elementary == ElementaryType::String) {
+    if (is_text(type.elementary) && size_of(type.elementary) == 0) {
         words += '[' + std::to_string(type.string_length) + ']';
     }
     if (type.subrange) {

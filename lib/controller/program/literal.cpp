@@ -110,18 +110,25 @@ LiteralResult typed_value(ElementaryType type, std::string_view text, std::strin
     case ElementaryType::Bool:
         return typed_bool(text, body);
     case ElementaryType::Time:
+    case ElementaryType::Ltime:
         return or_wrong(busbar::detail::read_duration(body), Notation::Duration, text,
                         "a duration as T#1h2m3.5s");
     case ElementaryType::Date:
+    case ElementaryType::Ldate:
         return or_wrong(busbar::detail::read_date(body), Notation::Date, text,
                         "a date from 1601 on as D#2025-12-31");
     case ElementaryType::TimeOfDay:
+    case ElementaryType::LtimeOfDay:
         return or_wrong(busbar::detail::read_time_of_day(body), Notation::TimeOfDay, text,
                         "a time of day as TOD#23:59:59.5");
     case ElementaryType::DateAndTime:
+    case ElementaryType::LdateAndTime:
         return or_wrong(busbar::detail::read_date_and_time(body), Notation::DateAndTime, text,
                         "a date from 1601 on and a time as DT#2025-12-31-23:59:59");
     case ElementaryType::String:
+    case ElementaryType::Char:
+    case ElementaryType::Wchar:
+    case ElementaryType::Wstring:
         return body.starts_with('\'') || body.starts_with('"')
                    ? read_text_literal(body)
                    : wrong_literal(text, "a text in quotes after the '#'");
@@ -137,6 +144,12 @@ std::optional<ElementaryType> type_of_prefix(std::string_view prefix)
     }
     if (busbar::detail::is_same_ignoring_case(prefix, "D")) {
         return ElementaryType::Date;
+    }
+    if (busbar::detail::is_same_ignoring_case(prefix, "LT")) {
+        return ElementaryType::Ltime;
+    }
+    if (busbar::detail::is_same_ignoring_case(prefix, "LD")) {
+        return ElementaryType::Ldate;
     }
     return elementary_type(prefix);
 }
@@ -172,8 +185,7 @@ std::optional<LiteralResult> read_typed_literal(std::string_view text)
     if (const auto type = type_of_prefix(prefix)) {
         return typed_value(*type, text, text.substr(hash + 1));
     }
-    if (kind_of_word(prefix) == WordKind::UnknownType ||
-        busbar::detail::is_same_ignoring_case(prefix, "LD")) {
+    if (kind_of_word(prefix) == WordKind::UnknownType) {
         return wrong_literal(text, "a value of a type that is known here");
     }
     return {};

@@ -1,6 +1,8 @@
 #include <array>
 #include <charconv>
+#include <optional>
 
+#include "controller/conversion/label_text.hpp"
 #include "literal.hpp"
 #include "text_places.hpp"
 
@@ -19,22 +21,6 @@ constexpr std::array escapes{
     Escape{'N', '\n'}, Escape{'n', '\n'},  Escape{'P', '\f'}, Escape{'p', '\f'}, Escape{'R', '\r'},
     Escape{'r', '\r'}, Escape{'T', '\t'},  Escape{'t', '\t'},
 };
-
-/// Appends a UTF-16 unit that is a whole character, as UTF-8.
-void append_unit(std::string& text, unsigned unit)
-{
-    const auto append = [&](unsigned byte) { text += static_cast<char>(byte); };
-    if (unit < 0x80) {
-        append(unit);
-    } else if (unit < 0x800) {
-        append(0xC0U | unit >> 6U);
-        append(0x80U | (unit & 0x3FU));
-    } else {
-        append(0xE0U | unit >> 12U);
-        append(0x80U | (unit >> 6U & 0x3FU));
-        append(0x80U | (unit & 0x3FU));
-    }
-}
 
 /// Decodes the body of a text with its `$` escapes.
 class TextBody {
@@ -71,24 +57,49 @@ private:
     }
     bool read_hexadecimal()
     {
+        const auto value = take_hexadecimal();
+        // Refuse a zero, which would end the text.
+        if (!value || *value == 0) {
+            return false;
+        }
+        if (!is_wide_) {
+            result_ += static_cast<char>(*value);
+            return true;
+        }
+        // Half of a surrogate pair alone is told as a text that is not UTF-8.
+        char32_t character = *value;
+        const bool is_high = character >= 0xD800 && character < 0xDC00;
+        if (const std::string_view before = body_; is_high && take_dollar()) {
+            const auto low = take_hexadecimal();
+            if (low && *low >= 0xDC00 && *low <= 0xDFFF) {
+                character = 0x1'0000 + ((character - 0xD800) << 10U) + (*low - 0xDC00);
+            } else {
+                body_ = before;
+            }
+        }
+        append_utf8(character, result_);
+        return true;
+    }
+    bool take_dollar()
+    {
+        const bool is_there = body_.starts_with('$');
+        body_.remove_prefix(is_there ? 1 : 0);
+        return is_there;
+    }
+    std::optional<unsigned> take_hexadecimal()
+    {
         const std::size_t digits = is_wide_ ? 4 : 2;
         if (body_.size() < digits) {
-            return false;
+            return std::nullopt;
         }
         unsigned value = 0;
         const char* end = body_.data() + digits;
         const auto [behind, error] = std::from_chars(body_.data(), end, value, 16);
-        // Refuse a zero, which would end the text.
-        if (error != std::errc{} || behind != end || value == 0) {
-            return false;
+        if (error != std::errc{} || behind != end) {
+            return std::nullopt;
         }
         body_.remove_prefix(digits);
-        if (is_wide_) {
-            append_unit(result_, value);
-        } else {
-            result_ += static_cast<char>(value);
-        }
-        return true;
+        return value;
     }
 
     std::string_view body_;

@@ -37,8 +37,15 @@ constexpr std::array elementary_rows{
     ElementaryRow{"TIME_OF_DAY", 8, BuiltInType::DateTime},
     ElementaryRow{"DATE_AND_TIME", 8, BuiltInType::DateTime},
     ElementaryRow{"STRING", 0, BuiltInType::String},
+    ElementaryRow{"LTIME", 8, BuiltInType::Double},
+    ElementaryRow{"LDATE", 8, BuiltInType::DateTime},
+    ElementaryRow{"LTIME_OF_DAY", 8, BuiltInType::DateTime},
+    ElementaryRow{"LDATE_AND_TIME", 8, BuiltInType::DateTime},
+    ElementaryRow{"CHAR", 1, BuiltInType::String},
+    ElementaryRow{"WCHAR", 2, BuiltInType::String},
+    ElementaryRow{"WSTRING", 0, BuiltInType::String},
 };
-static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
+static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::Wstring) + 1);
 
 /// Caps sizes so that sums of unchecked types stay in range; the checker allows far less.
 constexpr std::uint64_t max_size = std::uint64_t{1} << 56U;
@@ -55,6 +62,27 @@ constexpr std::uint64_t size_of_length = 4;
 std::uint64_t rounded_up(std::uint64_t size, std::uint64_t multiple)
 {
     return (size + multiple - 1) / multiple * multiple;
+}
+
+std::uint32_t length_of(const TypeUse& use)
+{
+    if (use.elementary == ElementaryType::Char || use.elementary == ElementaryType::Wchar) {
+        return 1;
+    }
+    return is_text(use.elementary) ? use.string_length : 0;
+}
+
+/// Bytes of a text in the CPU with the zero that ends it, which a single character does not have.
+std::uint64_t text_size_in_cpu(ElementaryType type, std::uint32_t length)
+{
+    const std::uint64_t fixed = size_of(type);
+    return fixed != 0 ? fixed : (std::uint64_t{length} + 1) * (is_wide(type) ? 2 : 1);
+}
+
+std::uint64_t text_bytes_of(ElementaryType type, std::uint32_t length)
+{
+    constexpr std::uint64_t bytes_of_unit = 3;
+    return length * (is_wide(type) ? bytes_of_unit : 1);
 }
 
 ResolvedType::Kind kind_of(DerivedType::Kind kind)
@@ -79,6 +107,12 @@ std::uint64_t ResolvedType::elements() const
                                                   static_cast<std::uint64_t>(bounds.lower) + 1);
     }
     return product;
+}
+
+std::uint32_t ResolvedType::text_bytes() const
+{
+    return static_cast<std::uint32_t>(
+        std::min(text_bytes_of(elementary, string_length), std::uint64_t{UINT32_MAX} - 1));
 }
 
 Configured<ProgramTypes> ProgramTypes::create(const Program& program, const ProgramLimits& limits)
@@ -111,7 +145,7 @@ ResolvedType ProgramTypes::resolve(const TypeUse& use) const
         }
         if (at->type_name.empty()) {
             result.elementary = at->elementary;
-            result.string_length = at->elementary == ElementaryType::String ? at->string_length : 0;
+            result.string_length = length_of(*at);
             return result;
         }
         const DerivedType& type = *find(at->type_name);
@@ -166,10 +200,12 @@ ProgramTypes::Layout ProgramTypes::layout_of_one(const ResolvedType& type, Memor
 ProgramTypes::Layout ProgramTypes::layout_of(ElementaryType type, std::uint32_t length,
                                              Memory memory)
 {
-    if (type == ElementaryType::String) {
+    if (is_text(type)) {
         return memory == Memory::Cpu
-                   ? Layout{std::uint64_t{length} + 1, 1}
-                   : Layout{rounded_up(size_of_length + length, size_of_length), size_of_length};
+                   ? Layout{text_size_in_cpu(type, length), is_wide(type) ? 2U : 1U}
+                   : Layout{
+                         rounded_up(size_of_length + text_bytes_of(type, length), size_of_length),
+                         size_of_length};
     }
     const bool is_byte = memory == Memory::Image && type == ElementaryType::Bool;
     const std::uint64_t size = is_byte ? 1 : controller::size_of(type);
@@ -207,6 +243,12 @@ BuiltInType built_in_type_of(ElementaryType type, ElementaryTypes choice)
     }
     if (choice == ElementaryTypes::Plcopen && type == ElementaryType::TimeOfDay) {
         return BuiltInType::UInt32;
+    }
+    if (choice == ElementaryTypes::Plcopen && type == ElementaryType::Ltime) {
+        return BuiltInType::Int64;
+    }
+    if (choice == ElementaryTypes::Plcopen && type == ElementaryType::LtimeOfDay) {
+        return BuiltInType::UInt64;
     }
     return elementary_rows[static_cast<std::size_t>(type)].built_in;
 }

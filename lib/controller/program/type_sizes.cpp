@@ -29,6 +29,8 @@ MemoryLayout memory_layout_of(ElementaryType type, std::uint32_t length)
         return {4, 4};
     case ElementaryType::String:
         return {std::uint64_t{length} + 1, 1};
+    case ElementaryType::Wstring:
+        return {2 * (std::uint64_t{length} + 1), 2};
     default:
         return {size_of(type), size_of(type)};
     }

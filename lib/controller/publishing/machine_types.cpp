@@ -217,7 +217,7 @@ StructureField MachineTypes::field_of(const Member& member, const ProgramTypes& 
     field.data_type = of(type).data_type;
     field.value_rank = detail::value_rank(type);
     field.array_dimensions = detail::array_dimensions(type);
-    field.max_string_length = type.string_length;
+    field.max_string_length = type.text_bytes();
     return field;
 }
 

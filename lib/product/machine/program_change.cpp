@@ -67,7 +67,7 @@ std::string text_of(const TypeUse& use)
     }
     all += all.empty() ? "" : "] OF ";
     all += use.type_name.empty() ? std::string{controller::name(use.elementary)} : use.type_name;
-    if (use.type_name.empty() && use.elementary == controller::ElementaryType::String) {
+    if (use.type_name.empty() && is_text(use.elementary) && size_of(use.elementary) == 0) {
         all += "[" + std::to_string(use.string_length) + "]";
     }
     if (use.subrange) {

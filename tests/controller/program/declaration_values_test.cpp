@@ -174,10 +174,9 @@ TEST_CASE("Values that are written wrongly are told (6-2-2)")
     CHECK(problem_of("INT#") == "found 'INT#', expected a number after the '#'");
     CHECK(problem_of("BOOL#2") == "found 'BOOL#2', expected a value of the type before the '#'");
     CHECK(problem_of("STRING#5") == "found 'STRING#5', expected a text in quotes after the '#'");
-    CHECK(problem_of("LTIME#5s") ==
-          "found 'LTIME#5s', expected a value of a type that is known here");
-    CHECK(problem_of("WSTRING#\"a\"") ==
-          "found 'WSTRING#\"a\"', expected a value of a type that is known here");
+    CHECK(problem_of("ANY#5") == "found 'ANY#5', expected a value of a type that is known here");
+    CHECK(problem_of("LTIME#5") == "found 'LTIME#5', expected a duration as T#1h2m3.5s");
+    CHECK(problem_of("WSTRING#5") == "found 'WSTRING#5', expected a text in quotes after the '#'");
     CHECK(problem_of("Mode#1") ==
           "found 'Mode#1', expected the name of a type, '#' and a value of it");
     CHECK(problem_of("'a$x'") == "found ''a$x'', expected $ before $, \", ', L, N, P, R, T or two "

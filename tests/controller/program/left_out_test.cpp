@@ -69,8 +69,8 @@ TEST_CASE("A declaration that is not served is left out with its reason, and no 
          "1:16: variable f: is of the type Fb with arguments, which is not served"},
         {"VAR_GLOBAL f : Lib.Sub.Kind; b : INT; END_VAR", "b",
          "1:12: variables[0] (f): is of the type Lib.Sub.Kind, which is not declared"},
-        {"VAR_GLOBAL s : STRUCT x : INT; y : INT; END_STRUCT; b : INT; END_VAR", "b",
-         "1:16: variable s: found 'STRUCT', expected a type that is known here"},
+        {"VAR_GLOBAL s : STRUCT x : INT; y : ANY; END_STRUCT; b : INT; END_VAR", "b",
+         "1:36: variable s: is of the type ANY, which is not served"},
         {"VAR_GLOBAL a : INT := 40000; b : INT; END_VAR", "b",
          "1:23: variables[0] (a): has 40000, expected a value of INT"},
         {"VAR_GLOBAL a : INT; A : BOOL; b : INT; END_VAR", "a b",
@@ -107,7 +107,7 @@ TEST_CASE("A type that is not served takes what uses it along")
     const Row row = GENERATE(values<Row>({
         {"TYPE S : STRUCT a : INT; t : TON; END_STRUCT END_TYPE VAR_GLOBAL s : S; b : INT; END_VAR",
          "b", "1:66: variables[0] (s): is of the type S, which is left out"},
-        {"TYPE S : STRUCT a : BIT; END_STRUCT R : STRUCT s : S; END_STRUCT; Q : ARRAY [0..1] OF R;"
+        {"TYPE S : STRUCT a : ANY; END_STRUCT R : STRUCT s : S; END_STRUCT; Q : ARRAY [0..1] OF R;"
          " T : INT; END_TYPE VAR_GLOBAL q : Q; t : T; END_VAR",
          "t", "1:119: variables[0] (q): is of the type Q, which is left out"},
         {"TYPE S EXTENDS B : STRUCT a : INT; b : STRUCT c : INT; END_STRUCT; END_STRUCT;\n"
@@ -195,8 +195,8 @@ TEST_CASE("What is left out counts towards the memory that a text may take")
 TEST_CASE("A variable that is left out keeps whether it was to be published")
 {
     const auto program = read("VAR_GLOBAL {attribute 'publish' := 'input'} a : TON; b : TON;\n"
-                              "{attribute 'publish' := 'output'} c : WSTRING; d : LTIME; END_VAR\n"
-                              "{attribute 'publish' := 'publish only'} VAR_GLOBAL e : LTIME; "
+                              "{attribute 'publish' := 'output'} c : REF_TO INT; d : ANY; END_VAR\n"
+                              "{attribute 'publish' := 'publish only'} VAR_GLOBAL e : ANY; "
                               "END_VAR");
     REQUIRE(program);
     std::vector<std::string> names;

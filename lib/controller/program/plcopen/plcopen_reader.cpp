@@ -83,8 +83,9 @@ Configured<Program> PlcopenReader::read_once(Unserved unserved)
     program_ = {};
     problem_.reset();
     is_exhausted_ = false;
+    extensions_.clear();
     leaves_out_ = unserved == Unserved::LeaveOut;
-    const bool is_read = read_container(document_.document_element(), 0);
+    const bool is_read = read_container(document_.document_element(), 0) && extend_types();
     memory_ = whole;
     if (!is_read) {
         return Unexpected<Problem>{*problem_};

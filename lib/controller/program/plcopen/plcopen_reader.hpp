@@ -10,6 +10,7 @@
 
 #include "controller/program/constant_table.hpp"
 #include "controller/program/declaration_cursor.hpp"
+#include "controller/program/inherited_members.hpp"
 #include "controller/program/text_places.hpp"
 
 namespace busbar::controller::detail {
@@ -55,6 +56,15 @@ private:
     /// Reads the type in the <type> or <baseType> of `xml`.
     [[nodiscard]] bool read_use(const pugi::xml_node& xml, std::string_view holder, TypeUse& use);
     [[nodiscard]] bool read_one_use(const pugi::xml_node& xml, TypeUse& use);
+    /// Reads the name of a declared type, or of an elementary one that the schema lacks.
+    [[nodiscard]] bool read_derived_name(const pugi::xml_node& xml, TypeUse& use);
+    /// Reads a structure, union or enumeration without a name, which becomes a type that is named
+    /// after the declaration that it is in: "Press.Mode.ENUM".
+    [[nodiscard]] bool read_nameless(const pugi::xml_node& xml, TypeUse& use);
+    /// Notes the structure that the type extends, as CODESYS has it in <addData>.
+    [[nodiscard]] bool read_extends(const pugi::xml_node& xml, const DerivedType& type);
+    /// Gives the structures that extend others all members.
+    [[nodiscard]] bool extend_types();
     [[nodiscard]] bool read_dimensions(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_subrange(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_bounds(const pugi::xml_node& xml, Bounds& bounds);
@@ -112,6 +122,11 @@ private:
     bool leaves_out_;
     MemoryBudget memory_;
     ConstantTable constants_{};
+    /// The name of the type or variable that is being read, with those of members.
+    std::string path_{};
+    /// Structures around the type that is being read.
+    std::size_t depth_{0};
+    std::vector<Extension> extensions_{};
     pugi::xml_document document_{};
     Program program_{};
     std::optional<Problem> problem_{};

@@ -1,9 +1,35 @@
+#include <algorithm>
+
 #include <busbar/controller/program_types.hpp>
 
 #include "controller/program/declaration_keywords.hpp"
+#include "controller/program/program_problem.hpp"
 #include "plcopen_reader.hpp"
 
 namespace busbar::controller::detail {
+
+namespace {
+
+/// The <data> in which CODESYS names the structure that a type extends.
+constexpr std::string_view extends_data =
+    "http://www.3s-software.com/plcopenxml/datatypeinheritance";
+
+/// Returns the end of the name that a type without one gets; empty for an element that is not such
+/// a type.
+std::string_view nameless_suffix(const pugi::xml_node& xml)
+{
+    const bool is_specification = is_named(xml, "instantlyDefinedType");
+    const std::string_view name = is_specification ? specification_of(xml) : local_name_of(xml);
+    if (name == "struct" || (is_specification && name.starts_with("Struct"))) {
+        return ".STRUCT";
+    }
+    if (name == "union" || (is_specification && name.starts_with("Union"))) {
+        return ".UNION";
+    }
+    return name == "enum" || (is_specification && name.starts_with("Enum")) ? ".ENUM" : "";
+}
+
+} // namespace
 
 bool PlcopenReader::read_type(const pugi::xml_node& xml)
 {
@@ -18,8 +44,9 @@ bool PlcopenReader::read_type(const pugi::xml_node& xml)
     if (!body) {
         return fail(xml, "found <dataType>, expected a type in its <baseType>");
     }
+    path_ = type.name;
     if (!read_type_body(body, type) || !read_initial(xml, type.initial) ||
-        !read_documentation(xml, type.comment)) {
+        !read_documentation(xml, type.comment) || !read_extends(xml, type)) {
         return false;
     }
     if (constants_.later_count() != later) {
@@ -52,8 +79,14 @@ bool PlcopenReader::read_members(const pugi::xml_node& xml, DerivedType& type)
             continue;
         }
         Member member{.name = {}, .place = place_of(child)};
-        if (!keep(child, sizeof member) || !read_name(child, "name", member.name) ||
-            !read_use(child, "type", member.type) || !read_initial(child, member.initial)) {
+        if (!keep(child, sizeof member) || !read_name(child, "name", member.name)) {
+            return false;
+        }
+        const std::size_t path = path_.size();
+        path_ += "." + member.name;
+        const bool is_read = read_use(child, "type", member.type);
+        path_.resize(path);
+        if (!is_read || !read_initial(child, member.initial)) {
             return false;
         }
         type.members.push_back(std::move(member));
@@ -143,7 +176,10 @@ bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
         return read_type_name(type, use);
     }
     if (name == "derived") {
-        return read_name(type, "name", use.type_name);
+        return read_derived_name(type, use);
+    }
+    if (!nameless_suffix(type).empty()) {
+        return read_nameless(type, use);
     }
     if (name == "subrangeSigned" || name == "subrangeUnsigned") {
         return read_subrange(type, use);
@@ -153,7 +189,9 @@ bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
         return fail(type, "found " + tag_of(type) + ", expected a type that is known here");
     }
     use.elementary = *elementary;
-    if (use.elementary != ElementaryType::String || !type.attribute("length")) {
+    const bool has_length =
+        use.elementary == ElementaryType::String || use.elementary == ElementaryType::Wstring;
+    if (!has_length || !type.attribute("length")) {
         return true;
     }
     std::int64_t length = 0;
@@ -163,6 +201,84 @@ bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
     use.string_length = static_cast<std::uint32_t>(length);
     return (length > 0 && length < UINT32_MAX) ||
            fail(type, "found the length " + std::to_string(length) + ", expected one from 1 on");
+}
+
+bool PlcopenReader::read_nameless(const pugi::xml_node& xml, TypeUse& use)
+{
+    const std::size_t later = constants_.later_count();
+    if (depth_ > limits_->max_depth) {
+        return fail(xml,
+                    "is within more than " + std::to_string(limits_->max_depth) + " structures");
+    }
+    DerivedType type{.name = path_ + std::string{nameless_suffix(xml)}, .place = place_of(xml)};
+    if (!keep(xml, sizeof type + 2 * type.name.size())) {
+        return false;
+    }
+    ++depth_;
+    const bool is_read = is_named(xml, "instantlyDefinedType") ? read_specification(xml, type)
+                                                               : read_type_body(xml, type);
+    --depth_;
+    if (!is_read) {
+        return false;
+    }
+    if (constants_.later_count() != later) {
+        constants_.add_unsettled(fold_name(type.name));
+    }
+    use.type_name = type.name;
+    program_.types.push_back(std::move(type));
+    return true;
+}
+
+bool PlcopenReader::read_extends(const pugi::xml_node& xml, const DerivedType& type)
+{
+    for (const pugi::xml_node& data : child_of(xml, "addData").children()) {
+        if (std::string_view{data.attribute("name").value()} != extends_data) {
+            continue;
+        }
+        const std::string_view base =
+            trimmed_text(child_of(child_of(data, "Inheritance"), "Extends").text().get());
+        if (base.empty() || type.kind != DerivedType::Kind::Structure) {
+            return fail(data, "found <Inheritance>, expected <Extends> of a structure with the "
+                              "name of another");
+        }
+        if (!keep(data, sizeof(Extension) + base.size())) {
+            return false;
+        }
+        extensions_.push_back(
+            {program_.types.size(), std::string{base},
+             static_cast<std::size_t>(std::max(data.offset_debug(), std::ptrdiff_t{0}))});
+    }
+    return true;
+}
+
+bool PlcopenReader::extend_types()
+{
+    InheritedMembers inherited{program_.types, extensions_, memory_};
+    const std::vector<NotExtended> failed = inherited.run();
+    if (inherited.is_exhausted()) {
+        return keep(document_.document_element(), SIZE_MAX);
+    }
+    for (const NotExtended& each : failed) {
+        if (!leaves_out_) {
+            return fail_at(each.offset, each.reason);
+        }
+        program_.left_out.push_back(
+            left_out(LeftOut::Kind::Type, each.name, {}, places_->at(each.offset), each.reason));
+    }
+    return true;
+}
+
+bool PlcopenReader::read_derived_name(const pugi::xml_node& xml, TypeUse& use)
+{
+    if (!read_name(xml, "name", use.type_name)) {
+        return false;
+    }
+    // Types that the schema lacks, such as LTIME, are written by their names.
+    if (const auto elementary = elementary_type(use.type_name)) {
+        use.elementary = *elementary;
+        use.type_name.clear();
+    }
+    return true;
 }
 
 bool PlcopenReader::read_dimensions(const pugi::xml_node& xml, TypeUse& use)

@@ -83,8 +83,11 @@ bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable vari
 {
     variable.place = place_of(xml);
     if (!keep(xml, sizeof variable) || !read_address(xml, variable.address) ||
-        !read_name(xml, "name", variable.name) || !read_use(xml, "type", variable.type) ||
-        !read_initial(xml, variable.initial) ||
+        !read_name(xml, "name", variable.name)) {
+        return false;
+    }
+    path_ = variable.name;
+    if (!read_use(xml, "type", variable.type) || !read_initial(xml, variable.initial) ||
         (variable.is_constant && !add_constant(xml, variable)) ||
         !read_publish(xml, variable.publish) || !read_documentation(xml, variable.comment)) {
         return false;
