@@ -1,12 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include <busbar/backend/device_protocols.hpp>
+#include <busbar/backend/slmp_labels.hpp>
 
 namespace busbar::product {
 
@@ -46,6 +50,12 @@ struct BackendConfig {
 /// Variables of one backend.
 inline constexpr std::size_t most_backend_variables = 100'000;
 
+/// The keys of [labels] that read_slmp_labels() reads.
+[[nodiscard]] std::span<const std::string_view> slmp_labels_keys();
+/// Reads from [labels] how to reach the PLC whose labels these are. Throws ConfigError.
+[[nodiscard]] backend::SlmpLabelsOptions read_slmp_labels(const TomlTable& table);
+/// Returns the values of the keys, in a text that is the same for the same values.
+[[nodiscard]] std::string keys_text(const TomlTable& table, std::span<const std::string_view> keys);
 /// Reads all [[backend]]. Throws ConfigError.
 [[nodiscard]] std::vector<BackendConfig> read_backends(const TomlTable& root);
 

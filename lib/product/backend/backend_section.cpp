@@ -225,7 +225,7 @@ private:
 };
 
 /// "plc.example:502", "[2001:db8::1]:502".
-void read_address(const TomlTable& table, BackendConfig& config)
+void read_address(const TomlTable& table, backend::DeviceConfig& device)
 {
     const std::string text = table.text("address");
     const std::size_t colon = text.rfind(':');
@@ -240,8 +240,16 @@ void read_address(const TomlTable& table, BackendConfig& config)
         end != text.data() + text.size() || port == 0 || port > 65'535) {
         table.fail("address", "host:port of the PLC");
     }
-    config.device.host = host;
-    config.device.port = static_cast<std::uint16_t>(port);
+    device.host = host;
+    device.port = static_cast<std::uint16_t>(port);
+}
+
+/// Reads where the PLC is, and how long it is waited for.
+void read_connection(const TomlTable& table, backend::DeviceConfig& device)
+{
+    read_address(table, device);
+    device.connect_timeout = milliseconds{table.integer("connect_ms", 5'000, 10, 600'000)};
+    device.longest_pause = milliseconds{table.integer("longest_pause_ms", 30'000, 500, 3'600'000)};
 }
 
 template <typename T>
@@ -364,11 +372,8 @@ BackendConfig read_backend(const TomlTable& table)
         keys.insert(keys.end(), {"family", "frame", "transport", "network", "station", "module"});
     }
     table.allow(keys);
-    read_address(table, config);
+    read_connection(table, config.device);
     config.device.name = config.name;
-    config.device.connect_timeout = milliseconds{table.integer("connect_ms", 5'000, 10, 600'000)};
-    config.device.longest_pause =
-        milliseconds{table.integer("longest_pause_ms", 30'000, 500, 3'600'000)};
     if (is_modbus) {
         config.protocol = read_modbus(table);
     } else {
@@ -402,6 +407,37 @@ std::unique_ptr<backend::DeviceProtocol> BackendConfig::make_protocol() const
     const auto all = points();
     return protocol.index() == 0 ? backend::make_modbus_protocol(std::get<0>(protocol), all)
                                  : backend::make_slmp_protocol(std::get<1>(protocol), all);
+}
+
+std::span<const std::string_view> slmp_labels_keys()
+{
+    static constexpr std::array<std::string_view, 11> keys{
+        "address",   "under_way", "timeout_ms", "connect_ms", "longest_pause_ms", "family", "frame",
+        "transport", "network",   "station",    "module"};
+    return keys;
+}
+
+backend::SlmpLabelsOptions read_slmp_labels(const TomlTable& table)
+{
+    backend::SlmpLabelsOptions options;
+    read_connection(table, options.device);
+    options.device.name = "labels";
+    options.protocol = read_slmp(table);
+    options.device.is_datagram = options.protocol.client.is_datagram;
+    return options;
+}
+
+std::string keys_text(const TomlTable& table, std::span<const std::string_view> keys)
+{
+    std::string all;
+    for (const std::string_view key : keys) {
+        if (table.has(key)) {
+            const toml::node& node = *table.node(key);
+            all += std::string{key} + "=" + node.value<std::string>().value_or("") +
+                   std::to_string(node.value<std::int64_t>().value_or(0)) + ";";
+        }
+    }
+    return all;
 }
 
 std::vector<BackendConfig> read_backends(const TomlTable& root)

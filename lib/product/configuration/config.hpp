@@ -154,9 +154,16 @@ struct LabelConfig {
     bool may_leave_out_more{false};
     /// Minutes that the PLC's clock is ahead of UTC; if empty, the same as this machine's.
     std::optional<std::int32_t> utc_offset;
+    /// The PLC behind the network that has the labels; null if the program does, or nothing.
+    std::shared_ptr<const backend::SlmpLabelsOptions> field;
+    /// The keys of that PLC, for comparing.
+    std::string field_text;
     /// See MappedOptions.
     bool isolates_failures{false};
     std::chrono::milliseconds call_limit{4'000};
+
+    /// True if there are labels, which are of a PLC other than that of [plc].
+    [[nodiscard]] bool has_plc() const { return program != nullptr || field != nullptr; }
 };
 
 /// The number of a listener for net::ServerLoop::listen; its default, 0, is for all uses.

@@ -1,6 +1,8 @@
 #include "sections.hpp"
 
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "limit_keys.hpp"
 #include "product/machine/program_file.hpp"
@@ -17,11 +19,36 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
                       }));
 }
 
+namespace {
+
+/// Reads the PLC behind the network that has the labels.
+void read_field(const TomlTable& table, LabelConfig& labels)
+{
+    if (table.text("backend") != "slmp") {
+        table.fail("backend", "\"slmp\"");
+    }
+    if (!labels.program_file.empty()) {
+        table.refuse("program", "found a program besides a backend, expected one of them: the PLC "
+                                "has the labels");
+    }
+    labels.field = std::make_shared<const backend::SlmpLabelsOptions>(read_slmp_labels(table));
+    labels.field_text = keys_text(table, slmp_labels_keys());
+}
+
+} // namespace
+
 void read_labels(const TomlTable& table, ControllerConfig& config)
 {
     constexpr std::int64_t most_minutes{std::int64_t{24} * 60};
-    table.allow({"program", "access_unit", "waiting", "sampling", "sampled_points",
-                 "utc_offset_minutes", "isolate_failures", "call_limit_ms", "strict", "encoding"});
+    std::vector<std::string_view> keys{"program",          "access_unit",    "waiting",
+                                       "sampling",         "sampled_points", "utc_offset_minutes",
+                                       "isolate_failures", "call_limit_ms",  "strict",
+                                       "encoding",         "backend"};
+    if (table.has("backend")) {
+        const auto more = slmp_labels_keys();
+        keys.insert(keys.end(), more.begin(), more.end());
+    }
+    table.allow(keys);
     LabelConfig& labels = config.labels;
     labels.program_file = table.text("program", "");
     auto& options = labels.options;
@@ -35,6 +62,9 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
     if (table.has("utc_offset_minutes")) {
         labels.utc_offset = static_cast<std::int32_t>(
             table.integer("utc_offset_minutes", 0, -most_minutes, most_minutes));
+    }
+    if (table.has("backend")) {
+        read_field(table, labels);
     }
     if (labels.program_file.empty()) {
         return;

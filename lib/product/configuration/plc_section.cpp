@@ -197,7 +197,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     }
     const auto events = table.tables("event");
     for (const TomlTable& entry : events) {
-        if (config.labels.program) {
+        if (config.labels.has_plc()) {
             entry.refuse("variable", "found an event, expected none of a program of labels");
         }
         config.plc.events.push_back(read_event(entry));

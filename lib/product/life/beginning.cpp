@@ -27,7 +27,8 @@ Standing standing_of(const ControllerConfig& config)
                       .reverse_urls = config.reverse_urls,
                       .discovery = config.discovery,
                       .application_uri = {},
-                      .key_log = config.key_log};
+                      .key_log = config.key_log,
+                      .field_labels = config.labels.field_text};
     if (!config.discovery.url.empty()) {
         ControllerConfig named = config;
         set_names(named);
@@ -52,7 +53,9 @@ RunningController::RunningController(Configuration configuration, Beginning begi
         });
     }
     refuse_beginning(beginning);
-    if (reading.project != nullptr && runtime_.labels() == nullptr) {
+    if (reading.project != nullptr && config.labels.field != nullptr) {
+        field_labels_.emplace(*config.labels.field, clock_, log_);
+    } else if (reading.project != nullptr && runtime_.labels() == nullptr) {
         if (!runtime_.is_simulated()) {
             throw ConfigError{configuration_.project,
                               "found a project, and this PLC has no labels"};
@@ -174,6 +177,14 @@ void RunningController::register_with_discovery_server(const ControllerConfig& c
            "registering with " + config.discovery.url);
 }
 
+std::shared_ptr<backend::LabelBackend> RunningController::labels() const
+{
+    if (field_labels_) {
+        return field_labels_->labels();
+    }
+    return labels_ ? labels_->labels() : runtime_.labels();
+}
+
 Surroundings RunningController::surroundings()
 {
     server::ServerEnvironment environment{
@@ -187,7 +198,7 @@ Surroundings RunningController::surroundings()
             .runtime = runtime_,
             .threads = threads_,
             .machine = machine_ ? &*machine_ : nullptr,
-            .labels = labels_ ? labels_->labels() : runtime_.labels(),
+            .labels = labels(),
             .label_priority = labels_ ? labels_->task_priority() : 0,
             .port = listening_.port(),
             .pending = pending_,

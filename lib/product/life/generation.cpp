@@ -94,7 +94,7 @@ Generation::Generation(const Configuration& configuration, Reading reading,
 void Generation::finish()
 {
     admission_.check_passwords_on(worker_);
-    if (config_.labels.program == nullptr) {
+    if (!config_.labels.has_plc()) {
         after_scan_ = following_scans(plant_, administered_, around_.machine);
         task_.emplace(plant_.plc(), *around_.environment.wall_clock, config_.scan,
                       config_.realtime_priority, &around_.threads);

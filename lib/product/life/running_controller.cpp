@@ -188,7 +188,7 @@ RunningController::labels_check(std::shared_ptr<const KeptProject> project,
     }
     return [project = std::move(project), last = std::move(last),
             isolates = next.labels.isolates_failures,
-            labels = labels_ ? labels_->labels_with(next) : [all = runtime_.labels()] {
+            labels = labels_ ? labels_->labels_with(next) : [all = this->labels()] {
                 return std::shared_ptr<const backend::LabelBackend>{all};
             }]() -> Configured<void> {
         try {
@@ -342,6 +342,9 @@ bool RunningController::run()
     if (labels_) {
         labels_->start();
     }
+    if (field_labels_) {
+        field_labels_->start(loop_);
+    }
     start();
     if (takes_signals_) {
         loop_.stop_on_signals([this] {
@@ -382,6 +385,9 @@ bool RunningController::run()
     }
     drop_next();
     current_->halt();
+    if (field_labels_) {
+        field_labels_->stop();
+    }
     if (machine_) {
         machine_->shut_down();
     }

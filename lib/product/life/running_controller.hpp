@@ -26,6 +26,7 @@
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
 #include "product/machine/ticker.hpp"
+#include "product/model/field_labels.hpp"
 #include "product/model/label_plant.hpp"
 #include "product/store/taken_over.hpp"
 
@@ -52,6 +53,8 @@ struct Standing {
     /// ApplicationUri at the discovery server; empty without one.
     std::string application_uri;
     std::string key_log;
+    /// The PLC behind the network that has the labels; empty for none.
+    std::string field_labels;
 
     friend bool operator==(const Standing&, const Standing&) = default;
 };
@@ -216,6 +219,8 @@ private:
     /// Calls `work` on the worker, or at once if that has too much to do.
     void work_aside(std::function<void()> work);
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
+    /// The labels for a project of model mode; null if there are none.
+    [[nodiscard]] std::shared_ptr<backend::LabelBackend> labels() const;
     /// Returns a check, for any thread, that the project, null for none, can have its labels of the
     /// PLC, if it is another one than `last`, the file of the one before.
     [[nodiscard]] std::function<Configured<void>()>
@@ -252,6 +257,8 @@ private:
     std::optional<Machine> machine_;
     /// Set for a project of model mode, if the runtime has no labels of its own.
     std::optional<LabelPlant> labels_;
+    /// Set instead if a PLC behind the network has the labels.
+    std::optional<FieldLabels> field_labels_;
     Listening listening_;
     /// Number of checks until a pending restart; 0 if none is due.
     int looks_until_restart_{0};

@@ -54,7 +54,7 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
                     const controller::MachineEventLog* machine_log,
                     std::function<void(HardwareEvent)> hardware)
 {
-    if (config_.labels.program != nullptr) {
+    if (config_.labels.has_plc()) {
         load_models(server, config_.nodesets, sources, log);
         return; // the PLC is a machine of its own, of which clients see what is mapped
     }
