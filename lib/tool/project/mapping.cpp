@@ -252,7 +252,7 @@ Exit map_node(Context& context, const ProjectArguments& arguments)
     Mapping& all = models.mapping();
     const std::size_t taken = take_away(all.variables, change.taken.variables) +
                               take_away(all.methods, change.taken.methods);
-    if (taken == 0 && count_labels(change.labels) == 0) {
+    if (taken == 0 && change.labels.variables.empty() && change.labels.methods.empty()) {
         throw Failure{Exit::Failed, safe(words[1]) + ": nothing is mapped there",
                       "`busbar project csv` lists what is mapped"};
     }
