@@ -31,8 +31,6 @@ struct ImageVariable {
     std::vector<std::uint32_t> dimensions{};
     /// Maximum number of bytes of a text; ignored for other types.
     std::uint32_t capacity{0};
-    /// Maximum number of UTF-16 units of a text, besides `capacity`; 0: any.
-    std::uint32_t max_units{0};
     /// The structure of an ExtensionObject; null for other types.
     std::shared_ptr<const ImageStructure> structure{};
     /// Clients cannot write it. Ignored for a member.
@@ -50,6 +48,8 @@ struct ImageVariable {
     /// The range of an integer or its elements: other values are not stored, whether written by
     /// clients or by store(); ignored for other types. The task itself is not restricted.
     std::optional<ImageRange> range{};
+    /// Maximum number of UTF-16 units of a text, besides `capacity`; 0: any.
+    std::uint32_t max_units{0};
 };
 
 namespace detail {
