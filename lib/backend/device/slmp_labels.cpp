@@ -172,7 +172,7 @@ struct SlmpLabels::Impl {
     LabelListener* listener{nullptr};
     std::deque<std::unique_ptr<LabelRequest>> queue;
     std::optional<Job> job;
-    /// Of this connection; the place is the low part of an address.
+    /// The labels of this connection; the place is the low part of an address.
     std::vector<Known> known;
     std::map<std::string, std::uint64_t, std::less<>> addresses;
     std::uint64_t epoch{0};

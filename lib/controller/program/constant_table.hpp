@@ -44,7 +44,7 @@ public:
     /// The bytes that a name takes, for a MemoryBudget.
     static constexpr std::size_t memory_of_one = 512;
 
-    /// What a declaration says; `place` is of the file that was set.
+    /// The contents of a declaration; `place` is of the file that was set.
     struct Declared {
         std::string_view name{};
         /// The expression; empty: none.

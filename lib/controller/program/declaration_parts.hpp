@@ -15,9 +15,9 @@ namespace busbar::controller::detail {
 struct DeclarationPart {
     /// The file up to the end of the part, in UTF-8.
     std::string_view text{};
-    /// Where the part begins.
+    /// The offset at which the part begins.
     std::size_t begin{0};
-    /// Of the file.
+    /// The places of the file.
     const TextPlaces* places{nullptr};
     std::string_view file{};
     /// The name of the list that its variables are in; empty: none.

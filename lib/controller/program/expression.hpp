@@ -26,8 +26,8 @@ struct ExpressionValue {
         Ambiguous,
     };
 
-    /// As in InitialValue: an Int64, a UInt64 if it is larger, a Double, a Boolean, a DateTime or a
-    /// String. The number of a value of an enumeration.
+    /// The value as InitialValue has it: an Int64, a UInt64 if it is larger, a Double, a Boolean, a
+    /// DateTime or a String; for a value of an enumeration its number.
     Variant value{};
     InitialValue::Notation notation{InitialValue::Notation::Number};
     State state{State::Known};
@@ -36,7 +36,7 @@ struct ExpressionValue {
     /// For a single name that is not a constant: the name and the one before it, as written.
     std::string enumeration{};
     std::string name{};
-    /// Where it begins in the text.
+    /// The offset in the text at which it begins.
     std::size_t offset{0};
 
     [[nodiscard]] bool is_later() const { return state == State::Later; }

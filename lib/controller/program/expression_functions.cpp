@@ -114,7 +114,7 @@ ExpressionResult to_duration(const ExpressionValue& value)
     return result;
 }
 
-/// What shifts need: bits, their width, and a count.
+/// The operands of a shift: bits, their width, and a count.
 struct Shift {
     std::uint64_t bits{0};
     unsigned width{64};

@@ -108,7 +108,7 @@ private:
                                      " bytes of memory up to here");
     }
 
-    /// Has `read` read a whole cell as part of a declaration.
+    /// Lets `read` read a whole cell as part of a declaration.
     template <typename Read>
     bool read_cell(const Cell& cell, Read read)
     {

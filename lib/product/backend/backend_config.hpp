@@ -16,7 +16,7 @@ namespace busbar::product {
 
 class TomlTable;
 
-/// A Variable whose value is in a PLC behind a backend.
+/// A Variable whose value is in the PLC of a backend.
 struct BackendVariable {
     std::string name;
     /// Its address as the configuration or table has it.

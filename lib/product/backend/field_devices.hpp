@@ -15,7 +15,7 @@
 
 namespace busbar::product {
 
-/// The PLCs behind the backends of a configuration, with their Variables. For each backend there is
+/// The PLCs of the backends of a configuration, with their Variables. For each backend there is
 /// a folder below Objects with its name, which has its Variables and an Object "Connection" with
 /// the state of the connection. On the server's thread but for publish().
 class FieldDevices {

@@ -154,7 +154,7 @@ struct LabelConfig {
     bool may_leave_out_more{false};
     /// Minutes that the PLC's clock is ahead of UTC; if empty, the same as this machine's.
     std::optional<std::int32_t> utc_offset;
-    /// The PLC behind the network that has the labels; null if the program does, or nothing.
+    /// The PLC on the network that has the labels; null if the program does, or nothing.
     std::shared_ptr<const backend::SlmpLabelsOptions> field;
     /// The keys of that PLC, for comparing.
     std::string field_text;
@@ -209,7 +209,7 @@ struct ControllerConfig {
     LabelConfig labels;
     /// Without variables if the machine has a program, or there are labels.
     controller::PlcConfig plc;
-    /// PLCs behind the network, whose variables are served besides.
+    /// PLCs on the network, whose variables are served besides.
     std::vector<BackendConfig> backends;
 };
 

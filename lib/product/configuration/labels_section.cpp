@@ -21,7 +21,7 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
 
 namespace {
 
-/// Reads the PLC behind the network that has the labels.
+/// Reads the PLC on the network that has the labels.
 void read_field(const TomlTable& table, LabelConfig& labels)
 {
     if (table.text("backend") != "slmp") {

@@ -119,8 +119,8 @@ private:
     administration::SettingValues values_;
     administration::SettingValues started_;
     Running running_;
-    /// What the last check() made, so that apply(), which comes after the changes were stored,
-    /// cannot fail for lack of memory, and reads nothing again.
+    /// The result of the last check(): apply(), which comes after the changes were stored, must not
+    /// fail for lack of memory, and reads nothing again.
     std::optional<Checked> checked_;
 };
 

@@ -53,7 +53,7 @@ struct Standing {
     /// ApplicationUri at the discovery server; empty without one.
     std::string application_uri;
     std::string key_log;
-    /// The PLC behind the network that has the labels; empty for none.
+    /// The PLC on the network that has the labels; empty for none.
     std::string field_labels;
 
     friend bool operator==(const Standing&, const Standing&) = default;
@@ -257,7 +257,7 @@ private:
     std::optional<Machine> machine_;
     /// Set for a project of model mode, if the runtime has no labels of its own.
     std::optional<LabelPlant> labels_;
-    /// Set instead if a PLC behind the network has the labels.
+    /// Set instead if a PLC on the network has the labels.
     std::optional<FieldLabels> field_labels_;
     Listening listening_;
     /// Number of checks until a pending restart; 0 if none is due.

@@ -11,7 +11,7 @@
 
 namespace busbar::product {
 
-/// The labels of a PLC behind the network, for a server of model mode. On the server's thread.
+/// The labels of a PLC on the network, for a server of model mode. On the server's thread.
 class FieldLabels {
 public:
     /// Both must outlive the object.

@@ -15,7 +15,7 @@ namespace busbar::product {
 
 struct PlcTrial;
 
-/// How the file of a program is read.
+/// The options for reading the file of a program.
 struct ProgramReading {
     /// Says what happens to declarations that cannot be served.
     controller::Unserved unserved{controller::Unserved::LeaveOut};

@@ -144,9 +144,9 @@ void warn_of_stranger(Context& context, Connection& connection, const std::strin
     const auto users = find_users(connection);
     if (users && std::none_of(users->begin(), users->end(),
                               [&](const auto& user) { return user.user_name.view() == name; })) {
-        context.warn("warning", safe(name) + " is not a user of the server: the role is for a user "
-                                             "of that name who is added later, or logs in with a "
-                                             "token. `busbar admin user list` shows the users");
+        context.warn("warning", safe(name) + " is not a user of the server: the role waits for a "
+                                             "user of that name, added later or named by a token. "
+                                             "`busbar admin user list` shows the users");
     }
 }
 

@@ -192,10 +192,10 @@ void keep_mapping(Context& context, const std::string& path, controller::Project
     save_project(path, project);
 }
 
-/// What a command changes of a mapping.
+/// The changes of a mapping that a command makes.
 struct MappingChange {
     Mapping labels;
-    /// Has any label for each part that loses its own.
+    /// A mapping with a label, no matter which, for each part that loses its own.
     Mapping taken;
 };
 
