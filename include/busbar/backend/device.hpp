@@ -93,8 +93,9 @@ public:
 struct DeviceConfig {
     /// The name in the log.
     std::string name{};
-    /// Host and port of the PLC, or of its gateway.
+    /// Host of the PLC, or of its gateway.
     std::string host{};
+    /// Its port.
     std::uint16_t port{0};
     /// Over UDP, where each frame is a datagram, else over TCP.
     bool is_datagram{false};
@@ -124,8 +125,9 @@ struct DeviceCounters {
     std::uint64_t refusals{0};
     /// Requests without an answer.
     std::uint64_t failures{0};
-    /// Round trip of the last answer, and the longest one.
+    /// Round trip of the last answer.
     Duration round_trip{0};
+    /// The longest round trip.
     Duration worst_round_trip{0};
 };
 

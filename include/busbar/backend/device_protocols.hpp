@@ -25,8 +25,9 @@ struct ModbusProtocolOptions {
     /// Registers between two addresses that are read in vain, for one request fewer. Devices that
     /// have no register there refuse this once; the two are read apart from then on.
     std::uint16_t max_gap{16};
-    /// Registers of one request; fewer than the protocol's limits for devices that take fewer.
+    /// Registers that a request reads; fewer than the protocol's limit for devices that take fewer.
     std::uint16_t max_read{max_modbus_read_registers};
+    /// Registers that a request writes, likewise.
     std::uint16_t max_write{max_modbus_write_registers};
 };
 
@@ -50,8 +51,9 @@ struct SlmpProtocolOptions {
     bool finds_frame{true};
     /// Words, and bits, between two addresses that are read in vain, for one request fewer.
     std::uint16_t max_gap{32};
-    /// Words, and bits, of one request.
+    /// Words of one request.
     std::uint16_t max_words{960};
+    /// Bits of one request.
     std::uint16_t max_bits{3'584};
 };
 

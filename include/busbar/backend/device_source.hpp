@@ -20,9 +20,13 @@ namespace busbar::backend {
 /// The line through two points by which a number of a PLC becomes one of the plant: 4 to 20 mA,
 /// which a module has as 0 to 27648, as 0 to 400 degrees. The value is a Double then.
 struct DeviceScale {
+    /// A number of the PLC, whose value is `low`.
     double raw_low{0};
+    /// Another one, whose value is `high`.
     double raw_high{1};
+    /// The value of `raw_low`.
     double low{0};
+    /// The value of `raw_high`.
     double high{1};
 
     friend bool operator==(const DeviceScale&, const DeviceScale&) = default;
@@ -118,8 +122,11 @@ public:
     /// A value of a fact's data type.
     [[nodiscard]] Variant fact(DeviceFact fact) const;
 
+    /// Those of DeviceSourceOptions, and defaults.
     [[nodiscard]] server::DataSourceOptions options() const override;
+    /// Answers at once while there is no connection.
     void read(server::ReadBatch batch) override;
+    /// Likewise.
     void write(server::WriteBatch batch) override;
 
 private:

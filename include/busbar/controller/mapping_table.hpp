@@ -56,6 +56,7 @@ struct ReadMappingTable {
     Mapping mapping{};
     /// `where` is "line 7", for example.
     ModelReports reports{};
+    /// The encoding of the table.
     TextEncoding encoding{TextEncoding::Utf8};
 };
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/core/variant.hpp>
 
@@ -13,6 +12,8 @@
 /// Plain values, created by a reader of declarations or by a vendor from its symbol table;
 /// ProgramTypes::create checks them.
 namespace busbar::controller {
+
+enum class TextEncoding : std::uint8_t; // text_encoding.hpp
 
 /// The elementary types of IEC 61131-3.
 enum class ElementaryType : std::uint8_t {
@@ -225,8 +226,8 @@ struct Program {
     std::vector<ProgramInstance> instances{};
     /// Declarations that the program has and that the lists above lack.
     std::vector<LeftOut> left_out{};
-    /// The encoding of the text that it was read from.
-    TextEncoding encoding{TextEncoding::Utf8};
+    /// The encoding of the text that it was read from, UTF-8 without a text.
+    TextEncoding encoding{};
 };
 
 } // namespace busbar::controller

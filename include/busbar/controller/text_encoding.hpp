@@ -16,8 +16,8 @@ namespace busbar::controller {
 
 /// The encoding of a text file.
 enum class TextEncoding : std::uint8_t {
-    Recognized, // to be recognized by the content
     Utf8,
+    Recognized, // to be recognized by the content
     Utf16Little,
     Utf16Big,
     ShiftJis,    // CP932, as Windows has it
@@ -43,7 +43,9 @@ public:
     {
     }
 
+    /// The text, valid as long as the object and the bytes.
     [[nodiscard]] std::string_view text() const { return own_ ? *own_ : given_; }
+    /// The encoding that it was decoded from.
     [[nodiscard]] TextEncoding encoding() const { return encoding_; }
 
 private:
@@ -62,8 +64,8 @@ private:
 /// 3. The encoding that an XML declaration names.
 /// 4. UTF-8 with mistakes, if more characters are UTF-8 than are not.
 /// 5. Shift-JIS, if all of it is, and Japanese text of everyday characters prevails: those of the
-///    lead bytes 16#81 to 16#9F and katakana of half width over those from 16#E0 on, which are also
-///    accented letters of Western languages.
+///    lead bytes 81 to 9F (hexadecimal) and katakana of half width over those from E0 on, which are
+///    also accented letters of Western languages.
 /// 6. Windows-1252.
 ///
 /// A byte or unit that the encoding does not have, such as half of a surrogate pair or a sequence

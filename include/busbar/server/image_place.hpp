@@ -86,6 +86,7 @@ struct ImagePlace {
     std::uint32_t stride{0};
     std::uint32_t elements{1};
     std::uint32_t capacity{0};
+    /// The same as in ImageVariable.
     std::uint32_t max_units{0};
     std::vector<std::uint32_t> dimensions{};
     std::shared_ptr<const ImageStructure> structure{};

@@ -94,6 +94,7 @@ sed 's/at = "M5"/at = "M5x"/' controller.toml > wrong.toml
 "$controller" --config wrong.toml --check > out 2>&1 && fail "$last"
 says 'wrong.toml:[0-9]*: at: "M5x", column '
 
+# told 'variables of a `[[backend]]` have Bad_NoCommunication'
 # Nobody is there yet: --check says so, and the controller starts all the same.
 last="--check without PLCs"
 "$controller" --config controller.toml --check > out 2>&1 && fail "$last"

@@ -57,6 +57,7 @@ printf 'Dear colleague,\nhere is the program.\n' > letter.st
 check 1 letter.st
 says "^letter.st is refused: letter.st:1:1: found 'Dear'"
 
+# told 'SERVER 0101 names it with'
 # It starts, with the event of variables that cannot be published (W588, 9-2-2).
 begin pki --config controller.toml
 value Speed 17
