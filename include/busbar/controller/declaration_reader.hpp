@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
 

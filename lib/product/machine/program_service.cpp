@@ -139,8 +139,7 @@ std::optional<ProgramService::Wish> ProgramService::wish_of(const Variant& optio
     const bool leaves_out = first.ends_with(leaving_out);
     first.remove_suffix(leaves_out ? leaving_out.size() : 0);
     for (const auto& [verb, task] : verbs) {
-        const bool may_leave_out =
-            task == Task::Check || task == Task::Edit || task == Task::Download;
+        const bool may_leave_out = task != Task::Compare && task != Task::Mode;
         if (first != verb || (leaves_out && !may_leave_out)) {
             continue;
         }
@@ -235,8 +234,7 @@ std::function<void()> ProgramService::preparation(const TransferRequest& request
         };
     }
     auto base = needs_.base();
-    base.may_leave_out_more =
-        base.may_leave_out_more || wish->leaves_out || wish->task == Wish::Task::Restore;
+    base.may_leave_out_more = base.may_leave_out_more || wish->leaves_out;
     if (wish->task == Wish::Task::Restore) {
         return [this, base = std::move(base), file = needs_.program().file] {
             prepared_ = prepare_file(base, file);
@@ -277,7 +275,7 @@ Configured<std::string> ProgramService::carry_out(const Wish& wish, const std::s
         return misconfigured(std::string{wish.verb}, "found a file, expected an empty one",
                              status::Bad_InvalidArgument);
     }
-    return wish.task == Wish::Task::Restore ? restore() : change_mode(wish);
+    return wish.task == Wish::Task::Restore ? restore(wish) : change_mode(wish);
 }
 
 Configured<std::string> ProgramService::change(const Wish& wish, const std::string& user,
@@ -305,7 +303,7 @@ Configured<std::string> ProgramService::change(const Wish& wish, const std::stri
 }
 
 /// Restores the program by an online edit if that is possible.
-Configured<std::string> ProgramService::restore()
+Configured<std::string> ProgramService::restore(const Wish& wish)
 {
     using Step = ProgramChange::Step;
     if (!needs_.program().is_received) {
@@ -315,7 +313,7 @@ Configured<std::string> ProgramService::restore()
     if (!prepared_) {
         return Unexpected{std::move(prepared_).error()};
     }
-    ProgramChange change{.leaves_out = true, .prepared = *std::move(prepared_)};
+    ProgramChange change{.leaves_out = wish.leaves_out, .prepared = *std::move(prepared_)};
     std::string edited = report_of(Step::Edit);
     std::string downloaded = report_of(Step::Download);
     return needs_.change(change).and_then([&](const ProgramVerdict& verdict) {

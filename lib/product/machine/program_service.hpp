@@ -127,7 +127,7 @@ private:
                                                     std::string_view text);
     [[nodiscard]] Configured<std::string> change(const Wish& wish, const std::string& user,
                                                  std::string_view text);
-    [[nodiscard]] Configured<std::string> restore();
+    [[nodiscard]] Configured<std::string> restore(const Wish& wish);
     [[nodiscard]] Configured<std::string> change_mode(const Wish& wish) const;
 
     Needs needs_;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <busbar/controller/checked_program.hpp>
+#include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/problem.hpp>
 
 namespace busbar::product {

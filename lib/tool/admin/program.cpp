@@ -295,7 +295,7 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
 {
     RemoteTransfer transfer = transfer_of(connection);
     make_sure(context, arguments, "Go back to the program of the controller's own file?");
-    send(context, transfer, "restore", {});
+    send(context, transfer, verb_of(arguments, "restore"), {});
     static_cast<void>(wait_for(context, connection, [](const Json& status) {
         return text_in(status, "source") == "file";
     }));
@@ -357,8 +357,8 @@ void add_program(CLI::App& admin, Run& run)
                        "FILE", program::download)));
     leaves_out(asks(group.add("edit", "Adds and deletes variables while the program runs.", 1,
                               "FILE", program::edit)));
-    asks(group.add("restore", "Goes back to the program of the controller's own file.", 0, "URL",
-                   program::restore));
+    leaves_out(asks(group.add("restore", "Goes back to the program of the controller's own file.",
+                              0, "URL", program::restore)));
 }
 
 void add_mode(CLI::App& admin, Run& run)
