@@ -272,7 +272,7 @@ Unexpected<Problem> too_large(std::string_view file_name, std::size_t max_size)
 
 std::string_view name(TextEncoding encoding)
 {
-    constexpr std::array<std::string_view, 6> names{"",         "UTF-8",     "UTF-16LE",
+    constexpr std::array<std::string_view, 6> names{"UTF-8",    "",          "UTF-16LE",
                                                     "UTF-16BE", "Shift-JIS", "Windows-1252"};
     return names[static_cast<std::size_t>(encoding)];
 }
