@@ -316,6 +316,16 @@ TEST_CASE("a PLC that knows no frame 4E is asked in 3E the next time")
     CHECK(line.device.state() == DeviceState::Online);
 }
 
+TEST_CASE("a PLC's name is shown without what cannot be shown")
+{
+    SlmpResponder plc{{.type_name = "R08\x01\xFF\nCPU"}};
+    plc.add_devices("D", 10);
+    const std::vector<DevicePoint> points{slmp_point("D7")};
+    Line<SlmpResponder> line{{.name = "mixer"}, make_slmp_protocol({}, points)};
+    line.connect(plc);
+    CHECK(line.device.identity() == "R08CPU");
+}
+
 TEST_CASE("a PLC that refuses the long form is asked in the short one")
 {
     SlmpResponder plc{{.takes_long_form = false}};

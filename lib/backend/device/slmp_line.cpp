@@ -1,10 +1,26 @@
 #include "slmp_line.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
 
 namespace busbar::backend::detail {
+
+namespace {
+
+/// The characters of a name that can be shown; a PLC may send any bytes.
+std::string shown(std::string_view text)
+{
+    std::string all;
+    std::ranges::copy_if(text, std::back_inserter(all),
+                         [](char each) { return each >= ' ' && each <= '~'; });
+    return all;
+}
+
+} // namespace
 
 SlmpLine::SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now)
     : frame_{options.frame}, client_{options}, findings_{findings}, now_{now}
@@ -57,7 +73,7 @@ void SlmpLine::look()
             answered(*std::move(event));
             continue;
         }
-        identity_ = std::move(event->answer.text);
+        identity_ = shown(event->answer.text);
         is_ready_ = !event->status.is_bad();
         if (!is_ready_) {
             client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E
