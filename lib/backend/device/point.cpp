@@ -76,7 +76,7 @@ BuiltInType data_type_of(const DevicePoint& point)
 Result<Variant> read_point(const DevicePoint& point, std::span<const std::uint16_t> words)
 {
     if (point.bit && words.size() == 1) {
-        return Variant{((words.front() >> *point.bit) & 1U) != 0};
+        return Variant{(unsigned{words.front()} >> *point.bit & 1U) != 0};
     }
     auto value = read_modbus(point.type, words);
     if (!value || !point.scale) {

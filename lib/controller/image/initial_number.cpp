@@ -100,14 +100,19 @@ bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to)
         [] { return false; });
 }
 
+namespace {
+
+constexpr std::int64_t ticks_per_millisecond = 10'000;
+constexpr std::int64_t nanoseconds_per_tick = 100;
+
+} // namespace
+
 Variant as_published(ElementaryType type, BuiltInType built_in, const Variant& value)
 {
     const bool is_long = type == ElementaryType::Ltime || type == ElementaryType::LtimeOfDay;
     if ((type == ElementaryType::Time || is_long) && built_in == BuiltInType::Int64) {
         return whole_duration(value, is_long ? 1e6 : 1);
     }
-    constexpr std::int64_t ticks_per_millisecond = 10'000;
-    constexpr std::int64_t nanoseconds_per_tick = 100;
     if (type == ElementaryType::TimeOfDay && built_in == BuiltInType::UInt32) {
         return since_midnight(value, [](auto ticks) { return ticks / ticks_per_millisecond; });
     }

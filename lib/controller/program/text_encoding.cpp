@@ -168,8 +168,8 @@ bool is_mostly_utf8(std::string_view text)
     std::size_t bad = 0;
     while (!text.empty()) {
         const std::size_t size = busbar::detail::utf8_sequence(text);
-        good += size > 1 ? 1 : 0;
-        bad += byte_at(text, 0) >= 0x80 && size == 0 ? 1 : 0;
+        good += size > 1 ? 1U : 0U;
+        bad += byte_at(text, 0) >= 0x80 && size == 0 ? 1U : 0U;
         text.remove_prefix(std::max(size, std::size_t{1}));
     }
     return good > bad;
