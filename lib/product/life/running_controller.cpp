@@ -325,7 +325,7 @@ void RunningController::end_refusal()
     }
 }
 
-void RunningController::work_aside(std::function<void()> work)
+void RunningController::work_aside(const std::function<void()>& work)
 {
     if (!maker_->run(work)) {
         work();

@@ -217,7 +217,7 @@ private:
     /// reason if that is impossible, on the thread of run(). No generation is created meanwhile.
     void download_labels(ControllerConfig next, std::function<void(const Problem* why_not)> then);
     /// Calls `work` on the worker, or at once if that has too much to do.
-    void work_aside(std::function<void()> work);
+    void work_aside(const std::function<void()>& work);
     [[nodiscard]] Configured<void> check_listeners(const ControllerConfig& next) const;
     /// The labels for a project of model mode; null if there are none.
     [[nodiscard]] std::shared_ptr<backend::LabelBackend> labels() const;

@@ -209,7 +209,7 @@ void tell_left_out(Context& context, const Json& verdict)
 }
 
 /// The verb for a program that may leave out more than the one that runs.
-std::string verb_of(const AdminArguments& arguments, std::string verb)
+std::string verb_of(const AdminArguments& arguments, const std::string& verb)
 {
     return arguments.leaves_out ? verb + "-leaving-out" : verb;
 }
