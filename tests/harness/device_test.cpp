@@ -243,8 +243,28 @@ TEST_CASE("a device connects again after pauses that grow to a limit")
     }
     CHECK(before > 20s);
     plant.line.connect(plant.responder);
+    CHECK(plant.line.read(addresses_of(plant.points)) == std::vector<StatusCode>(5, good));
     plant.line.cut("the PLC restarts");
     CHECK(plant.line.device.next_deadline() - plant.line.now <= 500ms);
+}
+
+TEST_CASE("a PLC that takes connections only to close them is asked less and less often")
+{
+    ModbusPlant plant;
+    Duration pause{0};
+    for (int i = 0; i < 12; ++i) {
+        plant.line.connect(plant.responder);
+        plant.line.cut("it closed the connection");
+        pause = plant.line.device.next_deadline() - plant.line.now;
+        plant.line.now = plant.line.device.next_deadline();
+    }
+    CHECK(pause > 20s);
+    for (const std::string text : {"connected to", "it closed the connection"}) {
+        const std::string told = plant.line.log.text();
+        const auto first = told.find(text);
+        CHECK(first != std::string::npos);
+        CHECK(told.find(text, first + 1) == std::string::npos);
+    }
 }
 
 TEST_CASE("a request without an answer is late by itself, and others go on")

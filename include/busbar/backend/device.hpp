@@ -53,6 +53,8 @@ public:
 
     /// True once requests can be sent, after what the protocol begins a connection with.
     [[nodiscard]] virtual bool is_ready() const = 0;
+    /// True once the PLC has answered anything. Some take a connection only to close it.
+    [[nodiscard]] virtual bool has_answered() const = 0;
     /// Sends a request. An error is the answer to it: no other one comes.
     virtual Result<void> send(const PlanRequest& request, TimePoint now) = 0;
     /// Returns the next answer.

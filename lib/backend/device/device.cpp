@@ -52,7 +52,7 @@ struct Device::Impl {
     std::unique_ptr<DeviceLine> line;
     DeviceState state{DeviceState::Waiting};
     std::string trouble{"not connected yet"};
-    /// Reasons that were told since it was Online.
+    /// Reasons that were told since the PLC last answered.
     std::vector<std::string> told;
     std::string identity;
     DeviceCounters counters;
@@ -60,10 +60,14 @@ struct Device::Impl {
     std::function<void()> on_output;
     /// Waiting: when to connect. Connecting: when to give up.
     TimePoint until{TimePoint::min()};
-    /// Failed attempts since it was Online.
+    /// Failed attempts since the PLC last answered.
     std::uint64_t failures{0};
     /// The connection is there, and nothing can be sent within its time.
     bool is_late{false};
+    /// The PLC has answered on this connection.
+    bool has_answered{false};
+    /// The log has the connection, or one before it without an answer.
+    bool is_connection_told{false};
 };
 
 Duration Device::Impl::pause() const
@@ -120,13 +124,17 @@ void Device::Impl::step(TimePoint now)
     if (state == DeviceState::Connecting && line->is_ready()) {
         state = DeviceState::Online;
         ++counters.connections;
-        failures = 0;
         trouble.clear();
-        told.clear();
         identity = line->identity();
         plan.forget_refusals();
-        tell(LogLevel::Info, "connected to " + config.host + ":" + std::to_string(config.port) +
-                                 (identity.empty() ? "" : ", " + identity));
+        if (!std::exchange(is_connection_told, true)) {
+            tell(LogLevel::Info, "connected to " + config.host + ":" + std::to_string(config.port) +
+                                     (identity.empty() ? "" : ", " + identity));
+        }
+    }
+    if (line->has_answered() && !std::exchange(has_answered, true)) {
+        failures = 0;
+        told.clear();
     }
     send(now);
     changed();
@@ -135,6 +143,9 @@ void Device::Impl::step(TimePoint now)
 void Device::Impl::end(const std::string& reason, TimePoint now)
 {
     const bool was_online = state == DeviceState::Online;
+    // A connection without an answer is one more attempt that failed.
+    const bool had_answered = std::exchange(has_answered, false);
+    is_connection_told = is_connection_told && !had_answered;
     line.reset();
     is_late = false;
     state = DeviceState::Waiting;
@@ -146,7 +157,7 @@ void Device::Impl::end(const std::string& reason, TimePoint now)
     if (!is_known && told.size() < most_told) {
         told.push_back(reason);
     }
-    if (was_online || !is_known) {
+    if (had_answered || !is_known) {
         tell(LogLevel::Warning, (was_online ? "the connection ended: " : "no connection: ") +
                                     reason + "; its values have Bad_NoCommunication until then");
     }

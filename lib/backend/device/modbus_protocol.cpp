@@ -77,6 +77,7 @@ public:
     explicit ModbusLine(const ModbusClientOptions& options) : client_{options} {}
 
     [[nodiscard]] bool is_ready() const override { return true; }
+    [[nodiscard]] bool has_answered() const override { return client_.counters().answers > 0; }
     Result<void> send(const PlanRequest& request, TimePoint now) override
     {
         const auto unit = static_cast<std::uint8_t>(request.ranges.front().area >> 2U);

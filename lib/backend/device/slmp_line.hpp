@@ -28,6 +28,7 @@ public:
     ~SlmpLine() override;
 
     [[nodiscard]] bool is_ready() const override { return is_ready_; }
+    [[nodiscard]] bool has_answered() const override { return has_answered_; }
     Result<void> feed(std::span<const std::byte> in, TimePoint now) override;
     [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
     void consume(std::size_t size) override { client_.consume(size); }
