@@ -35,7 +35,17 @@ std::string emit_fields(const Schema& schema, const Options& options)
             text += type->kind == Type::Kind::Structure ? visit_fields(*type) : "";
         }
     }
-    return text + "} // namespace " + options.cpp_namespace + "\n";
+    text += "/// visit_structures(visit) calls visit(std::type_identity<T>{}) for each structure T "
+            "above.\n"
+            "template <typename Visitor>\nvoid visit_structures(Visitor&& visit)\n{\n";
+    for (const Schema::Group& group : schema.groups) {
+        for (const Type* type : group.structures) {
+            text += type->kind == Type::Kind::Structure
+                        ? "    visit(std::type_identity<" + type->name + ">{});\n"
+                        : "";
+        }
+    }
+    return text + "}\n\n} // namespace " + options.cpp_namespace + "\n";
 }
 
 } // namespace busbar::generator

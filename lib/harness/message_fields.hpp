@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace busbar::harness::detail {
+
+/// One value in a message, by the names of the specification: "nodesToRead[0].nodeId" and
+/// "ns=1;s=Level".
+struct MessageField {
+    std::string path;
+    std::string text;
+
+    /// The last name of the path, without an index.
+    [[nodiscard]] std::string_view name() const;
+};
+
+/// A message in words.
+struct MessageFields {
+    /// Its structure: "ReadRequest".
+    std::string_view name;
+    /// In wire order. Of arrays, at most so many elements.
+    std::vector<MessageField> fields;
+};
+
+/// Reads the body of a message: the NodeId of an encoding and a structure of namespace 0. Nothing
+/// if it is neither.
+[[nodiscard]] std::optional<MessageFields> read_message(std::span<const std::byte> body);
+
+/// Returns one line: the name, and what says most about it: nodes, values, results. At most about
+/// 160 characters.
+[[nodiscard]] std::string summary_of(const MessageFields& message);
+
+} // namespace busbar::harness::detail

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/harness/scheduler.hpp>
+
+#include "dissector.hpp"
+
+namespace busbar::harness::detail {
+
+/// The last messages of a network, as they were sent, and what faults did to them: for a test that
+/// fails. Costs a copy of each message's first bytes; they are put into words when asked for.
+class Timeline {
+public:
+    /// `scheduler` must outlive it.
+    explicit Timeline(const Scheduler& scheduler) : scheduler_{&scheduler} {}
+
+    /// `from` has sent the first chunk of a message.
+    void sent(std::size_t connection, Side from, const DissectedFrame& frame);
+    /// Something else has happened on a connection: "cut after PublishResponse 3".
+    void happened(std::size_t connection, std::string_view what);
+    /// The last lines, at most so many: "0.012 s client -> ReadRequest ns=1;s=Level".
+    [[nodiscard]] std::string last(std::size_t lines) const;
+
+private:
+    static constexpr std::size_t max_entries = 128;
+    /// Longer messages are named only.
+    static constexpr std::size_t max_bytes = 4'096;
+
+    struct Entry {
+        TimePoint time{};
+        std::size_t connection{0};
+        Side from{Side::Client};
+        DissectedFrame frame;
+        /// Of something else than a message.
+        std::string what;
+    };
+    Entry& next();
+    [[nodiscard]] std::string text_of(const Entry& entry) const;
+
+    const Scheduler* scheduler_;
+    /// A ring, whose entries keep their memory.
+    std::vector<Entry> entries_;
+    std::size_t count_{0};
+    std::size_t connections_{0};
+};
+
+} // namespace busbar::harness::detail
