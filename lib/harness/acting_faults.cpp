@@ -1,5 +1,11 @@
 #include "acting_faults.hpp"
 
+#include <algorithm>
+#include <array>
+
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/types/registry.hpp>
+
 namespace busbar::harness::detail {
 
 namespace {
@@ -22,7 +28,76 @@ void hold(Link& link, const Fault& fault)
     }
 }
 
+bool is_message_name(std::string_view name)
+{
+    static constexpr std::array<std::string_view, 7> types{"HEL", "ACK", "ERR", "RHE",
+                                                           "OPN", "MSG", "CLO"};
+    const auto structures = binary::namespace0_types();
+    return std::find(types.begin(), types.end(), name) != types.end() ||
+           std::any_of(structures.begin(), structures.end(),
+                       [&](const StructureType* type) { return type->name == name; });
+}
+
+std::string flaw_of_message(const Fault& fault)
+{
+    const Message& message = *fault.message;
+    if (!is_message_name(message.name)) {
+        return "no message is called \"" + message.name + "\"";
+    }
+    if (message.number == 0) {
+        return "messages are counted from 1";
+    }
+    const bool acts_on_it = fault.kind == Fault::Kind::Delay ||
+                            fault.kind == Fault::Kind::Corrupt || fault.kind == Fault::Kind::Answer;
+    if (acts_on_it && fault.moment == Fault::Moment::After) {
+        return "after its message has been sent, nothing can be done to it; say at()";
+    }
+    if (fault.kind == Fault::Kind::Answer &&
+        (!message.name.ends_with("Request") || fault.side == Side::Server)) {
+        return "only requests, which clients send, can be answered";
+    }
+    return {};
+}
+
+std::string flaw_of_numbers(const Fault& fault)
+{
+    using enum Fault::Kind;
+    if (fault.duration < Duration{0} && fault.kind != JumpClock) {
+        return "its time is negative";
+    }
+    if (fault.kind == Delay && fault.duration == Duration{0}) {
+        return "a delay of no time is none";
+    }
+    if (fault.kind == Split && fault.position == 0) {
+        return "pieces have at least one byte";
+    }
+    return {};
+}
+
 } // namespace
+
+std::string flaw_of(const Fault& fault)
+{
+    using enum Fault::Kind;
+    if (std::string flaw = flaw_of_numbers(fault); !flaw.empty()) {
+        return flaw;
+    }
+    const int times = (fault.message ? 1 : 0) + (fault.byte_offset ? 1 : 0) + (fault.time ? 1 : 0);
+    if (times > 1) {
+        return "it has more than one time";
+    }
+    if (fault.kind == Refuse) {
+        return times == 0 ? "" : "it refuses the next connections, at no other time";
+    }
+    const bool acts_on_bytes = fault.kind == Delay || fault.kind == Corrupt || fault.kind == Answer;
+    if (acts_on_bytes && !fault.message && !fault.byte_offset) {
+        return "it acts on a message or a byte, and neither is said";
+    }
+    if (fault.kind == Answer && !fault.message) {
+        return "only a message can be answered";
+    }
+    return fault.message ? flaw_of_message(fault) : std::string{};
+}
 
 void ActingFaults::act(const Fault& fault, Link& link, Side from)
 {
@@ -49,6 +124,12 @@ void ActingFaults::act(const Fault& fault, Link& link, Side from)
             break;
         }
     });
+}
+
+void ActingFaults::count(Entry& entry, std::size_t connection)
+{
+    ++entry.acted;
+    timeline_->happened(connection, describe(entry.fault));
 }
 
 std::string ActingFaults::pending() const

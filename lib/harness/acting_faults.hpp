@@ -2,12 +2,18 @@
 
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <string>
 
 #include <busbar/harness/fault.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 
+#include "timeline.hpp"
+
 namespace busbar::harness::detail {
+
+/// Returns why the fault could never act, wherever it is played; empty if it could.
+[[nodiscard]] std::string flaw_of(const Fault& fault);
 
 /// The faults that were played on a network, and how often each may still act.
 class ActingFaults {
@@ -24,11 +30,16 @@ public:
         }
     };
 
-    explicit ActingFaults(JumpingClock& clock) : clock_{&clock} {}
+    ActingFaults(JumpingClock& clock, std::shared_ptr<Timeline> timeline)
+        : clock_{&clock}, timeline_{std::move(timeline)}
+    {
+    }
 
-    /// Adds the fault and returns its entry, which keeps its address.
-    Entry& add(const Fault& fault) { return entries_.emplace_back(Entry{fault}); }
+    void add(const Fault& fault) { entries_.push_back(Entry{fault}); }
     [[nodiscard]] std::deque<Entry>& entries() { return entries_; }
+    /// The fault acts, on this connection; 0: on no single one.
+    void count(Entry& entry, std::size_t connection);
+    [[nodiscard]] Timeline& timeline() const { return *timeline_; }
     /// Lets the fault act on the link, when the bytes that `from` has sent have arrived. Not for
     /// faults that act on bytes: Delay, Corrupt, Answer. Does not count it.
     void act(const Fault& fault, Link& link, Side from);
@@ -38,6 +49,7 @@ public:
 
 private:
     JumpingClock* clock_;
+    std::shared_ptr<Timeline> timeline_;
     std::deque<Entry> entries_;
 };
 

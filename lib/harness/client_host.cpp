@@ -18,7 +18,7 @@ ClientHost::ClientHost(World& world, client::ClientConfig config, const ClientPa
     : world_{world}, parts_{parts}, random_{world.new_chance(Actor::Client).next()},
       environment_{.random = &random_,
                    .wall_clock = &world.clock(),
-                   .log = parts.log != nullptr ? parts.log : &world.log(),
+                   .log = parts.log != nullptr ? parts.log : &world.new_log(Actor::Client),
                    .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
                    .identity = parts.identity},
       client_{std::make_unique<client::Client>(std::move(config), environment_, world.now())},

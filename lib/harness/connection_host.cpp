@@ -22,6 +22,9 @@ ConnectionHost::ConnectionHost(World& world, client::ConnectionConfig config,
                     update();
                 }}
 {
+    if (parts_.log == nullptr) {
+        parts_.log = &world.new_log(Actor::Client);
+    }
 }
 
 ConnectionHost::~ConnectionHost()
@@ -50,7 +53,7 @@ void ConnectionHost::connect()
     const channel::ChannelEnvironment environment{
         .random = &random_,
         .wall_clock = &world_.clock(),
-        .log = parts_.log != nullptr ? parts_.log : &world_.log(),
+        .log = parts_.log,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity};
     connection_.emplace(config_, environment, world_.now());

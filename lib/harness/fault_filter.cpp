@@ -90,6 +90,7 @@ void FaultFilter::pass(Link& link, Side from, DissectedFrame frame)
     if (frame.is_first) {
         stream.delay = Duration{0};
         stream.is_swallowed = false;
+        faults_->timeline().sent(connection_, from, frame);
         begin_message(link, from, frame);
     }
     if (stream.is_swallowed) {
@@ -152,7 +153,7 @@ void FaultFilter::meet(Link& link, Side from, DissectedFrame& frame, Entry& entr
     if (fault.kind == Fault::Kind::Answer && (from == Side::Server || !frame.is_plain)) {
         return;
     }
-    ++entry.acted;
+    faults_->count(entry, connection_);
     if (!acts_on_bytes(fault.kind)) {
         faults_->act(fault, link, from);
     } else if (fault.kind == Fault::Kind::Delay) {
@@ -169,7 +170,7 @@ void FaultFilter::end_message(Link& link, Side from)
 {
     for (Entry* const entry : std::exchange(streams_[static_cast<std::size_t>(from)].at_end, {})) {
         if (!acts_on_bytes(entry->fault.kind) && entry->is_for(connection_)) {
-            ++entry->acted;
+            faults_->count(*entry, connection_);
             faults_->act(entry->fault, link, from);
         }
     }
@@ -207,7 +208,7 @@ void FaultFilter::send(Link& link, Side from, std::span<std::byte> bytes)
         if (entry == nullptr) {
             return;
         }
-        ++entry->acted;
+        faults_->count(*entry, connection_);
         if (!acts_on_bytes(entry->fault.kind)) {
             faults_->act(entry->fault, link, from);
         } else if (entry->fault.kind == Fault::Kind::Corrupt) {

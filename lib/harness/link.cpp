@@ -20,7 +20,12 @@ void Link::attach(Side side, LinkEnd& engine)
     if (observer_ != nullptr) {
         observer_->opened(*this);
     }
-    if (weather_->mean_life == Duration{0}) {
+    limit_life();
+}
+
+void Link::limit_life()
+{
+    if (weather_->mean_life == Duration{0} || std::exchange(has_limited_life_, true)) {
         return;
     }
     // Some end early, while they are opened; the others at any age.
@@ -58,6 +63,7 @@ void Link::send(Side from, std::span<const std::byte> bytes, Duration delay)
     if (is_cut_) {
         return;
     }
+    limit_life();
     TimePoint time = scheduler_->now() + delay;
     if (weather_->has_random_cuts) {
         send_cut(from, bytes, time);
@@ -101,6 +107,14 @@ void Link::send_whole(Side from, std::span<const std::byte> bytes, TimePoint tim
 void Link::put(Side from, std::span<const std::byte> piece, TimePoint arrival)
 {
     End& sender = end(from);
+    if (weather_->bytes_per_second != 0) {
+        using Seconds = std::chrono::duration<double>;
+        const Seconds transfer{static_cast<double>(piece.size()) /
+                               static_cast<double>(weather_->bytes_per_second)};
+        const TimePoint begin = std::max(sender.last_departure, scheduler_->now());
+        sender.last_departure = begin + std::chrono::duration_cast<Duration>(transfer);
+        arrival += sender.last_departure - scheduler_->now();
+    }
     sender.last_arrival = std::max(sender.last_arrival, arrival);
     sender.pieces.emplace_back(piece.begin(), piece.end());
     scheduler_->at(sender.last_arrival, [self = shared_from_this(), from] { self->arrive(from); });

@@ -1,10 +1,12 @@
 #include <busbar/harness/network.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include <busbar/channel/endpoint_url.hpp>
 
 #include "fault_filter.hpp"
+#include "timeline.hpp"
 
 namespace busbar::harness {
 
@@ -33,8 +35,10 @@ bool is_immediate(const Fault& fault)
 
 } // namespace
 
-Network::Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed)
-    : scheduler_{&scheduler}, seed_{seed}, faults_{std::make_shared<detail::ActingFaults>(clock)}
+Network::Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed, LogSink* log)
+    : scheduler_{&scheduler}, log_{log}, seed_{seed}, timeline_{std::make_shared<detail::Timeline>(
+                                                          scheduler)},
+      faults_{std::make_shared<detail::ActingFaults>(clock, timeline_)}
 {
 }
 
@@ -46,7 +50,11 @@ Result<void> Network::listen(std::string_view url, Acceptor& acceptor)
     if (!key) {
         return fail(key.error());
     }
-    acceptors_[*key] = &acceptor;
+    const auto [known, is_new] = acceptors_.emplace(*key, &acceptor);
+    if (!is_new && known->second != &acceptor) {
+        log("another acceptor listens at " + *key + " already");
+        return fail(status::Bad_InvalidState);
+    }
     return {};
 }
 
@@ -65,16 +73,22 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
     ++connection_count_;
     for (auto& entry : faults_->entries()) {
         if (entry.fault.kind == Fault::Kind::Refuse && entry.is_for(connection_count_)) {
-            ++entry.acted;
+            faults_->count(entry, connection_count_);
             return fail(status::Bad_ConnectionRejected);
         }
     }
-    if (refuses_ || found == acceptors_.end()) {
+    if (refuses_) {
+        return fail(status::Bad_ConnectionRejected);
+    }
+    if (found == acceptors_.end()) {
+        log("nobody listens at " + printable(url) + listeners());
         return fail(status::Bad_ConnectionRejected);
     }
     constexpr std::uint64_t first_stream = 1'000;
-    const auto link = std::make_shared<Link>(*scheduler_, weather_,
-                                             Chance{seed_, first_stream + connection_count_});
+    const auto own = weathers_.find(client_address);
+    const auto link =
+        std::make_shared<Link>(*scheduler_, own == weathers_.end() ? weather_ : own->second,
+                               Chance{seed_, first_stream + connection_count_});
     link->set_filter(std::make_unique<detail::FaultFilter>(faults_, connection_count_));
     link->set_observer(observer_);
     link->attach(Side::Client, client);
@@ -86,6 +100,35 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
     return link;
 }
 
+Weather& Network::weather_of(std::string_view client_address)
+{
+    const auto known = weathers_.find(client_address);
+    return known != weathers_.end()
+               ? known->second
+               : weathers_.emplace(std::string{client_address}, weather_).first->second;
+}
+
+std::string Network::listeners() const
+{
+    std::string text;
+    for (const auto& [key, acceptor] : acceptors_) {
+        text += (text.empty() ? "; there is " : ", ") + ("opc.tcp://" + key);
+    }
+    return text;
+}
+
+void Network::log(const std::string& text)
+{
+    if (log_ != nullptr) {
+        log_->write(LogLevel::Warning, "network", text);
+    }
+}
+
+std::string Network::trace(std::size_t lines) const
+{
+    return timeline_->last(lines);
+}
+
 void Network::begin(const std::shared_ptr<Link>& link)
 {
     links_.erase(std::remove_if(links_.begin(), links_.end(),
@@ -94,17 +137,19 @@ void Network::begin(const std::shared_ptr<Link>& link)
     links_.push_back(link);
     for (auto& entry : faults_->entries()) {
         if (is_immediate(entry.fault) && entry.is_for(connection_count_)) {
-            ++entry.acted;
+            faults_->count(entry, connection_count_);
             faults_->act(entry.fault, *link, Side::Client);
         }
     }
 }
 
-void Network::act(const Fault& fault, std::size_t& acted)
+void Network::act(std::size_t index)
 {
+    auto& entry = faults_->entries()[index];
+    const Fault& fault = entry.fault;
     if (fault.kind == Fault::Kind::JumpClock) {
+        faults_->count(entry, 0);
         faults_->jump(fault.duration);
-        ++acted;
         return;
     }
     bool has_acted = false;
@@ -114,19 +159,28 @@ void Network::act(const Fault& fault, std::size_t& acted)
             has_acted = true;
         }
     }
-    acted += has_acted ? 1U : 0U;
+    if (has_acted) {
+        faults_->count(entry, 0);
+    }
 }
 
 void Network::play(const FaultScript& script)
 {
     for (const Fault& fault : script) {
-        auto& entry = faults_->add(fault);
+        if (const std::string flaw = detail::flaw_of(fault); !flaw.empty()) {
+            throw std::invalid_argument{"the fault \"" + describe(fault) +
+                                        "\" can never act: " + flaw};
+        }
+    }
+    for (const Fault& fault : script) {
+        const std::size_t index = faults_->entries().size();
+        faults_->add(fault);
         const bool is_plain_jump = fault.kind == Fault::Kind::JumpClock && !fault.message &&
                                    !fault.byte_offset && !fault.time;
         if (fault.time) {
-            scheduler_->after(*fault.time, [this, &entry] { act(entry.fault, entry.acted); });
+            scheduler_->after(*fault.time, [this, index] { act(index); });
         } else if (is_plain_jump || is_immediate(fault)) {
-            act(entry.fault, entry.acted);
+            act(index);
         }
     }
 }
@@ -138,6 +192,7 @@ std::string Network::pending_faults() const
 
 void Network::cut()
 {
+    timeline_->happened(0, "cut");
     for (const auto& known : links_) {
         if (const auto link = known.lock()) {
             link->cut();

@@ -6,8 +6,9 @@ namespace busbar::harness {
 
 RegistrationHost::RegistrationHost(World& world, client::ClientConfig config,
                                    client::RegistrationSettings settings, ClientParts parts)
-    : world_{world}, log_{world.log()}, random_{world.new_chance(Actor::Other).next()},
-      client_{world, std::move(config), with_log(std::move(parts))},
+    : world_{world}, log_{world.new_log(Actor::Other)},
+      random_{world.new_chance(Actor::Other).next()}, client_{world, std::move(config),
+                                                              with_log(std::move(parts))},
       registration_{client_.client(), log_, random_, std::move(settings)},
       deadline_{world.scheduler(), [this] {
                     registration_.handle_deadline(world_.now());

@@ -12,7 +12,7 @@ bool Scheduler::is_later(const Entry& a, const Entry& b)
 
 void Scheduler::at(TimePoint time, Action action)
 {
-    entries_.push_back({std::max(time, now_), ++last_serial_, std::move(action)});
+    entries_.push_back({std::max(time, now()), ++last_serial_, std::move(action)});
     std::push_heap(entries_.begin(), entries_.end(), is_later);
 }
 
@@ -25,7 +25,7 @@ bool Scheduler::run_next(TimePoint end)
     std::pop_heap(entries_.begin(), entries_.end(), is_later);
     const Entry entry = std::move(entries_.back());
     entries_.pop_back();
-    now_ = std::max(now_, entry.time);
+    now_ = std::max(now(), entry.time);
     entry.action();
     return true;
 }
@@ -34,14 +34,14 @@ void Scheduler::run_until(TimePoint end)
 {
     while (run_next(end)) {
     }
-    now_ = std::max(now_, end);
+    now_ = std::max(now(), end);
 }
 
 bool Scheduler::run_until(FunctionRef<bool()> condition, TimePoint end)
 {
     while (!condition()) {
         if (!run_next(end)) {
-            now_ = std::max(now_, end);
+            now_ = std::max(now(), end);
             return condition();
         }
     }
@@ -57,7 +57,7 @@ TimePoint Scheduler::next_due() const
 {
     for (const Signal* signal : signals_) {
         if (signal->is_raised_) {
-            return now_;
+            return now();
         }
     }
     return entries_.empty() ? no_deadline : entries_.front().time;

@@ -8,7 +8,7 @@ namespace busbar::harness {
 
 ScriptedClient::ScriptedClient(World& world, channel::ClientChannelConfig config,
                                const ClientParts& parts)
-    : world_{world}, config_{std::move(config)}, parts_{parts},
+    : world_{world}, config_{std::move(config)}, parts_{parts}, log_{world.new_log(Actor::Client)},
       random_{world.new_chance(Actor::Client).next()}, deadline_{world.scheduler(), [this] {
                                                                      channel_->handle_deadline(
                                                                          world_.now());
@@ -35,7 +35,7 @@ Result<void> ScriptedClient::open(Duration limit)
     const channel::ChannelEnvironment environment{
         .random = &random_,
         .wall_clock = &world_.clock(),
-        .log = &world_.log(),
+        .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity};
     channel_.emplace(config_, environment, world_.now());

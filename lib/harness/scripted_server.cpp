@@ -157,7 +157,8 @@ private:
 };
 
 ScriptedServer::ScriptedServer(World& world, std::string_view url, const ScriptedServerParts& parts)
-    : world_{world}, url_{url}, parts_{parts}, random_{world.new_chance(Actor::Server).next()}
+    : world_{world}, url_{url}, parts_{parts}, log_{world.new_log(Actor::Server)},
+      random_{world.new_chance(Actor::Server).next()}
 {
     if (!world.network().listen(url, *this)) {
         unexpected_.emplace_back("the URL is none: " + url_);
@@ -212,7 +213,7 @@ bool ScriptedServer::accept(const std::shared_ptr<Link>& link, std::string_view 
     const channel::ChannelEnvironment environment{
         .random = &random_,
         .wall_clock = &world_.clock(),
-        .log = &world_.log(),
+        .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity};
     peers_.push_back(std::make_unique<Peer>(*this, std::move(config), environment, link));

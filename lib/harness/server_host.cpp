@@ -1,5 +1,7 @@
 #include <busbar/harness/server_host.hpp>
 
+#include <limits>
+#include <stdexcept>
 #include <utility>
 
 namespace busbar::harness {
@@ -112,7 +114,7 @@ server::ServerConfig open_server_config()
     config.endpoints = {{}};
     config.endpoints[0].allows_anonymous = true;
     config.endpoints[0].allows_user_name = false; // user names need a certificate
-    config.limits.max_log_lines_per_minute = 0;
+    config.limits.max_log_lines_per_minute = std::numeric_limits<std::size_t>::max();
     return config;
 }
 
@@ -136,14 +138,30 @@ ServerHost::ServerHost(World& world, server::ServerConfig config, const ServerPa
                        model::AddressSpace address_space)
     : ServerHost{world.scheduler(),
                  world.clock(),
-                 world.log(),
+                 world.new_log(Actor::Server),
                  world.new_chance(Actor::Server),
                  std::move(config),
                  parts,
                  std::move(address_space)}
 {
-    if (server_ != nullptr && world.network().listen(server_->config().endpoint_url, *this)) {
+    if (server_ == nullptr) {
+        return;
+    }
+    const std::string url = server_->config().endpoint_url;
+    if (world.network().listen(url, *this)) {
         network_ = &world.network();
+        return;
+    }
+    problem_ = Problem{status::Bad_InvalidState, "endpoint_url", url + " has a listener already"};
+    deadline_.cancel();
+    server_.reset();
+}
+
+void ServerHost::need_server() const
+{
+    if (server_ == nullptr) {
+        throw std::logic_error{"there is no server: " +
+                               (problem_ ? text(*problem_) : std::string{})};
     }
 }
 

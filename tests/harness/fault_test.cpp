@@ -82,7 +82,10 @@ TEST_CASE_METHOD(FaultBench, "a connection is cut behind a message, which arrive
     run_for(1s);
     set(3);
     run_for(1s);
-    CHECK(values(level).size() == 2); // the third had nobody to go to
+    const auto seen = values(level);
+    REQUIRE(seen.size() == 3); // the third value had nobody to go to
+    CHECK_THAT(seen[1], holds(2.0));
+    CHECK_THAT(seen[2], has_status(status::Bad_ConnectionClosed));
     CHECK_FALSE(client().is_ready());
     CHECK(server().connection_count() == 0);
     CHECK(server().session_count() == 1); // until it times out
@@ -236,6 +239,7 @@ TEST_CASE_METHOD(FaultBench, "what did not happen is told", "[harness]")
     world().network().play({fault::cut().after(Message{"PublishResponse", 3}),
                             fault::answer(status::Bad_Timeout).at(Message{"ReadRequest"}),
                             fault::hold().after(90s).on_connection(2)});
+    world().network().forgive_pending_faults();
     CHECK(read(level).status == status::Bad_Timeout);
     CHECK(pending() == "cut after PublishResponse 3\nhold after 90.000000 s on connection 2\n");
 }
@@ -269,7 +273,75 @@ TEST_CASE("a certificate that is another than the client knows is refused", "[ha
     const NodeId state{0, 2259U};
     CHECK_THAT(accepted.read(state), holds(std::int32_t{0}));
     CHECK(accepted.read(state).status == status::Bad_SecureChannelClosed);
+    accepted.world().network().forgive_pending_faults();
     CHECK(accepted.world().network().pending_faults() == "answer Bad_Timeout at ReadRequest 1\n");
+}
+
+TEST_CASE_METHOD(FaultBench, "a fault that could never act is not played", "[harness]")
+{
+    const auto refused = [&](const Fault& fault, const std::string& why) {
+        CHECK_THROWS_WITH(play(fault), Catch::Contains(describe(fault)) && Catch::Contains(why));
+    };
+    const Message read_request{"ReadRequest"};
+    refused(fault::delay(3s).after(1s), "a message or a byte");
+    refused(fault::corrupt(10).after(1s), "a message or a byte");
+    refused(fault::corrupt(10), "a message or a byte");
+    refused(fault::answer(status::Bad_Timeout).after(1s), "a message or a byte");
+    refused(fault::answer(status::Bad_Timeout).at_byte(40), "only a message can be answered");
+    refused(fault::answer(status::Bad_Timeout).at(Message{"ReadResponse"}), "only requests");
+    refused(fault::answer(status::Bad_Timeout).at(read_request).sent_by(Side::Server),
+            "only requests");
+    refused(fault::delay(1s).after(read_request), "say at()");
+    refused(fault::delay(0s).at(read_request), "no time");
+    refused(fault::hold(-1s), "negative");
+    refused(fault::split(0), "at least one byte");
+    refused(fault::split(1).at(Message{"NoSuchRequest"}), "no message is called \"NoSuchRequest\"");
+    refused(fault::cut().at(Message{"MSG", 0}), "counted from 1");
+    refused(fault::refuse().after(1s), "next connections");
+    refused(fault::cut().after(1s).at(read_request), "more than one time");
+    // Of a script with one such fault nothing is played.
+    CHECK(pending() == "");
+    CHECK_THAT(read(level), holds(1.5));
+}
+
+TEST_CASE_METHOD(FaultBench, "a world tells the last messages and what faults did", "[harness]")
+{
+    play(fault::answer(status::Bad_Timeout).at(Message{"WriteRequest"}));
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(write(level, 2.5) == status::Bad_Timeout);
+    world().network().cut();
+    run_for(10ms);
+    CHECK_THAT(read(NodeId{1, "Nothing"}), has_status(status::Bad_NodeIdUnknown));
+    const std::string trace = world().trace();
+    INFO(trace);
+    CHECK_THAT(trace, Catch::Contains("0.009 s [1] client -> ReadRequest ns=1;s=Level\n"));
+    CHECK_THAT(trace, Catch::Contains("0.010 s [1] server -> ReadResponse Double 1.5"));
+    CHECK_THAT(trace, Catch::Contains("[1] client -> WriteRequest ns=1;s=Level Double 2.5\n"));
+    CHECK_THAT(trace, Catch::Contains("[1] network: answer Bad_Timeout at WriteRequest 1\n"));
+    CHECK_THAT(trace, Catch::Contains(" network: cut\n"));
+    CHECK_THAT(trace, Catch::Contains("[2] client -> HEL\n"));
+    CHECK_THAT(trace, Catch::Contains("[2] server -> ReadResponse null, Bad_NodeIdUnknown"));
+    CHECK_THAT(world().trace(1), Catch::Contains("ReadResponse") && !Catch::Contains("HEL"));
+}
+
+TEST_CASE("faults that never acted fail the test of their world", "[harness]")
+{
+    static std::string failures;
+    const FailTest before = set_fail_test([](const std::string& why) { failures += why; });
+    {
+        World world{7};
+        world.network().play(fault::cut().at(Message{"OPN"}));
+    }
+    CHECK_THAT(failures, Catch::Contains("never acted") && Catch::Contains("cut at OPN 1") &&
+                             Catch::Contains("BUSBAR_SEED=7"));
+    failures.clear();
+    {
+        World world;
+        world.network().play(fault::cut().at(Message{"OPN"}));
+        world.network().forgive_pending_faults();
+    }
+    CHECK(failures == "");
+    set_fail_test(before);
 }
 
 } // namespace fault_test

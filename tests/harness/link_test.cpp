@@ -270,12 +270,95 @@ TEST_CASE("a network cuts all its connections at once", "[harness]")
     CHECK((*link)->is_cut());
     // A fault that comes later finds nothing to act on.
     world.network().play(fault::cut().after(1s));
+    world.network().forgive_pending_faults();
     world.run_for(2s);
     CHECK_FALSE(world.network().pending_faults().empty());
     // The time of day can jump at once, with nobody there.
     const DateTime before = world.clock().now();
     world.network().play(fault::jump_clock(1h));
     CHECK(world.clock().now().ticks - before.ticks == 36'000'000'000);
+}
+
+TEST_CASE("a network tells of addresses that nobody has, or two", "[harness]")
+{
+    World world;
+    Door door{world};
+    Door other{world};
+    NotingEnd end{world};
+    REQUIRE(world.network().listen("opc.tcp://server:4840/path", door));
+    CHECK(world.network().listen("opc.tcp://SERVER:4840", other).error() ==
+          status::Bad_InvalidState);
+    CHECK(world.log().contains("another acceptor listens at server:4840 already"));
+    CHECK(world.network().listen("opc.tcp://server:4840", door)); // it is the same one
+
+    CHECK(world.network().connect("opc.tcp://sever:4840", end).error() ==
+          status::Bad_ConnectionRejected);
+    CHECK(world.log().contains("network: nobody listens at opc.tcp://sever:4840; there is "
+                               "opc.tcp://server:4840"));
+    CHECK(world.account().find("0.000 s network: nobody listens") != std::string::npos);
+    world.network().unlisten(door);
+    CHECK(world.network().listen("opc.tcp://server:4840", other));
+}
+
+TEST_CASE("one client can have a weather of its own", "[harness]")
+{
+    World world;
+    Door door{world};
+    REQUIRE(world.network().listen("opc.tcp://one:1", door));
+    Weather& slow = world.network().weather_of("192.0.2.9");
+    slow.min_latency = slow.max_latency = 3s;
+    const auto arrival_from = [&](std::string_view address) {
+        NotingEnd end{world};
+        const auto link = world.network().connect("opc.tcp://one:1", end, address);
+        REQUIRE(link);
+        const TimePoint begin = world.now();
+        (*link)->send(Side::Client, std::vector<std::byte>(10));
+        const Duration time = (*link)->last_arrival(Side::Client) - begin;
+        (*link)->leave(Side::Client);
+        world.run_for(10s);
+        return time;
+    };
+    CHECK(arrival_from("192.0.2.1") == Duration{1ms});
+    CHECK(arrival_from("192.0.2.9") == Duration{3s});
+}
+
+TEST_CASE("a link carries so many bytes a second", "[harness]")
+{
+    World world;
+    Weather& weather = world.network().weather();
+    weather.bytes_per_second = 1'000;
+    const auto link = std::make_shared<Link>(world.scheduler(), weather, Chance{1, 1});
+    link->send(Side::Client, std::vector<std::byte>(500));
+    CHECK(link->last_arrival(Side::Client) == TimePoint{501ms});
+    link->send(Side::Client, std::vector<std::byte>(500)); // waits for the first ones
+    CHECK(link->last_arrival(Side::Client) == TimePoint{1'001ms});
+    link->send(Side::Server, std::vector<std::byte>(100)); // has a direction of its own
+    CHECK(link->last_arrival(Side::Server) == TimePoint{101ms});
+}
+
+TEST_CASE("a weather that contradicts itself is told where it is used", "[harness]")
+{
+    World world;
+    world.network().weather().min_latency = 5ms; // and at most 1 ms
+    const auto link =
+        std::make_shared<Link>(world.scheduler(), world.network().weather(), Chance{1, 1});
+    CHECK_THROWS_AS(link->send(Side::Client, std::vector<std::byte>(1)), std::invalid_argument);
+}
+
+TEST_CASE("a life that ends is for connections that exist, too", "[harness]")
+{
+    World world;
+    Door door{world};
+    NotingEnd end{world};
+    REQUIRE(world.network().listen("opc.tcp://one:1", door));
+    const auto link = world.network().connect("opc.tcp://one:1", end);
+    REQUIRE(link);
+    world.run_for(1h);
+    CHECK_FALSE((*link)->is_cut());
+    world.network().weather().mean_life = 10min;
+    (*link)->send(Side::Client, std::vector<std::byte>(1)); // from the next bytes on
+    world.run_for(20min);
+    CHECK((*link)->is_cut());
 }
 
 } // namespace link_test

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <stdexcept>
+#include <string>
 
 #include <busbar/core/clock.hpp>
 
@@ -20,9 +22,15 @@ public:
     [[nodiscard]] std::size_t below(std::size_t count) { return next() % count; }
     /// True in one of `count` cases, on average.
     [[nodiscard]] bool one_in(std::size_t count) { return below(count) == 0; }
-    /// Returns a duration between both, inclusive.
+    /// Returns a duration between both, inclusive. Throws std::invalid_argument if the first one is
+    /// the longer.
     [[nodiscard]] Duration between(Duration least, Duration most)
     {
+        if (most < least) {
+            throw std::invalid_argument{"a random duration cannot be at least " +
+                                        std::to_string(least.count()) + " ns and at most " +
+                                        std::to_string(most.count()) + " ns"};
+        }
         const auto range = static_cast<std::uint64_t>((most - least).count()) + 1;
         return least + Duration{static_cast<std::int64_t>(next() % range)};
     }

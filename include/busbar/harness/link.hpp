@@ -42,8 +42,8 @@ public:
     virtual void link_lost() = 0;
 };
 
-/// The behaviour of a network. Shared by all links; may be changed at any time. By default nothing
-/// goes wrong.
+/// The behaviour of a network. Shared by links; may be changed at any time. By default nothing goes
+/// wrong. A least value beyond its greatest one throws std::invalid_argument where it is used.
 struct Weather {
     /// The latency of each burst of bytes.
     Duration min_latency{std::chrono::milliseconds{1}};
@@ -61,6 +61,8 @@ struct Weather {
     bool has_resets{true};
     /// The maximum time until an end notices that the other one is gone.
     Duration max_notice{0};
+    /// The bytes that each direction carries in a second; 0: any number.
+    std::size_t bytes_per_second{0};
 };
 
 class Link;
@@ -148,6 +150,8 @@ private:
         // State of what this end sends:
         std::deque<Piece> pieces;
         TimePoint last_arrival{};
+        /// When the last byte has left.
+        TimePoint last_departure{};
         bool is_held{false};
         /// Number of pieces that have arrived while held.
         std::size_t due{0};
@@ -162,6 +166,8 @@ private:
     void arrive(Side from);
     void deliver(Side from);
     void reset();
+    /// Draws the length of the link's life once the weather limits it.
+    void limit_life();
     /// Tells the other end, after the last piece, that `side` has left.
     void tell_of_end(Side side);
     void tell(Side side, Duration delay);
@@ -176,6 +182,7 @@ private:
     std::shared_ptr<LinkObserver> observer_;
     std::size_t max_piece_{SIZE_MAX};
     bool is_cut_{false};
+    bool has_limited_life_{false};
 };
 
 } // namespace busbar::harness

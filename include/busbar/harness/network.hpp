@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/harness/fault.hpp>
 #include <busbar/harness/jumping_clock.hpp>
@@ -17,6 +19,7 @@ namespace busbar::harness {
 
 namespace detail {
 class ActingFaults;
+class Timeline;
 } // namespace detail
 
 /// Accepts the connections at a listening address of a network.
@@ -32,17 +35,18 @@ public:
                                       std::string_view peer_address) = 0;
 };
 
-/// Hosts, ports and connections in memory. One thread; scheduler and clock must outlive it.
+/// Hosts, ports and connections in memory. One thread; scheduler, clock and log must outlive it.
 class BUSBAR_API Network {
 public:
-    Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed);
+    /// `log`, which may be null, is told of connections that nobody accepts.
+    Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed, LogSink* log = nullptr);
     ~Network();
     Network(const Network&) = delete;
     Network& operator=(const Network&) = delete;
 
     /// From now on connections to the host and port of `url` ("opc.tcp://host:port/path") go to
     /// `acceptor`, which must outlive the network or be removed by unlisten().
-    /// Bad_TcpEndpointUrlInvalid.
+    /// Bad_TcpEndpointUrlInvalid; Bad_InvalidState if another one listens there.
     Result<void> listen(std::string_view url, Acceptor& acceptor);
     /// From now on no connections go to `acceptor`; existing ones stay.
     void unlisten(const Acceptor& acceptor);
@@ -56,12 +60,23 @@ public:
 
     /// The behaviour of the network for all its connections; may be changed at any time.
     [[nodiscard]] Weather& weather() { return weather_; }
-    /// Plays the script in addition to those that were played before.
+    /// The behaviour for the later connections of one client, at first as it is for all. May be
+    /// changed at any time.
+    [[nodiscard]] Weather& weather_of(std::string_view client_address);
+    /// Plays the script in addition to those that were played before. Throws std::invalid_argument,
+    /// which says why, if one of its faults could never act.
     void play(const FaultScript& script);
     void play(const Fault& fault) { play(FaultScript{fault}); }
     /// The faults of all scripts that have never acted, one a line: a test whose fault did not
     /// happen proves nothing.
     [[nodiscard]] std::string pending_faults() const;
+    /// From now on a world may end with faults that have never acted; else that is a failure of the
+    /// test, if its framework has an adapter (catch.hpp).
+    void forgive_pending_faults() { forgives_pending_ = true; }
+    [[nodiscard]] bool forgives_pending_faults() const { return forgives_pending_; }
+    /// The last messages on all connections, as they were sent, and the faults that acted; one a
+    /// line: "0.012 s client -> ReadRequest ns=1;s=Level". At most the last 128.
+    [[nodiscard]] std::string trace(std::size_t lines = 20) const;
     /// Sets the observer of all later connections; may be null.
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
 
@@ -74,17 +89,26 @@ public:
 
 private:
     void begin(const std::shared_ptr<Link>& link);
-    void act(const Fault& fault, std::size_t& acted);
+    /// Lets a fault that was played act now on all connections.
+    void act(std::size_t index);
+    /// ", there is opc.tcp://server:4840".
+    [[nodiscard]] std::string listeners() const;
+
+    void log(const std::string& text);
 
     Scheduler* scheduler_;
+    LogSink* log_;
     std::uint64_t seed_;
     Weather weather_;
+    std::map<std::string, Weather, std::less<>> weathers_;
     std::map<std::string, Acceptor*> acceptors_;
+    std::shared_ptr<detail::Timeline> timeline_;
     std::shared_ptr<detail::ActingFaults> faults_;
     std::shared_ptr<LinkObserver> observer_;
     std::vector<std::weak_ptr<Link>> links_;
     std::size_t connection_count_{0};
     bool refuses_{false};
+    bool forgives_pending_{false};
 };
 
 } // namespace busbar::harness

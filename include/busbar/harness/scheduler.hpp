@@ -16,21 +16,22 @@ class Signal;
 
 /// Virtual time: actions run in the order of their time and, at the same time, in the order in
 /// which they were scheduled. Nothing else moves the time, so that the same actions make the same
-/// run. One thread, except for Signal::raise().
+/// run. One thread, except for now() and Signal::raise().
 class BUSBAR_API Scheduler {
 public:
     using Action = std::function<void()>;
 
-    [[nodiscard]] TimePoint now() const { return now_; }
+    /// Called from any thread.
+    [[nodiscard]] TimePoint now() const { return now_.load(std::memory_order_relaxed); }
     /// A time in the past means now, after the current action.
     void at(TimePoint time, Action action);
     /// Runs the action when `delay` has passed.
-    void after(Duration delay, Action action) { at(now_ + delay, std::move(action)); }
+    void after(Duration delay, Action action) { at(now() + delay, std::move(action)); }
 
     /// Runs everything that is due until then; afterwards the time is `end`.
     void run_until(TimePoint end);
     /// Runs everything that is due until `time` has passed.
-    void run_for(Duration time) { run_until(now_ + time); }
+    void run_for(Duration time) { run_until(now() + time); }
     /// Runs likewise, but stops as soon as `condition` holds, which is called before the first
     /// action and after each. False, with the time at `end`, if it never did.
     bool run_until(FunctionRef<bool()> condition, TimePoint end);
@@ -52,7 +53,7 @@ private:
     void take_signals();
     bool run_next(TimePoint end);
 
-    TimePoint now_{};
+    std::atomic<TimePoint> now_{TimePoint{}};
     std::uint64_t last_serial_{0};
     std::vector<Entry> entries_;
     std::vector<Signal*> signals_;

@@ -66,6 +66,7 @@ private:
     World& world_;
     channel::ClientChannelConfig config_;
     ClientParts parts_;
+    LogSink& log_;
     SeededRandom random_;
     crypto::InsecureAcceptAnyCertificate accept_any_;
     std::optional<channel::ClientChannel> channel_;

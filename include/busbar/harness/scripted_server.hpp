@@ -212,6 +212,7 @@ private:
     World& world_;
     std::string url_;
     ScriptedServerParts parts_;
+    LogSink& log_;
     SeededRandom random_;
     crypto::InsecureAcceptAnyCertificate accept_any_;
     std::deque<detail::ScriptStep> steps_;

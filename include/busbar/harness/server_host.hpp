@@ -89,14 +89,16 @@ public:
     [[nodiscard]] bool is_running() const { return server_ != nullptr; }
     /// The reason why there is no server; nothing if there is one.
     [[nodiscard]] const std::optional<Problem>& problem() const { return problem_; }
-    /// Only if it is_running(). Changes made outside of a run are noticed when the next run begins.
+    /// Throws std::logic_error with the problem unless it is_running(). Changes made outside of a
+    /// run are noticed when the next run begins.
     [[nodiscard]] server::Server& server()
     {
+        need_server();
         touched_.raise();
         return *server_;
     }
     /// Adds `source`, which may end before the host, to the server; returns its index.
-    std::uint32_t add_source(server::DataSource& source) { return server_->add_source(source); }
+    std::uint32_t add_source(server::DataSource& source) { return server().add_source(source); }
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
 
@@ -104,6 +106,7 @@ private:
     class Peer;
     class Inside;
 
+    void need_server() const;
     void wake() override { woken_.raise(); }
     void await_completions();
     /// Runs `call` on the server, then settle().

@@ -2,6 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -26,10 +30,12 @@ enum class Actor : std::uint8_t { Server, Client, Other };
 /// One thread; everything that lives in a world must be destroyed before it.
 class BUSBAR_API World {
 public:
-    explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day)
-        : seed_{seed}, clock_{scheduler_, begin}
-    {
-    }
+    explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day);
+    /// If there are faults that have never acted, the running test fails, unless the network
+    /// forgives it or an exception is on its way: see set_fail_test() in report.hpp.
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
 
     /// The number in the environment's BUSBAR_SEED; 1 if there is none.
     [[nodiscard]] static std::uint64_t seed_from_environment();
@@ -65,14 +71,26 @@ public:
     [[nodiscard]] Network& network() { return network_; }
     /// The log of all its servers and clients.
     [[nodiscard]] LogBook& log() { return log_; }
+    /// Returns a log for one of them, whose lines begin with "client", the next one's with
+    /// "client 2". Lives as long as the world.
+    [[nodiscard]] LogSink& new_log(Actor kind);
+    /// The last messages on its network; see Network::trace().
+    [[nodiscard]] std::string trace(std::size_t lines = 20) const { return network_.trace(lines); }
+    /// What a test that fails shows: the seed, the last lines of the log, the last messages.
+    [[nodiscard]] std::string account(std::size_t lines = 20) const;
+    /// The thread that made it.
+    [[nodiscard]] std::thread::id thread() const { return thread_; }
 
 private:
     std::uint64_t seed_;
+    std::thread::id thread_{std::this_thread::get_id()};
     std::array<std::uint64_t, 3> actors_{};
+    std::array<std::size_t, 3> speakers_{};
     Scheduler scheduler_;
     JumpingClock clock_;
-    LogBook log_;
-    Network network_{scheduler_, clock_, seed_};
+    LogBook log_{scheduler_};
+    std::vector<std::unique_ptr<Speaker>> logs_;
+    Network network_{scheduler_, clock_, seed_, &log_};
 };
 
 } // namespace busbar::harness
