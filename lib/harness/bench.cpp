@@ -1,6 +1,7 @@
 #include <busbar/harness/bench.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include <busbar/core/attribute_id.hpp>
@@ -29,6 +30,7 @@ Bench::Bench(BenchOptions options)
       server_{world_, std::move(options.server), options.server_parts},
       client_{world_, std::move(options.client), options.client_parts}
 {
+    static_cast<void>(server_.server()); // throws if there is none
 }
 
 Result<NodeId> Bench::add_variable(std::string_view name, const model::BoundValue& value,
@@ -45,12 +47,26 @@ Result<NodeId> Bench::add_variable(std::string_view name, const model::BoundValu
 
 Result<void> Bench::connect()
 {
-    if (client_.is_ready()) {
-        return {};
+    if (!client_.is_ready()) {
+        lose(status::Bad_ConnectionClosed);
+        if (const auto opened = client_.open(); !opened) {
+            return opened;
+        }
     }
-    subscriptions_.clear();
-    acknowledgements_.clear();
-    return client_.open();
+    for (std::size_t i = 0; i < watched_.size(); ++i) {
+        if (watched_[i].is_lost && watch(i).is_good()) {
+            watched_[i].is_lost = false;
+        }
+    }
+    return {};
+}
+
+void Bench::Watched::add(DataValue value)
+{
+    if (values.size() == max_values) {
+        values.erase(values.begin());
+    }
+    values.push_back(std::move(value));
 }
 
 DataValue Bench::read(const NodeId& node)
@@ -146,7 +162,18 @@ StatusCode Bench::subscribe(const NodeId& node, Duration interval, std::uint32_t
     if (const auto connected = connect(); !connected) {
         return connected.error();
     }
-    const auto subscription_id = subscription(interval);
+    watched_.push_back({node, interval, queue_size, false, {}});
+    const StatusCode result = watch(watched_.size() - 1);
+    if (result.is_bad()) {
+        watched_.pop_back();
+    }
+    return result;
+}
+
+StatusCode Bench::watch(std::size_t index)
+{
+    const Watched watched = watched_[index];
+    const auto subscription_id = subscription(watched.interval);
     if (!subscription_id) {
         return subscription_id.error();
     }
@@ -154,13 +181,12 @@ StatusCode Bench::subscribe(const NodeId& node, Duration interval, std::uint32_t
     request.subscription_id = *subscription_id;
     request.timestamps_to_return = TimestampsToReturn::Both;
     MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
-    item.item_to_monitor = value_of(node);
+    item.item_to_monitor = value_of(watched.node);
     item.monitoring_mode = MonitoringMode::Reporting;
-    item.requested_parameters.client_handle = static_cast<std::uint32_t>(watched_.size());
-    item.requested_parameters.sampling_interval = to_milliseconds(interval);
-    item.requested_parameters.queue_size = queue_size;
+    item.requested_parameters.client_handle = static_cast<std::uint32_t>(index);
+    item.requested_parameters.sampling_interval = to_milliseconds(watched.interval);
+    item.requested_parameters.queue_size = watched.queue_size;
     item.requested_parameters.discard_oldest = true;
-    watched_.push_back({node, {}});
     const auto response = client_.call<CreateMonitoredItemsResponse>(std::move(request));
     if (!response) {
         return response.error();
@@ -170,6 +196,17 @@ StatusCode Bench::subscribe(const NodeId& node, Duration interval, std::uint32_t
     }
     return response->results.size() == 1 ? response->results[0].status_code
                                          : status::Bad_UnknownResponse;
+}
+
+void Bench::lose(StatusCode why)
+{
+    subscriptions_.clear();
+    acknowledgements_.clear();
+    for (Watched& watched : watched_) {
+        if (!std::exchange(watched.is_lost, true)) {
+            watched.add(DataValue{why});
+        }
+    }
 }
 
 void Bench::publish()
@@ -190,10 +227,15 @@ void Bench::published(const Result<PublishResponse>& response)
     if (!response) {
         if (client_.is_ready() && response.error() == status::Bad_Timeout) {
             publish(); // nothing happened for this long
+        } else {
+            lose(response.error());
         }
         return;
     }
     for (const ExtensionObject& data : response->notification_message.notification_data) {
+        if (const auto* const change = data.get_if<StatusChangeNotification>()) {
+            lose(change->status);
+        }
         const auto* const changes = data.get_if<DataChangeNotification>();
         if (changes == nullptr) {
             continue;
@@ -201,14 +243,9 @@ void Bench::published(const Result<PublishResponse>& response)
         acknowledgements_.push_back(
             {response->subscription_id, response->notification_message.sequence_number});
         for (const MonitoredItemNotification& change : changes->monitored_items) {
-            if (change.client_handle >= watched_.size()) {
-                continue;
+            if (change.client_handle < watched_.size()) {
+                watched_[change.client_handle].add(change.value);
             }
-            auto& values = watched_[change.client_handle].values;
-            if (values.size() == max_values) {
-                values.erase(values.begin());
-            }
-            values.push_back(change.value);
         }
     }
     publish();
@@ -217,12 +254,17 @@ void Bench::published(const Result<PublishResponse>& response)
 std::vector<DataValue> Bench::values(const NodeId& node)
 {
     std::vector<DataValue> values;
+    bool is_watched = false;
     for (Watched& watched : watched_) {
         if (watched.node == node) {
+            is_watched = true;
             for (DataValue& value : std::exchange(watched.values, {})) {
                 values.push_back(std::move(value));
             }
         }
+    }
+    if (!is_watched) {
+        throw std::invalid_argument{"values(): nobody watches " + to_string(node)};
     }
     return values;
 }

@@ -70,7 +70,7 @@ TEST_CASE_METHOD(LevelBench, "a bench without a server says so with every verb",
     CHECK(write(level, 2.5) == status::Bad_ConnectionRejected);
     CHECK(call(server_object, get_monitored_items).error() == status::Bad_ConnectionRejected);
     CHECK(subscribe(level) == status::Bad_ConnectionRejected);
-    CHECK(values(level).empty());
+    CHECK_THROWS_AS(values(level), std::invalid_argument); // nobody watches it
     world().network().refuse(false);
     CHECK_THAT(read(level), holds(1.5));
 }
@@ -115,22 +115,53 @@ TEST_CASE_METHOD(LevelBench, "a bench watches values at the intervals that it ca
     CHECK(values(level).empty());
     // That of both Subscriptions.
     CHECK(values(limit).size() == 2);
-    CHECK(values(NodeId{1, "Nothing"}).empty());
+    CHECK_THROWS_AS(values(NodeId{1, "Nothing"}), std::invalid_argument);
 }
 
-TEST_CASE_METHOD(LevelBench, "a bench that lost its connection watches nothing", "[harness]")
+TEST_CASE_METHOD(LevelBench, "a bench tells of a lost Subscription and watches anew", "[harness]")
 {
     REQUIRE(subscribe(level) == status::Good);
     run_for(1s);
     CHECK(values(level).size() == 1);
     world().network().cut();
-    run_for(1s);
-    CHECK(write(level, 2.5) == status::Good);
-    run_for(1s);
+    run_for(100s);
+    const auto lost = values(level);
+    REQUIRE(lost.size() == 1);
+    CHECK_THAT(lost[0], has_status(status::Bad_ConnectionClosed));
+    run_for(100s);
     CHECK(values(level).empty());
+
+    CHECK(write(level, 2.5) == status::Good); // over a new connection
+    run_for(1s);
+    const auto found = values(level);
+    REQUIRE(found.size() == 2);
+    CHECK_THAT(found[0], holds(1.5)); // watched again before the write
+    CHECK_THAT(found[1], holds(2.5));
+}
+
+TEST_CASE_METHOD(LevelBench, "a bench tells of a Subscription that the server ends", "[harness]")
+{
     REQUIRE(subscribe(level) == status::Good);
     run_for(1s);
-    REQUIRE(values(level).size() == 1);
+    CHECK(values(level).size() == 1);
+    world().network().play(fault::answer(status::Bad_NoSubscription).at(Message{"PublishRequest"}));
+    run_for(100s);
+    const auto lost = values(level);
+    REQUIRE_FALSE(lost.empty());
+    CHECK_THAT(lost[0], has_status(status::Bad_NoSubscription));
+    CHECK_THAT(read(level), holds(1.5));
+    run_for(1s);
+    const auto found = values(level);
+    REQUIRE_FALSE(found.empty());
+    CHECK_THAT(found.back(), holds(1.5));
+}
+
+TEST_CASE("a bench whose server cannot be made says why", "[harness]")
+{
+    BenchOptions options;
+    options.server.endpoints = server::secure_endpoints();
+    CHECK_THROWS_WITH(Bench{options},
+                      Catch::Contains("there is no server") && Catch::Contains("certificate"));
 }
 
 TEST_CASE("a server host says why it has no server", "[harness]")

@@ -30,6 +30,7 @@ struct BenchOptions {
 /// its connection meanwhile. Verbs run the world until they are done. One thread.
 class BUSBAR_API Bench {
 public:
+    /// Throws std::logic_error with the problem if the server cannot be made as configured.
     explicit Bench(BenchOptions options = {});
 
     [[nodiscard]] World& world() { return world_; }
@@ -71,18 +72,30 @@ public:
                                                 Array<Variant> arguments = {});
 
     /// Watches the value, with a Subscription that publishes and samples at `interval`. The first
-    /// value is among values() after a while. Ends with the connection. Bad_InvalidArgument for an
-    /// interval of half the client's request_timeout or more.
+    /// value is among values() after a while. If the connection or the Subscription is lost, a
+    /// value with the reason as its status is added to values(), and the next verb watches the node
+    /// anew. Bad_InvalidArgument for an interval of half the client's request_timeout or more.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
                          std::uint32_t queue_size = 100);
-    /// The values of a watched node since the last call; at most the last 100,000.
+    /// The values of a watched node since the last call; at most the last 100,000. Throws
+    /// std::invalid_argument if subscribe() has not been called for the node.
     [[nodiscard]] std::vector<DataValue> values(const NodeId& node);
 
 private:
     struct Watched {
         NodeId node;
+        Duration interval{0};
+        std::uint32_t queue_size{0};
+        bool is_lost{false};
         std::vector<DataValue> values;
+
+        void add(DataValue value);
     };
+
+    /// Creates the item of a watched node.
+    StatusCode watch(std::size_t index);
+    /// All Subscriptions have ended.
+    void lose(StatusCode why);
 
     [[nodiscard]] Result<std::uint32_t> subscription(Duration interval);
     void publish();
