@@ -1,17 +1,30 @@
 #pragma once
 
-// For tests with Catch2, version 2; the library itself does not need it. A test whose Catch2 header
-// is elsewhere includes that before this one.
+// For tests with Catch2, version 2 or 3; the library itself does not need it. A test whose Catch2
+// header is elsewhere includes that before this one. With version 2 the file that has
+// CATCH_CONFIG_MAIN or CATCH_CONFIG_RUNNER includes this header, too: what makes a failing check
+// show the account of the test's worlds (report.hpp) is compiled there.
 
 #include <string>
 #include <type_traits>
 #include <utility>
 
 #ifndef CATCH_VERSION_MAJOR
+#if __has_include(<catch2/catch_test_macros.hpp>)
+#include <catch2/catch_message.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/catch_tostring.hpp>
+#include <catch2/catch_version_macros.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/reporters/catch_reporter_event_listener.hpp>
+#include <catch2/reporters/catch_reporter_registrars.hpp>
+#else
 #include <catch2/catch.hpp>
+#endif
 #endif
 
 #include <busbar/harness/bench.hpp>
+#include <busbar/harness/report.hpp>
 #include <busbar/harness/text.hpp>
 
 namespace Catch {
@@ -46,9 +59,62 @@ struct StringMaker<busbar::DataValue> {
 
 namespace busbar::harness {
 
+namespace detail {
+
+#if CATCH_VERSION_MAJOR >= 3
+template <typename T>
+using MatcherBase = Catch::Matchers::MatcherBase<T>;
+using ListenerBase = Catch::EventListenerBase;
+#define BUSBAR_CATCH_LISTENER
+#else
+template <typename T>
+using MatcherBase = Catch::MatcherBase<T>;
+#ifdef CATCH_CONFIG_EXTERNAL_INTERFACES
+using ListenerBase = Catch::TestEventListenerBase;
+#define BUSBAR_CATCH_LISTENER
+#endif
+#endif
+
+/// Whether AccountListener is there; else BenchFixture shows the seed.
+inline bool has_listener = false;
+
+#ifdef BUSBAR_CATCH_LISTENER
+/// Adds the account of the test's worlds to a check that fails.
+class AccountListener final : public ListenerBase {
+public:
+    using ListenerBase::assertionEnded;
+    using ListenerBase::ListenerBase;
+
+    auto assertionEnded(const Catch::AssertionStats& stats)
+        -> decltype(std::declval<ListenerBase&>().assertionEnded(stats)) override
+    {
+        std::string account = stats.assertionResult.isOk() ? std::string{} : account_of_worlds();
+        if (!account.empty()) {
+            Catch::MessageInfo message{"INFO", stats.assertionResult.getSourceInfo(),
+                                       Catch::ResultWas::Info};
+            message.message = std::move(account);
+            // A listener gets the object before the reporter does, and this is what makes the
+            // account a part of each reporter's text. It is a temporary that is not constant.
+            const_cast<Catch::AssertionStats&>(stats).infoMessages.push_back(std::move(message));
+        }
+        return decltype(std::declval<ListenerBase&>().assertionEnded(stats))();
+    }
+};
+inline const Catch::ListenerRegistrar<AccountListener> account_listener = [] {
+    has_listener = true;
+    return Catch::ListenerRegistrar<AccountListener>{};
+}();
+#undef BUSBAR_CATCH_LISTENER
+#endif
+
+inline const bool has_fail_test =
+    (set_fail_test([](const std::string& why) { FAIL_CHECK(why); }), true);
+
+} // namespace detail
+
 /// Matches a DataValue with this value and status Good, whatever its timestamps:
 /// CHECK_THAT(read(node), holds(42)).
-class HoldsMatcher final : public Catch::MatcherBase<DataValue> {
+class HoldsMatcher final : public detail::MatcherBase<DataValue> {
 public:
     explicit HoldsMatcher(Variant value) : value_{std::move(value)} {}
     [[nodiscard]] bool match(const DataValue& value) const override
@@ -68,7 +134,7 @@ template <typename T>
 }
 
 /// Matches a DataValue with this status, compared without info bits.
-class HasStatusMatcher final : public Catch::MatcherBase<DataValue> {
+class HasStatusMatcher final : public detail::MatcherBase<DataValue> {
 public:
     explicit HasStatusMatcher(StatusCode status) : status_{status} {}
     [[nodiscard]] bool match(const DataValue& value) const override
@@ -89,7 +155,7 @@ private:
 /// Matches a Result that has a value: CHECK_THAT(bench.connect(), succeeds<void>()) shows the
 /// status if not.
 template <typename T>
-class SucceedsMatcher final : public Catch::MatcherBase<Result<T>> {
+class SucceedsMatcher final : public detail::MatcherBase<Result<T>> {
 public:
     [[nodiscard]] bool match(const Result<T>& result) const override { return result.has_value(); }
     [[nodiscard]] std::string describe() const override { return "is a value"; }
@@ -101,20 +167,15 @@ template <typename T>
     return {};
 }
 
-/// A Bench as the fixture of a TEST_CASE_METHOD, or as its base: a check that fails shows the seed
-/// that replays the run.
+/// A Bench as the fixture of a TEST_CASE_METHOD, or as its base.
 class BenchFixture : public Bench {
 public:
-    explicit BenchFixture(BenchOptions options = {})
-        : Bench{std::move(options)}, seed_{Catch::MessageBuilder{Catch::StringRef{"INFO", 4},
-                                                                 CATCH_INTERNAL_LINEINFO,
-                                                                 Catch::ResultWas::Info}
-                                           << "replayed by BUSBAR_SEED=" << world().seed()}
+    explicit BenchFixture(BenchOptions options = {}) : Bench{std::move(options)}
     {
+        if (!detail::has_listener) {
+            UNSCOPED_INFO("repeated by BUSBAR_SEED=" << world().seed());
+        }
     }
-
-private:
-    Catch::ScopedMessage seed_;
 };
 
 } // namespace busbar::harness
