@@ -26,7 +26,16 @@ ReadValueId value_of(const NodeId& node)
 } // namespace
 
 Bench::Bench(BenchOptions options)
-    : world_{options.seed}, request_timeout_{options.client.request_timeout},
+    : own_world_{std::make_unique<World>(options.seed)}, world_{*own_world_},
+      request_timeout_{options.client.request_timeout}, server_{world_, std::move(options.server),
+                                                                options.server_parts},
+      client_{world_, std::move(options.client), options.client_parts}
+{
+    static_cast<void>(server_.server()); // throws if there is none
+}
+
+Bench::Bench(World& world, BenchOptions options)
+    : world_{world}, request_timeout_{options.client.request_timeout},
       server_{world_, std::move(options.server), options.server_parts},
       client_{world_, std::move(options.client), options.client_parts}
 {

@@ -19,15 +19,39 @@ void Scheduler::at(TimePoint time, Action action)
 bool Scheduler::run_next(TimePoint end)
 {
     take_signals();
+    if (pacer_ != nullptr) {
+        return pace(end);
+    }
     if (entries_.empty() || entries_.front().time > end) {
         return false;
     }
+    run_first();
+    return true;
+}
+
+bool Scheduler::pace(TimePoint end)
+{
+    now_ = std::max(now(), pacer_->now());
+    const TimePoint due = std::min(now(), end);
+    if (!entries_.empty() && entries_.front().time <= due) {
+        run_first();
+        pacer_->wait_until(due); // for what is ready, too
+        return true;
+    }
+    if (now() >= end) {
+        return false;
+    }
+    pacer_->wait_until(entries_.empty() ? end : std::min(end, entries_.front().time));
+    return true;
+}
+
+void Scheduler::run_first()
+{
     std::pop_heap(entries_.begin(), entries_.end(), is_later);
     const Entry entry = std::move(entries_.back());
     entries_.pop_back();
     now_ = std::max(now(), entry.time);
     entry.action();
-    return true;
 }
 
 void Scheduler::run_until(TimePoint end)

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <cstdio>
 
 #include "core/visit_built_in.hpp"
 
@@ -92,14 +91,6 @@ std::string text_of(const DataValue& value)
         text += ", server " + to_string(value.server_timestamp);
     }
     return text;
-}
-
-std::string text_of(Duration time)
-{
-    std::array<char, 40> text{};
-    const int size = std::snprintf(text.data(), text.size(), "%.3f s",
-                                   std::chrono::duration<double>{time}.count());
-    return {text.data(), static_cast<std::size_t>(size)};
 }
 
 } // namespace busbar::harness

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/harness/log_book.hpp>
 #include <busbar/harness/text.hpp>
 
 #include "message_fields.hpp"

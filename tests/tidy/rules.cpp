@@ -31,6 +31,8 @@ constexpr std::array layers = {
           " core binary types crypto channel model nodes server client backend storage net "},
     Layer{"harness",
           " core binary types crypto channel model nodes server client backend harness "},
+    Layer{"harness_net", " core binary types crypto channel model nodes server client backend "
+                         "storage net harness harness_net "},
     Layer{"controller", " core binary types crypto channel model nodes server backend controller "},
     Layer{"command_line", " core command_line "},
     Layer{"product",
@@ -41,7 +43,7 @@ constexpr std::array layers = {
           "backend storage net controller tool "},
 };
 /// These have threads, clocks and exceptions.
-constexpr std::array<std::string_view, 5> outer_layers = {"net", "controller", "command_line",
+constexpr std::array<std::string_view, 6> outer_layers = {"net", "harness_net", "controller", "command_line",
                                                           "product", "tool"};
 
 /// The floors of lib/server, each with those that it stands on; siblings know nothing of each

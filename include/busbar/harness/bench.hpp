@@ -32,6 +32,8 @@ class BUSBAR_API Bench {
 public:
     /// Throws std::logic_error with the problem if the server cannot be made as configured.
     explicit Bench(BenchOptions options = {});
+    /// In a world that exists, such as a RealWorld, and outlives the bench; the seed is that one's.
+    explicit Bench(World& world, BenchOptions options = {});
 
     [[nodiscard]] World& world() { return world_; }
     [[nodiscard]] ServerHost& host() { return server_; }
@@ -101,7 +103,8 @@ private:
     void publish();
     void published(const Result<PublishResponse>& response);
 
-    World world_;
+    std::unique_ptr<World> own_world_;
+    World& world_;
     Duration request_timeout_;
     std::vector<std::unique_ptr<server::DataSource>> owned_;
     ServerHost server_;

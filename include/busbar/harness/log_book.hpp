@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <string>
@@ -11,8 +13,17 @@
 
 namespace busbar::harness {
 
+/// Returns a time since the world began, as logs and traces have it: "0.012 s".
+[[nodiscard]] inline std::string text_of(Duration time)
+{
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+    const std::string rest = std::to_string(1'000 + ms % 1'000);
+    return std::to_string(ms / 1'000) + "." + rest.substr(1) + " s";
+}
+
 /// Keeps the log of a run, one line each: "0.012 s server: connection: ...". Beyond a size the
-/// oldest lines go, which the first line then says. Called from any thread.
+/// oldest lines go, which the first line then says. Called from any thread. In the header, for
+/// programs without the rest of the harness.
 class BUSBAR_API LogBook final : public LogSink {
 public:
     static constexpr std::size_t max_size = 1U << 20U;
@@ -27,15 +38,52 @@ public:
         write_as({}, level, source, message);
     }
     /// Writes a line of one of several speakers, whose name precedes it unless it is empty.
-    void write_as(std::string_view speaker, LogLevel level, std::string_view source,
-                  std::string_view message);
+    void write_as(std::string_view speaker, LogLevel, std::string_view source,
+                  std::string_view message)
+    {
+        const std::string time =
+            time_ != nullptr ? text_of(time_->now().time_since_epoch()) + " " : "";
+        const bool has_speaker = !speaker.empty() && speaker != source;
+        const std::lock_guard lock{mutex_};
+        text_.append(time).append(has_speaker ? speaker : "").append(has_speaker ? ": " : "");
+        text_.append(source).append(": ").append(message).append("\n");
+        if (text_.size() > max_size) {
+            const std::size_t end = text_.find('\n', text_.size() / 2) + 1;
+            left_out_ += static_cast<std::size_t>(
+                std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+            text_.erase(0, end);
+        }
+    }
 
-    [[nodiscard]] std::string text() const;
+    [[nodiscard]] std::string text() const
+    {
+        const std::lock_guard lock{mutex_};
+        return left_out_ == 0 ? text_ : std::to_string(left_out_) + " older lines\n" + text_;
+    }
     /// The last lines, at most so many.
-    [[nodiscard]] std::string last(std::size_t lines) const;
+    [[nodiscard]] std::string last(std::size_t lines) const
+    {
+        const std::lock_guard lock{mutex_};
+        std::size_t begin = text_.size();
+        while (lines > 0 && begin > 0) {
+            const std::size_t end = begin < 2 ? std::string::npos : text_.rfind('\n', begin - 2);
+            begin = end == std::string::npos ? 0 : end + 1;
+            --lines;
+        }
+        return text_.substr(begin);
+    }
     /// True if a line has this text.
-    [[nodiscard]] bool contains(std::string_view text) const;
-    void clear();
+    [[nodiscard]] bool contains(std::string_view text) const
+    {
+        const std::lock_guard lock{mutex_};
+        return text_.find(text) != std::string::npos;
+    }
+    void clear()
+    {
+        const std::lock_guard lock{mutex_};
+        text_.clear();
+        left_out_ = 0;
+    }
 
 private:
     const Scheduler* time_{nullptr};

@@ -14,6 +14,22 @@ namespace busbar::harness {
 
 class Signal;
 
+/// Real time for a scheduler, and what happens outside of its world meanwhile.
+class BUSBAR_API Pacer {
+public:
+    Pacer() = default;
+    Pacer(const Pacer&) = delete;
+    Pacer& operator=(const Pacer&) = delete;
+    virtual ~Pacer() = default;
+
+    /// The time since the world began.
+    [[nodiscard]] virtual TimePoint now() const = 0;
+    /// Waits, at most until `end`, and returns as soon as something has happened, or after a
+    /// millisecond. Called again and again on the scheduler's thread, also with a time that is
+    /// over.
+    virtual void wait_until(TimePoint end) = 0;
+};
+
 /// Virtual time: actions run in the order of their time and, at the same time, in the order in
 /// which they were scheduled. Nothing else moves the time, so that the same actions make the same
 /// run. One thread, except for now() and Signal::raise().
@@ -41,6 +57,10 @@ public:
     /// none. A driver in real time waits until then, or for less, and calls run_until() with its
     /// clock.
     [[nodiscard]] TimePoint next_due() const;
+    /// From now on the time is that of `pacer`, which must outlive the scheduler or its successor:
+    /// runs take as long as they say. Null: virtual time again.
+    void set_pacer(Pacer* pacer) { pacer_ = pacer; }
+    [[nodiscard]] Pacer* pacer() const { return pacer_; }
 
 private:
     friend class Signal;
@@ -52,11 +72,15 @@ private:
     static bool is_later(const Entry& a, const Entry& b);
     void take_signals();
     bool run_next(TimePoint end);
+    void run_first();
+    /// Lets time pass; false if `end` has come.
+    bool pace(TimePoint end);
 
     std::atomic<TimePoint> now_{TimePoint{}};
     std::uint64_t last_serial_{0};
     std::vector<Entry> entries_;
     std::vector<Signal*> signals_;
+    Pacer* pacer_{nullptr};
 };
 
 /// Runs one action at a time, whose time can be changed. Cancels it when destroyed, which the

@@ -14,7 +14,5 @@ namespace busbar::harness {
 [[nodiscard]] BUSBAR_API std::string text_of(const Variant& value);
 /// Value, status unless it is Good, and the timestamps that are set.
 [[nodiscard]] BUSBAR_API std::string text_of(const DataValue& value);
-/// Returns a time since the world began, as logs and traces have it: "0.012 s".
-[[nodiscard]] BUSBAR_API std::string text_of(Duration time);
 
 } // namespace busbar::harness

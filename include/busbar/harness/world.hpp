@@ -22,12 +22,8 @@ enum class Actor : std::uint8_t { Server, Client, Other };
 /// Servers, clients and the network between them, in virtual time: a day takes seconds, and the
 /// same seed makes the same things happen. Nothing in it reads a clock, sleeps or opens a port.
 ///
-/// A world runs in real time as well, driven by code that has a clock and can wait:
-///
-///     world.run_until(TimePoint{elapsed()});   // on one thread, again and again
-///     wait(min(world.scheduler().next_due() - world.now(), 10ms));
-///
-/// One thread; everything that lives in a world must be destroyed before it.
+/// For threads and real peers there is RealWorld (busbar/harness_net/real_world.hpp). One thread;
+/// everything that lives in a world must be destroyed before it.
 class BUSBAR_API World {
 public:
     explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day);
