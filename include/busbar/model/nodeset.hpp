@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/core/expected.hpp>
@@ -24,6 +26,8 @@ struct NodeSetSource {
     /// The path, or a name for messages if there is a text.
     std::string name;
     std::optional<std::string> text{};
+    /// Repairs defects that files of vendors have (NodeSetRule) instead of refusing the file.
+    bool is_lenient{false};
 };
 
 /// The result of loading.
@@ -34,9 +38,12 @@ struct NodeSetSummary {
     /// Indices of the namespaces that received nodes.
     std::vector<std::uint16_t> namespaces;
     /// Defects that are not errors: references that are not hierarchical and lead nowhere, which
-    /// were left out, and values that do not fit their Variable's DataType, which were kept. At
-    /// most NodeSetLimits::max_errors.
+    /// were left out, and fields of a DataType that is nowhere. At most NodeSetLimits::max_errors.
     std::vector<Problem> notes;
+    /// Changes to lenient sources, at most NodeSetLimits::max_errors.
+    std::vector<NodeSetRepair> repairs;
+    /// The number of all changes, by NodeSetRule.
+    std::array<std::size_t, nodeset_rule_count> repair_counts{};
     /// The extras that write_nodeset needs in addition to the AddressSpace.
     NodeSetExtras extras;
 };
@@ -46,7 +53,8 @@ struct NodeSetSummary {
 ///
 /// Every type, target of a hierarchical reference, type definition and DataType must be in the
 /// files or in `space`; so must every RequiredModel, in the required version or a later one (Part
-/// 6, F.5). XML with a DOCTYPE is refused. Models that exceed the default `limits` need
+/// 6, F.5). Every value must fit its Variable; a list with as many elements as ArrayDimensions say
+/// becomes a matrix. XML with a DOCTYPE is refused. Models that exceed the default `limits` need
 /// limits_for_large_models().
 ///
 /// If it returns problems, at least one, `space` is as it was before. `where` of each has the file,
@@ -54,6 +62,15 @@ struct NodeSetSummary {
 [[nodiscard]] BUSBAR_API Expected<NodeSetSummary, std::vector<Problem>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits = {});
+
+/// The name of a rule in messages, such as "dangling-reference".
+[[nodiscard]] BUSBAR_API std::string_view name(NodeSetRule rule);
+/// What a rule does: "references that lead nowhere were left out".
+[[nodiscard]] BUSBAR_API std::string_view effect(NodeSetRule rule);
+/// "a.xml:17: ns=1;i=5: left out ... (rule dangling-reference)"
+[[nodiscard]] BUSBAR_API std::string text(const NodeSetRepair& repair);
+/// One line for each rule that was applied: "3 times dangling-reference: references that ...".
+[[nodiscard]] BUSBAR_API std::vector<std::string> counted_repairs(const NodeSetSummary& summary);
 
 /// Writes the nodes of these namespaces as one NodeSet2 file, which load_nodesets reads as the same
 /// nodes.

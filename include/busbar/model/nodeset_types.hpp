@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/core/node_id.hpp>
+#include <busbar/core/problem.hpp>
 
 namespace busbar::model {
 
@@ -54,6 +55,38 @@ struct NodeSetLimits {
     limits.max_kept_xml = std::size_t{1} << 30U;
     return limits;
 }
+
+/// What a lenient load repairs (NodeSetSource::is_lenient).
+enum class NodeSetRule : std::uint8_t {
+    /// A reference to a node that is nowhere is left out.
+    DanglingReference,
+    /// An Object or Variable without a usable HasTypeDefinition becomes a BaseObjectType or
+    /// BaseDataVariableType.
+    TypeDefinition,
+    /// A type without supertype is placed below the base type of its NodeClass, a DataType with
+    /// fields below Structure or Enumeration.
+    Supertype,
+    /// Of several type definitions or supertypes the first is kept.
+    SecondType,
+    /// A name without `<Alias>` that is the name of a type of namespace 0 stands for that type.
+    Alias,
+    /// A RequiredModel is there in an older version.
+    OlderModel,
+    /// A DataType of a Variable that is nowhere becomes BaseDataType.
+    DataType,
+    /// A value that does not fit its Variable is converted, if that loses nothing.
+    ValueConverted,
+    /// A value that does not fit and cannot be converted, or that cannot be read, becomes null.
+    ValueRemoved,
+};
+inline constexpr std::size_t nodeset_rule_count = 9;
+
+/// One change that a lenient load made.
+struct NodeSetRepair {
+    NodeSetRule rule{};
+    /// The place, and what was done there.
+    Problem done;
+};
 
 /// `<RolePermission>` (Part 3, 8.55).
 struct NodeSetPermission {

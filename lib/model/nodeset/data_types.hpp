@@ -21,8 +21,9 @@ namespace busbar::nodeset {
 
 namespace basic_id = busbar::detail::basic_id;
 
-/// NodeId of the ReferenceType.
+/// NodeIds of the ReferenceTypes.
 inline constexpr std::uint32_t has_subtype = basic_id::HasSubtype;
+inline constexpr std::uint32_t has_type_definition = basic_id::HasTypeDefinition;
 
 /// The encoding of a DataType: a built-in type by its id, or one of the kinds after them.
 enum class Kind : std::uint8_t {

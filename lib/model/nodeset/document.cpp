@@ -86,23 +86,32 @@ const Element* Element::child(std::string_view local_name) const
     return found == children.end() ? nullptr : &*found;
 }
 
-std::vector<Problem> Document::load_file(const std::string& path)
+std::vector<Problem> Document::load_file(const std::string& path, bool is_lenient)
 {
     const auto text = read_bytes(path, limits_.max_file_size);
     if (!text) {
         return {problem_at(path, 0, text.error())};
     }
-    return load_text(*text, path);
+    return load_text(*text, path, is_lenient);
 }
 
-std::vector<Problem> Document::load_text(std::string_view text, const std::string& name)
+std::vector<Problem> Document::load_text(std::string_view text, const std::string& name,
+                                         bool is_lenient)
 {
     if (text.size() > limits_.max_file_size) {
         return {problem_at(name, 0,
                            "is larger than " + std::to_string(limits_.max_file_size) + " bytes")};
     }
-    FileReader reader{*this, name};
+    FileReader reader{*this, name, is_lenient};
     return reader.read(text);
+}
+
+void Document::add_repair(model::NodeSetRule rule, Problem done)
+{
+    ++repair_counts_[static_cast<std::size_t>(rule)];
+    if (repairs_.size() < limits_.max_errors) {
+        repairs_.push_back({rule, std::move(done)});
+    }
 }
 
 std::optional<std::uint16_t> Document::namespace_index(std::string_view uri) const

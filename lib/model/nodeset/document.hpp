@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -156,6 +157,8 @@ struct File {
     std::vector<std::uint16_t> namespaces{0};
     /// The content of the file's <Extensions>, as XML.
     std::string extensions;
+    /// Its defects are repaired by rules (model::NodeSetRule).
+    bool is_lenient{false};
 };
 
 /// Returns a Problem with a file, at a line of it unless that is 0, and with the node that the file
@@ -175,9 +178,15 @@ public:
 
     /// Adds the nodes of the file at `path`. If it returns problems, the document has what it
     /// understood and must not be used.
-    [[nodiscard]] std::vector<Problem> load_file(const std::string& path);
+    [[nodiscard]] std::vector<Problem> load_file(const std::string& path, bool is_lenient = false);
     /// Loads a text in memory; `name` is used in messages.
-    [[nodiscard]] std::vector<Problem> load_text(std::string_view text, const std::string& name);
+    [[nodiscard]] std::vector<Problem> load_text(std::string_view text, const std::string& name,
+                                                 bool is_lenient = false);
+    /// Sets the types that names stand for in lenient files that lack an <Alias>.
+    void set_published_names(std::unordered_map<std::string, NodeId> names)
+    {
+        published_names_ = std::move(names);
+    }
 
     /// Index 0 is "http://opcfoundation.org/UA/"; others in the order in which files name them.
     [[nodiscard]] const std::vector<std::string>& namespaces() const { return namespaces_; }
@@ -190,9 +199,16 @@ public:
     [[nodiscard]] const Limits& limits() const { return limits_; }
     /// Returns a Problem with `node`, at a line of its file or, with 0, where it begins.
     [[nodiscard]] Problem problem(const Node& node, std::string text, std::uint32_t line = 0) const;
+    [[nodiscard]] bool is_lenient(const Node& node) const { return files_[node.file].is_lenient; }
+
+    /// Keeps at most Limits::max_errors repairs, and counts all.
+    void add_repair(model::NodeSetRule rule, Problem done);
+    [[nodiscard]] const std::vector<model::NodeSetRepair>& repairs() const { return repairs_; }
+    [[nodiscard]] const auto& repair_counts() const { return repair_counts_; }
 
 private:
     friend class FileReader;
+    friend class Mender;
 
     Limits limits_;
     std::vector<std::string> namespaces_{"http://opcfoundation.org/UA/"};
@@ -201,6 +217,9 @@ private:
     std::vector<File> files_;
     std::size_t kept_xml_{0};
     std::unordered_map<NodeId, std::size_t> by_id_;
+    std::unordered_map<std::string, NodeId> published_names_;
+    std::vector<model::NodeSetRepair> repairs_;
+    std::array<std::size_t, model::nodeset_rule_count> repair_counts_{};
 };
 
 } // namespace busbar::nodeset

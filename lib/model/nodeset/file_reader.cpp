@@ -56,8 +56,9 @@ std::uint32_t bad_line(std::string_view text)
 
 } // namespace
 
-FileReader::FileReader(Document& document, std::string name)
-    : document_{document}, limits_{document.limits_}, name_{std::move(name)}
+FileReader::FileReader(Document& document, std::string name, bool is_lenient)
+    : document_{document}, limits_{document.limits_}, name_{std::move(name)}, is_lenient_{
+                                                                                  is_lenient}
 {
 }
 
@@ -73,7 +74,7 @@ std::vector<Problem> FileReader::read(std::string_view text)
         return std::move(errors_);
     }
     file_ = static_cast<std::uint32_t>(document_.files_.size());
-    document_.files_.push_back({name_, {0}, {}});
+    document_.files_.push_back({name_, {0}, {}, is_lenient_});
     read_namespaces(root);
     read_aliases(root);
     read_models(child(root, "Models"), document_.models_, 0);

@@ -15,7 +15,7 @@ namespace busbar::nodeset {
 /// Adds one NodeSet2 file to a Document. Used once.
 class FileReader {
 public:
-    FileReader(Document& document, std::string name);
+    FileReader(Document& document, std::string name, bool is_lenient);
 
     [[nodiscard]] std::vector<Problem> read(std::string_view text);
 
@@ -46,6 +46,7 @@ private:
     void keep_xml(const pugi::xml_node& xml, bool with_tag, std::string& to);
 
     [[nodiscard]] NodeId node_id(const pugi::xml_node& where, std::string_view text);
+    [[nodiscard]] NodeId named(const pugi::xml_node& where, std::string_view name);
     /// Returns the attribute as a NodeId, `otherwise` if it is missing.
     [[nodiscard]] NodeId node_id_attribute(const pugi::xml_node& xml, const char* attribute,
                                            const NodeId& otherwise);
@@ -72,6 +73,7 @@ private:
     Document& document_;
     const Limits& limits_;
     std::string name_;
+    bool is_lenient_;
     pugi::xml_document xml_;
     std::vector<std::ptrdiff_t> line_ends_;
     std::unordered_map<std::string, NodeId> aliases_;

@@ -10,12 +10,7 @@ namespace busbar::nodeset {
 NodeId FileReader::node_id(const pugi::xml_node& where, std::string_view text)
 {
     if (text.find('=') == std::string_view::npos) {
-        const auto alias = aliases_.find(std::string{text});
-        if (alias == aliases_.end()) {
-            fail(where, "found " + quoted(text) + ", expected a NodeId or one of the <Aliases>");
-            return {};
-        }
-        return alias->second;
+        return named(where, text);
     }
     auto id = NodeId::parse(text);
     if (!id) {
@@ -24,6 +19,27 @@ NodeId FileReader::node_id(const pugi::xml_node& where, std::string_view text)
     }
     id->set_namespace_index(namespace_of(where, id->namespace_index()));
     return std::move(*id);
+}
+
+NodeId FileReader::named(const pugi::xml_node& where, std::string_view name)
+{
+    const std::string key{name};
+    const auto alias = aliases_.find(key);
+    if (alias != aliases_.end()) {
+        return alias->second;
+    }
+    const auto& published = document_.published_names_;
+    const auto known = is_lenient_ ? published.find(key) : published.end();
+    if (known == published.end()) {
+        fail(where, "found " + quoted(name) + ", expected a NodeId or one of the <Aliases>");
+        return {};
+    }
+    document_.add_repair(model::NodeSetRule::Alias,
+                         problem_at(name_, line_of(where),
+                                    "took " + quoted(name) + ", which has no <Alias>, for " +
+                                        to_string(known->second),
+                                    current_node_));
+    return known->second;
 }
 
 NodeId FileReader::node_id_attribute(const pugi::xml_node& xml, const char* attribute,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/text.hpp>
+
 #include "data_types.hpp"
 #include "node_flags.hpp"
 
@@ -9,7 +11,6 @@ namespace busbar::nodeset {
 
 namespace {
 
-constexpr std::uint32_t has_type_definition = basic_id::HasTypeDefinition;
 /// The longest name of a node in characters (Part 3, 8.3), and identifier in bytes (Part 3, 8.2.4).
 constexpr std::size_t max_name_size = 512;
 constexpr std::size_t max_identifier_size = 4096;
@@ -24,11 +25,6 @@ std::size_t identifier_size(const NodeId& id)
     default:
         return 1;
     }
-}
-
-bool is_instance(NodeClass node_class)
-{
-    return node_class == NodeClass::Object || node_class == NodeClass::Variable;
 }
 
 std::string a(NodeClass node_class)
@@ -113,14 +109,16 @@ bool LoadPlan::is_abstract(const Target& target) const
 void LoadPlan::check()
 {
     for (const Node& node : document_.nodes()) {
-        if (is_skipped(node)) {
-            continue;
+        const bool is_old = is_skipped(node);
+        if (!is_old) {
+            check_names(node);
         }
-        check_names(node);
         for (const Reference& reference : node.references) {
-            if (reference.type.is(has_subtype)) {
+            // An old type of namespace 0 may name a new one, which need not name it.
+            const bool is_new = !is_old || find(reference.target).node != nullptr;
+            if (is_new && reference.type.is(has_subtype)) {
                 check_supertype(node, reference);
-            } else if (reference.type.is(has_type_definition)) {
+            } else if (!is_old && reference.type.is(has_type_definition)) {
                 check_type_definition(node, reference);
             }
         }
@@ -259,6 +257,23 @@ void LoadPlan::check_definitions()
         }
         if (is_instance(node.node_class) && type_definitions_[position(node)].is_null()) {
             fail(node, "found " + a(node.node_class) + " without HasTypeDefinition");
+        }
+        note_field_types(node);
+    }
+}
+
+void LoadPlan::note_field_types(const Node& node)
+{
+    for (const Field& field : node.definition ? node.definition->fields : std::vector<Field>{}) {
+        const Target type = find(field.data_type);
+        if (!type.exists() || class_of(type) != NodeClass::DataType) {
+            add_note(document_.problem(
+                node,
+                "found the field \"" + printable(field.name, 80) + "\" of the DataType " +
+                    text(field.data_type) + ", which is " +
+                    (type.exists() ? a(class_of(type)) : nowhere(field.data_type)) +
+                    "; clients cannot read values with it",
+                field.line));
         }
     }
 }

@@ -35,13 +35,13 @@ public:
     [[nodiscard]] bool is_skipped(const Node& node) const;
     [[nodiscard]] Target find(const NodeId& id) const;
     [[nodiscard]] std::string text(const NodeId& id) const;
+    [[nodiscard]] NodeClass class_of(const Target& target) const;
 
 private:
     [[nodiscard]] std::size_t position(const Node& node) const
     {
         return static_cast<std::size_t>(&node - document_.nodes().data());
     }
-    [[nodiscard]] NodeClass class_of(const Target& target) const;
     [[nodiscard]] bool is_abstract(const Target& target) const;
 
     void fail(const Node& node, std::string message, std::uint32_t line = 0);
@@ -51,6 +51,7 @@ private:
     void check_type_definition(const Node& node, const Reference& reference);
     void check_supertype(const Node& node, const Reference& reference);
     void check_definitions();
+    void note_field_types(const Node& node);
 
     // Shapes (load_plan_shape.cpp)
     [[nodiscard]] bool is_below(const NodeId& reference_type, std::uint32_t base);
@@ -72,8 +73,8 @@ private:
 };
 
 /// Returns the models that a Document requires and that neither it nor the AddressSpace has, or
-/// only in an older version (Part 6, F.5).
-[[nodiscard]] std::vector<Problem> missing_models(const Document& document,
+/// only in an older version (Part 6, F.5). An older version for a lenient file is a repair.
+[[nodiscard]] std::vector<Problem> missing_models(Document& document,
                                                   const model::SpaceReader& space);
 
 } // namespace busbar::nodeset

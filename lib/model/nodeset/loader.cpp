@@ -1,11 +1,15 @@
 #include <algorithm>
+#include <unordered_map>
 
+#include <busbar/core/text.hpp>
 #include <busbar/model/nodeset.hpp>
 #include <model/graft.hpp>
 
 #include "data_types.hpp"
 #include "load_plan.hpp"
+#include "mender.hpp"
 #include "node_flags.hpp"
+#include "value_fit.hpp"
 #include "value_reader.hpp"
 
 namespace busbar::nodeset {
@@ -26,6 +30,22 @@ std::vector<std::string> namespaces_of(const model::SpaceReader& space)
     return uris;
 }
 
+/// The types of namespace 0 by their BrowseNames, which are the usual aliases.
+std::unordered_map<std::string, NodeId> names_of_types(const model::SpaceReader& space)
+{
+    std::unordered_map<std::string, NodeId> names;
+    space.for_each([&](NodeIndex node) {
+        if (!model::detail::is_type(space.node_class(node))) {
+            return;
+        }
+        const NodeId id = space.node_id(node);
+        if (id.namespace_index() == 0) {
+            names.emplace(space.browse_name(node).name.str(), id);
+        }
+    });
+    return names;
+}
+
 busbar::LocalizedText record_text(const LocalizedText& text)
 {
     return {text.locale.empty() ? String{} : String{text.locale}, String{text.text}};
@@ -34,7 +54,7 @@ busbar::LocalizedText record_text(const LocalizedText& text)
 /// Adds the checked nodes of a Document to an AddressSpace, all or none.
 class Loader {
 public:
-    Loader(const Document& document, model::AddressSpace& space, LoadPlan& plan)
+    Loader(Document& document, model::AddressSpace& space, LoadPlan& plan)
         : document_{document}, space_{space}, plan_{plan}, graft_{space}, types_{document},
           indices_(document.nodes().size(), model::no_node)
     {
@@ -53,7 +73,8 @@ private:
     void add_texts(const Node& node, NodeIndex index);
     void set_restrictions();
     void add_references(const Node& node, NodeIndex index);
-    void note_values();
+    void fit_values();
+    void fit_value(const Node& node, NodeIndex index, const Variant& value);
     void fail(const Node& node, std::string message, std::uint32_t line = 0)
     {
         plan_.add_error(document_.problem(node, std::move(message), line));
@@ -62,9 +83,13 @@ private:
     {
         plan_.add_note(document_.problem(node, std::move(message), line));
     }
+    void repair(model::NodeSetRule rule, const Node& node, std::string done, std::uint32_t line)
+    {
+        document_.add_repair(rule, document_.problem(node, std::move(done), line));
+    }
     [[nodiscard]] NodeIndex find(const NodeId& id) const { return space_.find(id); }
 
-    const Document& document_;
+    Document& document_;
     model::AddressSpace& space_;
     LoadPlan& plan_;
     Graft graft_;
@@ -90,7 +115,7 @@ bool Loader::run()
         add_references(nodes[i], find(nodes[i].id));
     }
     graft_.link();
-    note_values();
+    fit_values();
     if (!plan_.errors().empty()) {
         return false;
     }
@@ -168,7 +193,12 @@ void Loader::fill_variable(const Node& node, NodeRecord& record)
     XmlValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
     Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
-        fail(node, reader.error(), reader.error_line());
+        if (document_.is_lenient(node)) {
+            repair(model::NodeSetRule::ValueRemoved, node, "left out a value: " + reader.error(),
+                   reader.error_line());
+        } else {
+            fail(node, reader.error(), reader.error_line());
+        }
     } else if (!value.is_null()) {
         record.make_extra().value = std::move(value);
     }
@@ -252,27 +282,53 @@ void Loader::add_references(const Node& node, NodeIndex index)
     }
 }
 
-/// Published files have values that do not fit their Variable's DataType; they are kept.
-void Loader::note_values()
+/// A Read must not return what a Write of the same client would be refused for.
+void Loader::fit_values()
 {
     for (std::size_t i = 0; i < indices_.size(); ++i) {
         const Node& node = document_.nodes()[i];
         if (indices_[i] == model::no_node || !node.value) {
             continue;
         }
-        const auto attributes = space_.variable(indices_[i]);
         const Variant value = space_.value(indices_[i]);
-        if (!value.is_null() &&
-            !space_
-                 .check_value(value, attributes.data_type, attributes.value_rank,
-                              attributes.array_dimensions)
-                 .is_good()) {
-            note(node,
-                 "found a value <" + node.value->name + ">, expected one of the DataType " +
-                     plan_.text(node.data_type) + ", ValueRank " + std::to_string(node.value_rank) +
-                     " and ArrayDimensions of the node",
-                 node.value->line);
+        if (!value.is_null()) {
+            fit_value(node, indices_[i], value);
         }
+    }
+}
+
+void Loader::fit_value(const Node& node, NodeIndex index, const Variant& value)
+{
+    const auto attributes = space_.variable(index);
+    const auto fits = [&](const Variant& form) {
+        return space_
+            .check_value(form, attributes.data_type, attributes.value_rank,
+                         attributes.array_dimensions)
+            .is_good();
+    };
+    if (fits(value)) {
+        return;
+    }
+    Variant& kept = graft_.record(index).make_extra().value;
+    if (Variant matrix = with_dimensions(value, attributes); fits(matrix)) {
+        kept = std::move(matrix);
+        return;
+    }
+    const std::string found = "a value <" + printable(node.value->name, 80) + ">";
+    const std::string expected = "the DataType " + plan_.text(node.data_type) + ", ValueRank " +
+                                 std::to_string(node.value_rank) +
+                                 " and ArrayDimensions of the node";
+    if (!document_.is_lenient(node)) {
+        fail(node, "found " + found + ", expected one of " + expected, node.value->line);
+        return;
+    }
+    kept = converted(space_, value, attributes);
+    if (kept.is_null()) {
+        repair(model::NodeSetRule::ValueRemoved, node,
+               "left out " + found + ", which does not fit " + expected, node.value->line);
+    } else {
+        repair(model::NodeSetRule::ValueConverted, node, "converted " + found + " to " + expected,
+               node.value->line);
     }
 }
 
@@ -280,6 +336,8 @@ NodeSetSummary Loader::summary() const
 {
     NodeSetSummary result;
     result.notes = plan_.notes();
+    result.repairs = document_.repairs();
+    result.repair_counts = document_.repair_counts();
     result.extras.models = document_.models();
     for (std::size_t i = 0; i < indices_.size(); ++i) {
         const Node& node = document_.nodes()[i];
@@ -318,10 +376,15 @@ Expected<NodeSetSummary, std::vector<Problem>> load_nodesets(AddressSpace& space
                                                              const NodeSetLimits& limits)
 {
     nodeset::Document document{limits, nodeset::namespaces_of(space)};
+    const bool has_lenient = std::any_of(sources.begin(), sources.end(),
+                                         [](const NodeSetSource& each) { return each.is_lenient; });
+    if (has_lenient) {
+        document.set_published_names(nodeset::names_of_types(space));
+    }
     std::vector<Problem> errors;
     for (const NodeSetSource& source : sources) {
-        auto found = source.text ? document.load_text(*source.text, source.name)
-                                 : document.load_file(source.name);
+        auto found = source.text ? document.load_text(*source.text, source.name, source.is_lenient)
+                                 : document.load_file(source.name, source.is_lenient);
         errors.insert(errors.end(), found.begin(), found.end());
     }
     if (errors.empty()) {
@@ -329,6 +392,9 @@ Expected<NodeSetSummary, std::vector<Problem>> load_nodesets(AddressSpace& space
     }
     if (errors.empty()) {
         nodeset::LoadPlan plan{document, space};
+        if (has_lenient) {
+            nodeset::Mender{document, plan}.mend();
+        }
         plan.check();
         if (plan.errors().empty()) {
             nodeset::Loader loader{document, space, plan};

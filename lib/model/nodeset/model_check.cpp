@@ -108,15 +108,16 @@ const Model* model_in_files(const Document& document, const std::string& uri)
 
 } // namespace
 
-std::vector<Problem> missing_models(const Document& document, const model::SpaceReader& space)
+std::vector<Problem> missing_models(Document& document, const model::SpaceReader& space)
 {
     std::vector<Problem> errors;
     for (const Model& model : document.models()) {
         for (const Model& required : model.required) {
+            const File& file = document.files()[required.file];
+            const std::string asked =
+                "the model " + quoted(model.uri) + " requires " + described(required) + ", found ";
             const auto fail = [&](const std::string& found) {
-                errors.push_back(problem_at(document.files()[required.file].name, required.line,
-                                            "the model " + quoted(model.uri) + " requires " +
-                                                described(required) + ", found " + found));
+                errors.push_back(problem_at(file.name, required.line, asked + found));
             };
             const Model* const in_files = model_in_files(document, required.uri);
             const bool is_in_space = space.namespace_index(required.uri).has_value();
@@ -126,7 +127,14 @@ std::vector<Problem> missing_models(const Document& document, const model::Space
             }
             // A file cannot replace the AddressSpace's own model.
             const Model there = is_in_space ? model_in_space(space, required.uri) : *in_files;
-            if (!document.limits().accepts_older_models && !is_recent_enough(required, there)) {
+            if (document.limits().accepts_older_models || is_recent_enough(required, there)) {
+                continue;
+            }
+            if (file.is_lenient) {
+                document.add_repair(model::NodeSetRule::OlderModel,
+                                    problem_at(file.name, required.line,
+                                               asked + described(there) + ", and went on"));
+            } else {
                 fail(described(there));
             }
         }

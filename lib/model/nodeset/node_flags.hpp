@@ -14,6 +14,12 @@ namespace busbar::nodeset {
     return model::detail::is_type(node.node_class);
 }
 
+/// True for nodes that have a type definition.
+[[nodiscard]] inline bool is_instance(NodeClass node_class)
+{
+    return node_class == NodeClass::Object || node_class == NodeClass::Variable;
+}
+
 /// The bits of model::static_flag.
 [[nodiscard]] inline std::uint8_t flags(const Node& node)
 {
