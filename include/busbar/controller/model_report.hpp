@@ -34,6 +34,7 @@ enum class ModelCode : std::uint16_t {
     NotUndermost = 109,
     StandardNamespace = 110,
     DependentInvalid = 111,
+    FileRepaired = 112,
 
     ElementUnknown = 201,
     AttributeUnknown = 202,

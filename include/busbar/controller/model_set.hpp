@@ -61,6 +61,8 @@ struct ModelFile {
     std::string name;
     /// XML; its mapping is that of the import; the current one is ModelSet::mapping().
     std::string text;
+    /// See model::NodeSetSource.
+    bool is_lenient{false};
 };
 
 /// The result of an import.
@@ -72,6 +74,8 @@ struct ImportResult {
     bool is_replacement{false};
     /// Warnings, and errors of mapping, which do not prevent an import.
     ModelReports reports;
+    /// What was repaired in a lenient source, a line for each rule; each repair is in `reports`.
+    std::vector<std::string> repairs{};
 };
 
 /// The information model files of a project, one namespace each, with an AddressSpace of them and
@@ -89,7 +93,8 @@ public:
     ~ModelSet();
 
     /// Adds a file of one namespace, or replaces the existing file of that namespace. All its
-    /// RequiredModels must have been imported; an earlier one than required is a warning.
+    /// RequiredModels must have been imported; an earlier one than required is a warning. A lenient
+    /// source is repaired; export_text() has it as repaired.
     ///
     /// Mapping (SH-082679, 9.4): a node's mapping in the file replaces the existing one;
     /// if the file has none for a node, the existing one is kept. It is removed if the node is

@@ -50,7 +50,7 @@ bool ModelSet::Change::read(const model::NodeSetSource& source)
         return false;
     }
     header = *std::move(found);
-    file = {header.model.uri, source.name, *std::move(text)};
+    file = {header.model.uri, source.name, *std::move(text), source.is_lenient};
     return true;
 }
 
@@ -118,9 +118,7 @@ bool ModelSet::Change::load(ImportResult& result)
     if (after.node_count() > after.limits.max_nodes) {
         return fail(ModelCode::TooManyNodes, "more than " + std::to_string(after.limits.max_nodes));
     }
-    for (const Problem& note : summary.notes) {
-        reports.add({ModelCode::FileNote, {}, printable(note.where, 512), printable(note.text)});
-    }
+    note_defects(summary, reports);
     const ModelFile& placed = after.files[position];
     after.note_versions(placed.uri, reports);
     ReadMapping read = read_mapping(after.space, summary.extras, placed.name, after.limits);
@@ -128,7 +126,8 @@ bool ModelSet::Change::load(ImportResult& result)
     after.mapping =
         detail::merge(before.mapping, before.space, std::move(read.mapping),
                       after.space.namespace_index(placed.uri).value_or(0), after.space, reports);
-    result = {placed.uri, summary.node_count, is_replacement, std::move(reports)};
+    result = {placed.uri, summary.node_count, is_replacement, std::move(reports),
+              model::counted_repairs(summary)};
     return true;
 }
 
@@ -319,7 +318,7 @@ Expected<Mapping, ModelReports> ModelSet::load_into(model::AddressSpace& space) 
 {
     std::vector<model::NodeSetSource> sources;
     for (const ModelFile& file : state_->files) {
-        sources.push_back({file.name, file.text});
+        sources.push_back({file.name, file.text, file.is_lenient});
     }
     model::NodeSetLimits limits = model::limits_for_large_models();
     limits.accepts_older_models = true;

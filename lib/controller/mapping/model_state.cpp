@@ -125,6 +125,20 @@ model::NodeSetLimits nodeset_limits(const ModelLimits& limits)
 
 } // namespace
 
+void note_defects(const model::NodeSetSummary& summary, ModelReports& reports)
+{
+    for (const Problem& note : summary.notes) {
+        reports.add({ModelCode::FileNote, {}, printable(note.where, 512), printable(note.text)});
+    }
+    for (const model::NodeSetRepair& repair : summary.repairs) {
+        reports.add({ModelCode::FileRepaired,
+                     {},
+                     printable(repair.done.where, 512),
+                     printable(repair.done.text) + " (rule " +
+                         std::string{model::name(repair.rule)} + ")"});
+    }
+}
+
 bool ModelSet::State::load(std::size_t imported, model::NodeSetSummary& summary,
                            ModelReports& reports)
 {
@@ -137,7 +151,7 @@ bool ModelSet::State::load(std::size_t imported, model::NodeSetSummary& summary,
         static_cast<void>(space.add_namespace(file.uri));
     }
     for (std::size_t i = 0; i < files.size(); ++i) {
-        const model::NodeSetSource source{files[i].name, files[i].text};
+        const model::NodeSetSource source{files[i].name, files[i].text, files[i].is_lenient};
         auto loaded = model::load_nodesets(space, {&source, 1}, nodeset_limits(limits));
         if (!loaded) {
             const ModelCode code =
@@ -213,18 +227,15 @@ std::optional<ImportResult> ModelSet::State::add(ModelFile& file, detail::ModelH
     }
     model::NodeSetLimits allowed = nodeset_limits(limits);
     allowed.max_nodes = std::min(allowed.max_nodes, limits.max_nodes - node_count());
-    model::NodeSetSource source{file.name, std::move(file.text)};
+    model::NodeSetSource source{file.name, std::move(file.text), file.is_lenient};
     auto loaded = model::load_nodesets(space, {&source, 1}, allowed);
     file.text = *std::move(source.text);
     if (!loaded) {
         return std::nullopt;
     }
     static_cast<void>(space.add_namespace(file.uri)); // if it has no nodes
-    ImportResult result{file.uri, loaded->node_count, false, {}};
-    for (const Problem& note : loaded->notes) {
-        result.reports.add(
-            {ModelCode::FileNote, {}, printable(note.where, 512), printable(note.text)});
-    }
+    ImportResult result{file.uri, loaded->node_count, false, {}, model::counted_repairs(*loaded)};
+    note_defects(*loaded, result.reports);
     list_namespace(header);
     note_versions(file.uri, result.reports);
     ReadMapping read = read_mapping(space, loaded->extras, file.name, limits);

@@ -41,6 +41,9 @@ struct ModelHeader {
 
 namespace busbar::controller {
 
+/// Adds what the loading of a file noted and repaired.
+void note_defects(const model::NodeSetSummary& summary, ModelReports& reports);
+
 /// The state of a ModelSet. A change builds a new state and adopts it if everything succeeded.
 struct ModelSet::State {
     ModelLimits limits;

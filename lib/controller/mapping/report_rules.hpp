@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// The rules of all codes, in ascending order.
-inline constexpr std::array<ReportRule, 68> all_report_rules{{
+inline constexpr std::array<ReportRule, 69> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -34,6 +34,8 @@ inline constexpr std::array<ReportRule, 68> all_report_rules{{
     {ModelCode::DependentInvalid, ReportResult::Error, "Import", "Information model file",
      "A file that was imported before is no longer valid",
      "Keep what it refers to, or delete it first"},
+    {ModelCode::FileRepaired, ReportResult::Warning, "Import", "Information model file",
+     "A part of the file was repaired", "Check that the node is what its vendor means"},
     {ModelCode::ElementUnknown, ReportResult::Error, "Import", "Extension",
      "A mapping has an element that is not allowed there", "Write it as the format says"},
     {ModelCode::AttributeUnknown, ReportResult::Error, "Import", "Extension",

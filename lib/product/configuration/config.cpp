@@ -93,7 +93,8 @@ namespace {
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"name", "application_uri", "address", "port", "host_names",
-                 "min_channel_lifetime_ms", "key_log", "nodesets", "locales", "auditing"});
+                 "min_channel_lifetime_ms", "key_log", "nodesets", "nodesets_strict", "locales",
+                 "auditing"});
     config.server.application_name = table.text("name", config.server.application_name);
     check_name(table, "name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
@@ -112,6 +113,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
         }
     }
     config.nodesets = table.texts("nodesets");
+    config.nodesets_strict = table.flag("nodesets_strict", config.nodesets_strict);
     if (const auto locales = table.texts("locales"); !locales.empty()) {
         if (!std::all_of(locales.begin(), locales.end(), is_locale)) {
             table.fail("locales", "languages with or without a country: \"en\", \"de-AT\"");

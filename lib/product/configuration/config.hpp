@@ -198,6 +198,8 @@ struct ControllerConfig {
     std::string key_log;
     /// NodeSet2 files with additional information models to serve.
     std::vector<std::string> nodesets;
+    /// False repairs what files of vendors often have wrong.
+    bool nodesets_strict{true};
     CertificateConfig certificates;
     UserConfig users;
     std::vector<FilesConfig> files;

@@ -39,6 +39,7 @@ std::vector<Setting> server_settings()
         {.name = "server.address", .otherwise = Variant{""}},
         {.name = "server.host_names", .otherwise = texts({})},
         {.name = "server.nodesets", .otherwise = texts({})},
+        {.name = "server.nodesets_strict", .otherwise = Variant{true}},
         {.name = "server.locales", .otherwise = texts({"en"})},
         {.name = "server.auditing", .otherwise = Variant{false}},
         {.name = "reverse_connect.urls", .otherwise = texts({})},

@@ -259,7 +259,7 @@ void Generation::security_changed()
 
 Configured<void> Generation::check_models(const ControllerConfig& next) const
 {
-    if (next.nodesets == config_.nodesets) {
+    if (next.nodesets == config_.nodesets && next.nodesets_strict == config_.nodesets_strict) {
         return {};
     }
     try {
@@ -271,7 +271,7 @@ Configured<void> Generation::check_models(const ControllerConfig& next) const
         config.endpoints.emplace_back().allows_anonymous = true;
         auto scratch = expect(server::Server::create(config, environment));
         SourceFiles sources;
-        load_models(scratch, next.nodesets, sources, no_log);
+        load_models(scratch, next, sources, no_log);
         return {};
     } catch (const ConfigError& error) {
         return Unexpected{error.problem()};

@@ -55,7 +55,7 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
                     std::function<void(HardwareEvent)> hardware)
 {
     if (config_.labels.has_plc()) {
-        load_models(server, config_.nodesets, sources, log);
+        load_models(server, config_, sources, log);
         return; // the PLC is a machine of its own, of which clients see what is mapped
     }
     if (config_.machine.program) {
@@ -80,7 +80,7 @@ void Plant::publish(server::Server& server, SourceFiles& sources, LogSink& log,
     if (const auto status = space.find(NodeId{1, "Status"}); program_ && status != model::no_node) {
         expect(space.add_reference(folder, NodeId{0, id::Organizes}, status), "the status");
     }
-    load_models(server, config_.nodesets, sources, log);
+    load_models(server, config_, sources, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");
     if (plays_hardware_) {

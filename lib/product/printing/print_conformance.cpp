@@ -54,7 +54,7 @@ void add_nodes(server::Server& server, const ControllerConfig& config, controlle
     static_cast<void>(
         expect(controller::publish_variables(server.address_space(), plc, nodes), "the variables"));
     SourceFiles sources;
-    load_models(server, config.nodesets, sources, log);
+    load_models(server, config, sources, log);
 }
 
 constexpr std::string_view no_test = "has no test";

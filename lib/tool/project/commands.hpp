@@ -29,6 +29,8 @@ struct ProjectArguments {
     /// A table to read.
     std::string table;
     bool replaces{false};
+    /// Repairs a NodeSet2 file instead of refusing it.
+    bool is_lenient{false};
     /// Also what is not mapped.
     bool wants_all{false};
     /// Only what is not mapped.

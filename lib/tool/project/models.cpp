@@ -23,15 +23,22 @@ Exit import_model(Context& context, const ProjectArguments& arguments)
     controller::Project project = open_project(path);
     ModelSet models = open_models(project);
     const std::string name = std::filesystem::path{file}.filename().string();
-    const auto imported =
-        models.import({name, read_file(file, controller::ProjectLimits{}.max_model_size)});
+    const auto imported = models.import(
+        {name, read_file(file, controller::ProjectLimits{}.max_model_size), arguments.is_lenient});
     if (!imported) {
         print_reports(context, imported.error());
-        throw Failure{Exit::Failed, name + ": not imported", "the project is as it was"};
+        throw Failure{Exit::Failed, name + ": not imported",
+                      arguments.is_lenient
+                          ? "the project is as it was"
+                          : "the project is as it was; --lenient repairs what files of vendors "
+                            "often have wrong"};
     }
     controller::keep_models(models, project);
     save_project(path, project);
     print_reports(context, imported->reports);
+    for (const std::string& line : imported->repairs) {
+        context.warn("repaired", line);
+    }
     const Exit done = admin::report(
         context, (imported->is_replacement ? "replaced " : "imported ") + safe(imported->uri) +
                      ": " + std::to_string(imported->node_count) + " nodes");
@@ -165,7 +172,9 @@ void add_models(CLI::App& project, Run& run)
 {
     const auto arguments = std::make_shared<ProjectArguments>();
     add_offline(project, run, "import", "Adds a NodeSet2 file, or replaces that of its namespace.",
-                2, 2, "FILE NODESET", import_model, arguments);
+                2, 2, "FILE NODESET", import_model, arguments)
+        ->add_flag("--lenient", arguments->is_lenient,
+                   "repair what files of vendors often have wrong, and list it");
     add_offline(project, run, "export", "Writes a namespace with its mapping as a NodeSet2 file.",
                 2, 3, "FILE URI [NODESET]", export_model, arguments)
         ->add_flag("--yes", arguments->is_sure, "replace a file without a question");
