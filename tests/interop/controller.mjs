@@ -147,7 +147,8 @@ export const openHouse = {
  * in the folder "project". `backends` are tables [[backend]] of the configuration.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, bulk = 0, backends = "",
+  nodesetsStrict = true, reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels,
+  bulk = 0, backends = "",
   args = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
@@ -162,6 +163,7 @@ address = "${address}"
 port = ${port}
 min_channel_lifetime_ms = 1000
 nodesets = ${JSON.stringify(nodesets)}
+nodesets_strict = ${nodesetsStrict}
 [reverse_connect]
 urls = ${JSON.stringify(reverseUrls)}
 [discovery]
