@@ -87,17 +87,25 @@ void print_text(Context& context, const controller::ModelReports& reports,
 }
 
 /// Reports the mapped labels that a PLC with the program in this file does not have.
-controller::ModelReports check_program(const controller::Project& project, const std::string& file)
+controller::ModelReports check_program(const controller::Project& project, const std::string& file,
+                                       const std::string& encoding)
 {
+    const auto chosen = controller::find_text_encoding(encoding);
+    if (!encoding.empty() && !chosen) {
+        throw Failure{Exit::Usage, "--encoding " + safe(encoding) + ": unknown",
+                      "expected utf-8, utf-16, utf-16be, shift-jis or windows-1252"};
+    }
     const std::string text = read_file(file, controller::DeclarationLimits{}.max_text_size);
     auto reports =
-        controller::read_program_text(text, file).and_then([&](controller::Program program) {
-            return controller::check_labels(open_models(project), std::move(program));
-        });
+        controller::read_program_text(text, file, {}, controller::Unserved::Refuse,
+                                      chosen.value_or(controller::TextEncoding::Recognized))
+            .and_then([&](controller::Program program) {
+                return controller::check_labels(open_models(project), std::move(program));
+            });
     if (!reports) {
         throw Failure{Exit::Failed, busbar::text(reports.error()),
-                      "expected the PLC's declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or "
-                      "a file of TwinCAT"};
+                      "expected the PLC's declarations (IEC 61131-3), PLCopen XML, IEC 61131-10, "
+                      "a file of TwinCAT or a list of labels of GX Works"};
     }
     return *std::move(reports);
 }
@@ -111,7 +119,7 @@ Exit check_project(Context& context, const ProjectArguments& arguments)
     }
     auto check = check_project_models(project);
     if (!arguments.program.empty()) {
-        check.reports.add(check_program(project, arguments.program));
+        check.reports.add(check_program(project, arguments.program, arguments.encoding));
     }
     const controller::ModelReports& reports = check.reports;
     const auto counters = counters_of(check.counters, controller::model_limits(project));
@@ -141,11 +149,18 @@ controller::MappingCheck check_project_models(const controller::Project& project
 void add_check(CLI::App& project, Run& run)
 {
     const auto arguments = std::make_shared<ProjectArguments>();
-    add_offline(project, run, "check", "Lists what is wrong with a project, and how full it is.", 1,
-                1, "FILE", check_project, arguments)
+    auto* check = add_offline(project, run, "check",
+                              "Lists what is wrong with a project, and how full it is.", 1, 1,
+                              "FILE", check_project, arguments);
+    check
         ->add_option("--program", arguments->program,
                      "declarations of a PLC; every label must be one of their variables")
         ->type_name("PROGRAM");
+    check
+        ->add_option("--encoding", arguments->encoding,
+                     "of the program: utf-8, utf-16, utf-16be, shift-jis or windows-1252; else it "
+                     "is recognized")
+        ->type_name("NAME");
 }
 
 } // namespace busbar::tool::project

@@ -40,6 +40,8 @@ struct ProjectArguments {
     std::string label;
     /// A PLC's program, whose labels are looked up.
     std::string program;
+    /// The name of its encoding; empty: recognized.
+    std::string encoding;
     /// Options for an instance.
     std::vector<std::string> optional;
     bool has_all_optional{false};

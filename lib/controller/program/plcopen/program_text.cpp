@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "controller/program/declaration_lexer.hpp"
+#include "controller/program/gx_table.hpp"
 #include "controller/program/sysmac_table.hpp"
 #include "twincat_reader.hpp"
 
@@ -57,6 +58,10 @@ Configured<Program> read_program_text(std::string_view text, std::string_view fi
     }
     if (!root && detail::is_sysmac_table(decoded->text())) {
         return detail::read_sysmac_table(decoded->text(), file_name, limits, unserved)
+            .transform(with_encoding);
+    }
+    if (!root && detail::is_gx_table(decoded->text())) {
+        return detail::read_gx_table(decoded->text(), file_name, limits, unserved)
             .transform(with_encoding);
     }
     constexpr std::string_view ending = ".xml";
