@@ -10,7 +10,8 @@ collection=$here/../collection
 # table: of each file its encoding, how many variables are published, and how many declarations are
 # not, with their reasons.
 table() {
-    for file in "$collection"/*.st "$collection"/*.xml; do
+    for file in "$collection"/*.st "$collection"/*.xml "$collection"/*.csv "$collection"/*.Tc* \
+        "$collection"/*_table.txt; do
         name=$(basename "$file")
         if "$controller" --check "$file" > out 2>&1 || grep -q '^  encoding' out; then
             printf '%s: %s, %s published, %s left out\n' "$name" \
