@@ -74,7 +74,7 @@ struct ImportResult {
     bool is_replacement{false};
     /// Warnings, and errors of mapping, which do not prevent an import.
     ModelReports reports;
-    /// What was repaired in a lenient source, a line for each rule; each repair is in `reports`.
+    /// Counts the repairs of a lenient source, a line for each rule; each repair is in `reports`.
     std::vector<std::string> repairs{};
 };
 

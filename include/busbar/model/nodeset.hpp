@@ -65,7 +65,7 @@ load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
 
 /// The name of a rule in messages, such as "dangling-reference".
 [[nodiscard]] BUSBAR_API std::string_view name(NodeSetRule rule);
-/// What a rule does: "references that lead nowhere were left out".
+/// Returns the effect of a rule: "references that lead nowhere were left out".
 [[nodiscard]] BUSBAR_API std::string_view effect(NodeSetRule rule);
 /// "a.xml:17: ns=1;i=5: left out ... (rule dangling-reference)"
 [[nodiscard]] BUSBAR_API std::string text(const NodeSetRepair& repair);

@@ -56,7 +56,7 @@ struct NodeSetLimits {
     return limits;
 }
 
-/// What a lenient load repairs (NodeSetSource::is_lenient).
+/// Names the repairs of a lenient load (NodeSetSource::is_lenient).
 enum class NodeSetRule : std::uint8_t {
     /// A reference to a node that is nowhere is left out.
     DanglingReference,
@@ -66,7 +66,7 @@ enum class NodeSetRule : std::uint8_t {
     /// A type without supertype is placed below the base type of its NodeClass, a DataType with
     /// fields below Structure or Enumeration.
     Supertype,
-    /// Of several type definitions or supertypes the first is kept.
+    /// A second type definition or supertype is left out.
     SecondType,
     /// A name without `<Alias>` that is the name of a type of namespace 0 stands for that type.
     Alias,
