@@ -94,6 +94,17 @@ TEST_CASE("address and port are configured", "[unit:Protocol Configuration]")
     CHECK(config.port == 4'841);
 }
 
+TEST_CASE("URLs of port maps are endpoints, and their hosts are in the certificate")
+{
+    const ControllerConfig config = parse(
+        "[server]\nhost_names = [\"press-4\"]\nannounce = [\"opc.tcp://plant.example:30840\", "
+        "\"opc.tcp://press-4:30841\"]\n");
+    CHECK(config.server.further_urls ==
+          std::vector<std::string>{"opc.tcp://plant.example:30840", "opc.tcp://press-4:30841"});
+    CHECK(config.host_names == std::vector<std::string>{"press-4", "plant.example"});
+    CHECK(parse("[server]\n").server.further_urls.empty());
+}
+
 TEST_CASE("certificates and users are configured", "[unit:Security Administration]")
 {
     const ControllerConfig config = parse(R"(
@@ -269,6 +280,8 @@ TEST_CASE("values without sense are refused with line, found, expected and remed
         {"[server]\nhost_names = [\"opc.tcp://plc\"]", "plant.toml:2: host_names: found "},
         {"[server]\nhost_names = [\"plc:4840\"]", "expected names and addresses without scheme"},
         {"[server]\nhost_names = [\"\"]", "expected names and addresses without scheme"},
+        {"[server]\nannounce = [\"plant.example:30840\"]", "plant.toml:2: announce: found "},
+        {"[server]\nannounce = [\"opc.tcp://\"]", "expected opc.tcp://host:port of each port map"},
     };
     for (const Row& row : rows) {
         INFO(row.text);

@@ -90,9 +90,26 @@ void check_name(const TomlTable& table, std::string_view key, std::string_view n
 
 namespace {
 
+/// Reads the URLs at which port maps offer the server: a client that uses one gets endpoints with
+/// it, and a certificate that the controller makes has its host.
+void read_announced(const TomlTable& table, ControllerConfig& config)
+{
+    for (const std::string& text : table.texts("announce")) {
+        const auto url = channel::EndpointUrl::parse(text);
+        if (!url || !is_host(url->host)) {
+            table.fail("announce", "opc.tcp://host:port of each port map that leads to the server");
+        }
+        config.server.further_urls.push_back(text);
+        auto& hosts = config.host_names;
+        if (std::find(hosts.begin(), hosts.end(), url->host) == hosts.end()) {
+            hosts.push_back(url->host);
+        }
+    }
+}
+
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"name", "application_uri", "address", "port", "host_names",
+    table.allow({"name", "application_uri", "address", "port", "host_names", "announce",
                  "min_channel_lifetime_ms", "key_log", "nodesets", "nodesets_strict", "locales",
                  "auditing"});
     config.server.application_name = table.text("name", config.server.application_name);
@@ -112,6 +129,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
             table.fail("host_names", "names and addresses without scheme and port");
         }
     }
+    read_announced(table, config);
     config.nodesets = table.texts("nodesets");
     config.nodesets_strict = table.flag("nodesets_strict", config.nodesets_strict);
     if (const auto locales = table.texts("locales"); !locales.empty()) {

@@ -38,6 +38,7 @@ std::vector<Setting> server_settings()
         {.name = "server.name", .otherwise = Variant{"Busbar controller"}},
         {.name = "server.address", .otherwise = Variant{""}},
         {.name = "server.host_names", .otherwise = texts({})},
+        {.name = "server.announce", .otherwise = texts({})},
         {.name = "server.nodesets", .otherwise = texts({})},
         {.name = "server.nodesets_strict", .otherwise = Variant{true}},
         {.name = "server.locales", .otherwise = texts({"en"})},
