@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
@@ -14,6 +15,10 @@ namespace busbar::controller {
 class LifeCycle;
 class MachineEventLog;
 struct PlcError;
+
+/// The system-defined variable that says whether a restore brings the security profile back (W588,
+/// Programs use it without declaring it.
+inline constexpr std::string_view restore_target_variable = "_Card1RestoreCmdTargetOpcuaSPF";
 
 /// Connects instructions of PLC tasks with the server's thread: a fixed number of places, each
 /// taken by one instruction from its start to its end. Neither side ever waits for the other.
@@ -39,6 +44,11 @@ public:
     /// Returns the result of GetPLCError (W588, 9-1-1); nothing without a log. Any thread.
     [[nodiscard]] std::optional<PlcError> plc_error() const;
 
+    /// The value of restore_target_variable, FALSE when a program begins. Any thread, also within a
+    /// scan.
+    [[nodiscard]] bool restores_security_profile() const { return restores_profile_.load(); }
+    void set_restores_security_profile(bool value) { restores_profile_.store(value); }
+
 private:
     friend class OpcuaShutdown;
 
@@ -55,6 +65,8 @@ private:
     std::atomic<std::uint32_t> turned_away_{0};
     std::uint32_t told_{0};
     const MachineEventLog* errors_{nullptr};
+    std::atomic<bool> restores_profile_{false};
+    static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
 /// The function block OPCUA_Shutdown (W588, A-2-1): requests the end of the OPC

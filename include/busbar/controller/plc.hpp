@@ -107,6 +107,8 @@ private:
     /// The handles, sorted by name.
     std::vector<std::uint32_t> by_name_;
     std::unique_ptr<InstructionDesk> instructions_; // before the steps that use it
+    /// The programs' own copy of restore_target_variable, for the scanning thread.
+    bool restores_profile_{false};
     std::vector<detail::PlcStep> steps_;
     std::vector<PlcEvent> events_;
     std::vector<std::uint32_t> event_handles_;

@@ -44,12 +44,17 @@ void Plc::scan(DateTime now, Duration elapsed)
 void Plc::run_programs(Duration elapsed)
 {
     const bool is_reset = is_reset_requested_.exchange(false);
+    const bool restored_profile = instructions_->restores_security_profile();
+    restores_profile_ = restored_profile;
     for (detail::PlcStep& step : steps_) {
         if (is_reset && step.is_counter()) {
             step.reset();
         } else {
             step.run(elapsed);
         }
+    }
+    if (restores_profile_ != restored_profile) {
+        instructions_->set_restores_security_profile(restores_profile_);
     }
 }
 

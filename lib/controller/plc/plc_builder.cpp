@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/core/text.hpp>
 
 #include "plc_watch.hpp"
@@ -95,8 +96,8 @@ Configured<std::unique_ptr<Plc>> PlcBuilder::build(const ProgramTypes& types,
         return Unexpected{std::move(checked).error()};
     }
     plc_->image_ = image.image();
-    finder_ = [names = detail::ProgramNames{types, image}](std::string_view name) {
-        return names.find(name);
+    finder_ = [this, names = detail::ProgramNames{types, image}](std::string_view name) {
+        return name == restore_target_variable ? find_restore_target() : names.find(name);
     };
     return finish();
 }
@@ -221,6 +222,14 @@ std::vector<detail::PlcPlace> PlcBuilder::find(std::string_view name) const
     return places;
 }
 
+std::vector<detail::PlcPlace> PlcBuilder::find_restore_target()
+{
+    system_place_.type = BuiltInType::Boolean;
+    system_place_.stride = sizeof(bool);
+    auto* const bytes = static_cast<std::byte*>(static_cast<void*>(&plc_->restores_profile_));
+    return {{&system_place_, bytes, 0}};
+}
+
 Configured<void> PlcBuilder::add_programs()
 {
     for (std::size_t i = 0; i < config_->programs.size(); ++i) {
@@ -339,7 +348,7 @@ Configured<void> PlcBuilder::check_event(std::size_t index) const
 {
     const PlcEvent& event = config_->events[index];
     const auto places = finder_(event.variable);
-    if (places.size() != 1) {
+    if (places.size() != 1 || places.front().place == &system_place_) {
         return wrong_event(index, "variable",
                            "found " + quoted(event.variable) + ", expected a variable's name");
     }

@@ -53,12 +53,15 @@ private:
                                             const std::vector<detail::PlcPlace>& targets);
     [[nodiscard]] Configured<std::unique_ptr<Plc>> finish();
     [[nodiscard]] std::vector<detail::PlcPlace> find(std::string_view name) const;
+    [[nodiscard]] std::vector<detail::PlcPlace> find_restore_target();
 
     const PlcConfig* config_;
     std::unique_ptr<Plc> plc_;
     server::ImageLayout layout_;
     std::vector<Group> groups_;
     detail::PlcFinder finder_;
+    /// That of restore_target_variable, which is not in the image.
+    server::ImagePlace system_place_{};
 };
 
 } // namespace busbar::controller

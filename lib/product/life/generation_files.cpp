@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/controller/opcua_shutdown.hpp>
+
 #include "product/machine/machine_items.hpp"
 #include "product/machine/program_change.hpp"
 #include "product/machine/program_file.hpp"
@@ -37,6 +39,8 @@ std::vector<administration::TemporaryFileTransfer> Generation::backups(const Req
         .clock = *around_.environment.wall_clock,
         .log = administered_.log(),
         .mode = [machine] { return machine->mode(); },
+        .restores_profile =
+            [this] { return plant_.plc().instructions().restores_security_profile(); },
         .hold_files = [machine](FunctionRef<void()> act) { machine->hold_files(act); },
         .values_replaced = [machine] { machine->values_replaced(); },
         .replaced = requests.memory_replaced});

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -24,7 +25,8 @@ constexpr const char* source = "memory";
 /// Precedes the text of a RestoreCommand.ini.
 constexpr std::string_view by_command = "restore by command\n";
 
-std::string restore_report(bool has_data, bool lacks_profile)
+/// `variable` is there if a variable of the program has decided.
+std::string restore_report(bool has_data, bool lacks_profile, std::optional<bool> variable)
 {
     detail::JsonWriter json;
     json.begin_object();
@@ -33,6 +35,10 @@ std::string restore_report(bool has_data, bool lacks_profile)
     if (lacks_profile) {
         json.name("security_profile");
         json.word("false");
+    }
+    if (variable) {
+        json.name(controller::restore_target_variable);
+        json.word(*variable ? "true" : "false");
     }
     json.end_object();
     return json.take();
@@ -86,6 +92,8 @@ struct MachineBackup::Wish {
 
     Task task;
     bool with_security;
+    /// The program decides on the security profile.
+    bool is_by_variable{false};
 };
 
 Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
@@ -95,12 +103,13 @@ Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
     if (text != nullptr && text->view().starts_with(by_command)) {
         return controller::read_restore_command(text->view().substr(by_command.size()))
             .transform([](const controller::RestoreChoice& choice) {
-                return Wish{Task::Restore, choice.security_profile};
+                return Wish{.task = Task::Restore, .with_security = choice.security_profile};
             });
     }
-    static constexpr std::array<std::pair<std::string_view, Wish>, 6> wishes{
+    static constexpr std::array<std::pair<std::string_view, Wish>, 7> wishes{
         {{"restore", {Task::Restore, true}},
          {"restore without security profile", {Task::Restore, false}},
+         {"restore by variable", {Task::Restore, false, true}},
          {"verify", {Task::Verify, true}},
          {"verify without security profile", {Task::Verify, false}},
          {"clear", {Task::Clear, false}},
@@ -252,6 +261,11 @@ void MachineBackup::values_replaced() const
 
 Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::byte> bytes)
 {
+    std::optional<bool> variable;
+    if (wish.is_by_variable) {
+        variable = needs_.restores_profile();
+        wish.with_security = *variable;
+    }
     const auto restored = memory_.restore(bytes, {.security_profile = wish.with_security});
     if (!restored) {
         return Unexpected{restored.error()};
@@ -267,9 +281,12 @@ Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::
                                               : "cleared: the backup is of a controller without "
                                                 "OPC UA server"} +
                              (lacks_profile ? ", which has no security profile" : "") +
+                             (!variable   ? ""
+                              : *variable ? ", with the security profile, as the program says"
+                                          : ", without the security profile, as the program says") +
                              "; it takes effect after a restart, which is due");
     });
-    busbar::detail::attempt([&] { report = restore_report(has_data, lacks_profile); });
+    busbar::detail::attempt([&] { report = restore_report(has_data, lacks_profile, variable); });
     return report;
 }
 

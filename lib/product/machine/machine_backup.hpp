@@ -26,6 +26,8 @@ namespace busbar::product {
 ///                           "restore without security profile"
 ///                           "restore by command\n" and what is in a RestoreCommand.ini, of which
 ///                               OpcuaSPF decides (W588, 8-2-2): a backup file follows
+///                           "restore by variable": restore_target_variable of the program
+///                               decides (W588, A-4): a backup file follows
 ///                           "verify"                           a backup file follows
 ///                           "verify without security profile"
 ///                           "clear"                            an empty file follows
@@ -33,7 +35,8 @@ namespace busbar::product {
 ///
 /// A report is JSON: {"problem": "backup: found ..."} for what was refused; {"restored": true}, or
 /// false for a file of a controller without OPC UA server, with "security_profile": false if that
-/// was to be restored and the file has none; {"cleared": true}; and
+/// was to be restored and the file has none, and with the variable if that has decided;
+/// {"cleared": true}; and
 /// {"items": [{"name": "Users", "differences": ["users.json"]}]} for a verification.
 ///
 /// After a restore or a clearing a restart is due. Until then the machine's memory does not change:
@@ -61,6 +64,8 @@ public:
         const WallClock& clock;
         LogSink& log;
         std::function<controller::MachineMode()> mode;
+        /// The value of the program's restore_target_variable.
+        std::function<bool()> restores_profile;
         /// Runs its argument while the files of the event log and of RETAIN values do not change.
         std::function<void(FunctionRef<void()>)> hold_files;
         /// Called within that when the RETAIN values were replaced.

@@ -26,6 +26,8 @@ using busbar::detail::Json;
 /// Greater than any backup.
 constexpr std::size_t max_backup = 256U << 20U;
 constexpr std::size_t max_command = 65'536;
+/// The variable by which the program of the controller decides (W588, A-4).
+constexpr std::string_view restore_target = "_Card1RestoreCmdTargetOpcuaSPF";
 constexpr const char* restart_is_due =
     "it takes effect after a restart of the controller, which is due in a few seconds";
 
@@ -55,6 +57,11 @@ std::string restored_text(RemoteTransfer& transfer)
         const Json report = report_of(transfer);
         if (is_no(report, "restored")) {
             return "cleared, since the file is of a controller without OPC UA server; ";
+        }
+        const Json* const variable = report.find(restore_target);
+        if (variable != nullptr && variable->kind == Json::Kind::False) {
+            return "restored; " + std::string{restore_target} +
+                   " is FALSE: certificates, users, roles and security settings stay; ";
         }
         if (is_no(report, "security_profile")) {
             return "restored; the file has no security profile: certificates, users, roles and "
@@ -155,8 +162,9 @@ Exit restore(Context& context, Connection& connection, const AdminArguments& arg
                     "controller?");
     const std::string& command = arguments.backup.command_file;
     send(context, transfer,
-         command.empty() ? options_of(arguments, "restore")
-                         : "restore by command\n" + read_file(command, max_command),
+         arguments.backup.is_by_variable ? std::string{"restore by variable"}
+         : command.empty()               ? options_of(arguments, "restore")
+                                         : "restore by command\n" + read_file(command, max_command),
          file, local);
     return report(context, restored_text(transfer) + restart_is_due);
 }
@@ -236,13 +244,20 @@ void add_backup(CLI::App& admin, Run& run)
                        "Saves a controller's program, settings, values, certificates, users, roles "
                        "and events.",
                        1, "FILE", backup::back_up)));
-    chooses(asks(group.add("restore",
-                           "Replaces what a controller has by a backup, whole or not at all.", 1,
-                           "FILE", backup::restore)))
-        ->add_option("--command", arguments.backup.command_file,
-                     "a RestoreCommand.ini; its OpcuaSPF says whether certificates, users, roles "
-                     "and security settings are restored")
-        ->excludes("--without-security-profile");
+    auto* restore = chooses(asks(
+        group.add("restore", "Replaces what a controller has by a backup, whole or not at all.", 1,
+                  "FILE", backup::restore)));
+    auto* command =
+        restore
+            ->add_option("--command", arguments.backup.command_file,
+                         "a RestoreCommand.ini; its OpcuaSPF says whether certificates, users, "
+                         "roles and security settings are restored")
+            ->excludes("--without-security-profile");
+    restore
+        ->add_flag("--by-variable", arguments.backup.is_by_variable,
+                   "_Card1RestoreCmdTargetOpcuaSPF of the controller's program says it")
+        ->excludes("--without-security-profile")
+        ->excludes(command);
     chooses(group.add("verify", "Compares what a controller has with a backup.", 1, "FILE",
                       backup::verify));
     asks(group.add("clear", "Clears a controller's memory, in PROGRAM mode.", 0, "URL",

@@ -37,6 +37,8 @@ struct BackupOptions {
     bool without_security{false};
     /// A RestoreCommand.ini that decides instead.
     std::string command_file;
+    /// A variable of the controller's program decides instead.
+    bool is_by_variable{false};
     bool clears_security{false};
 };
 

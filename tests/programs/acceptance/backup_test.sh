@@ -128,11 +128,6 @@ cp before.toml second/controller.toml
 power_cycle
 chief 0 admin mode "$url" run --yes
 
-lacks variables A-4: restore command of the card -- \
-    "no variable of the program chooses it: a restore replaces users and certificates, which" \
-    "by 8-1 is an administrator's alone. OpcuaSPF of a RestoreCommand.ini and" \
-    "--without-security-profile choose the same (8-2-2)"
-
 entry variables 8-3: clear
 # Only in PROGRAM; without the security profile users, certificates and the logs stay, and it is the
 # program and the settings of the unit's own file again, and values as declared.

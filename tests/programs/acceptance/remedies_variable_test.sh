@@ -18,6 +18,8 @@ configure() {
         machine "mode = \"PROGRAM\"
 simulated_hardware = true
 $1"
+        printf '[[plc.program]]\nkind = "copy"\nsource = "_Card1RestoreCmdTargetOpcuaSPF"\n'
+        printf 'target = "IsTarget"\n'
     } | sed 's/^\[limits\]$/[limits]\npreset = "nj501"/' > controller.toml
 }
 # with COMMAND...: what it prints is published, too.
@@ -35,6 +37,7 @@ VAR_GLOBAL
     Name : STRING[4];
     Row : ARRAY [0..1] OF INT;
     Both : Pair;
+    IsTarget : BOOL := TRUE;
 END_VAR
 VAR_GLOBAL
     Hidden : INT := 3;
@@ -68,6 +71,13 @@ hang_up 'press.st'
 await reaches read "$url" "$(node Hidden)"
 chief 0 browse "$url" "$(node Controller/GlobalVars)"
 says Hidden
+
+remedy 9-3.35
+told 'it is a system-defined variable'
+chief 1 read "$url" "$(node _Card1RestoreCmdTargetOpcuaSPF)"
+says Bad_NodeIdUnknown
+chief 0 read --value "$url" "$(node IsTarget)"
+says '^false$'
 
 remedy 9-3.36
 told 'SERVER 0101 names it |'
