@@ -63,6 +63,7 @@ gets() {
 }
 await gets "$(cell 104)" '^5$'
 await logged 'labels: connected to .*, R08CPU'
+entry model 2.2: control CPU and access units
 get "$(cell 101)" '^true$'
 get "$(cell 108)" '^1$'
 get "$(cell 110)" '^1.5$'
@@ -71,6 +72,24 @@ put "$(cell 104)" -7 "$(cell 108)" 70000 "$(cell 101)" false "$(cell 112)" abc
 get "$(cell 104)" '^-7$'
 get "$(cell 112)" '^abc$'
 get "$(cell 108)" '^70000$'
+
+# The PLC is the control CPU of its station, by SLMP, and values of several units are read together.
+# Its devices are not reached by their names, but a global label is, wherever it lies.
+run 0 --trust read --value "$url" "$(cell 104)" "$(cell 108)" "$(cell 110)" "$(cell 112)"
+says '^-7$'
+says '^70000$'
+says '^1.5$'
+says '^abc$'
+cp cell.busbar device.busbar
+run 0 project map device.busbar "ns=1;i=102" D100
+cp device.busbar project/project/project.busbar
+power_cycle
+get_refused Bad_NoCommunication "$(cell 102)"
+asked() { "$busbar" --trust read "$url" "$(cell 102)" > out 2>&1; logged 'error 1921H: .*: D100 of '; }
+await asked
+cp cell.busbar project/project/project.busbar
+power_cycle
+await gets "$(cell 104)" '^-7$'
 
 # It goes away, and comes back with its own values.
 kill -9 $plc
