@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/model_report.hpp>
 #include <busbar/controller/text_encoding.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/array.hpp>
 #include <busbar/model/space_reader.hpp>
+#include <busbar/types/data_types.hpp>
 
 /// The mapping as a table for spreadsheets: CSV (RFC 4180), written in UTF-8.
 ///
@@ -21,6 +24,7 @@
 ///
 /// There is one line for each label, and a separate one for each array specification. Part is as in
 /// part_path; for a Method it begins with "Handle", or with "Input" and the number of the argument.
+/// The part "Roles" of any node has its RolePermissions in place of a label, see roles_text().
 namespace busbar::controller {
 
 class ModelSet;
@@ -38,7 +42,7 @@ struct MappingTableLimits {
 };
 
 /// Ordered by namespace and NodeId. Contains the mapping of all nodes of `mapping` that are in
-/// `space`.
+/// `space`, and the RolePermissions of all nodes of models.
 [[nodiscard]] BUSBAR_API std::string write_mapping_table(const model::SpaceReader& space,
                                                          const Mapping& mapping);
 
@@ -50,10 +54,18 @@ enum class PartsWritten : std::uint8_t { All, Unmapped };
 [[nodiscard]] BUSBAR_API std::string write_mappable_table(const ModelSet& models,
                                                           PartsWritten written = PartsWritten::All);
 
+/// A line of the part "Roles".
+struct TableRoles {
+    NodeId node;
+    Array<RolePermissionType> roles;
+};
+
 /// The result of reading a table.
 struct ReadMappingTable {
     /// The mapping of all lines without an error.
     Mapping mapping{};
+    /// Each node once.
+    std::vector<TableRoles> roles{};
     /// `where` is "line 7", for example.
     ModelReports reports{};
     /// The encoding of the table.

@@ -73,6 +73,10 @@ enum class ModelCode : std::uint16_t {
     LabelConverted = 322,
     ScalingInvalid = 323,
     QualityAlone = 324,
+    RoleUnknown = 325,
+    RightUnused = 326,
+    RolesKept = 327,
+    RolesReplaced = 328,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,
@@ -96,6 +100,7 @@ enum class ModelCode : std::uint16_t {
     TableNumber = 506,
     TableRepeated = 507,
     TableScaling = 508,
+    TableRoles = 509,
 };
 
 /// The properties common to all reports with a code; constant texts.

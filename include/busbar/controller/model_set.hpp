@@ -59,7 +59,7 @@ struct ModelFile {
     std::string uri;
     /// For messages.
     std::string name;
-    /// XML; its mapping is that of the import; the current one is ModelSet::mapping().
+    /// XML as it was imported; the present mapping and roles are those of the ModelSet.
     std::string text;
     /// See model::NodeSetSource.
     bool is_lenient{false};
@@ -98,7 +98,8 @@ public:
     ///
     /// Mapping (SH-082679, 9.4): a node's mapping in the file replaces the existing one;
     /// if the file has none for a node, the existing one is kept. It is removed if the node is
-    /// gone, or if its NodeClass is no longer Variable.
+    /// gone, or if its NodeClass is no longer Variable. RolePermissions likewise: a node that has
+    /// some in the project and none in the file keeps them.
     ///
     /// Takes time in proportion to the file if its namespace is new, otherwise to all files. The
     /// error has at least one report with ReportResult::Error.
@@ -126,6 +127,9 @@ public:
     [[nodiscard]] const Mapping& mapping() const;
     /// For changes; check_mapping tells whether they are valid.
     [[nodiscard]] Mapping& mapping();
+    /// Sets the RolePermissions of a node of a model; null: those of its namespace apply, if there
+    /// are any. The file that has the node has them, too, when it is exported.
+    void set_roles(model::NodeIndex node, Array<RolePermissionType> roles);
     /// Bytes of all files.
     [[nodiscard]] std::uint64_t file_size() const;
 

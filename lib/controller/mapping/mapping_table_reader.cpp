@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <unordered_set>
 
 #include <busbar/controller/mapping_table.hpp>
+#include <busbar/controller/node_roles.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/core/text_forms.hpp>
 #include <busbar/model/relative_path.hpp>
@@ -133,6 +135,7 @@ private:
                        std::string_view rest, const MappedPart& line);
     void read_label(std::string& to, std::string_view path, const MappedPart& line);
     void read_scaling(Scaling& to, const MappedPart& line);
+    void read_roles(const NodeId& id, const MappedPart& line);
     void read_part(PartTree& tree, std::string_view path, const MappedPart& line);
 
     [[nodiscard]] const std::string& field(TableColumn column) const
@@ -157,6 +160,7 @@ private:
     std::array<std::optional<std::size_t>, detail::table_columns.size()> positions_;
     std::unordered_map<NodeId, VariableTree> variables_;
     std::unordered_map<NodeId, MethodTree> methods_;
+    std::unordered_set<NodeId> with_roles_;
     ReadMappingTable result_;
 };
 
@@ -231,7 +235,9 @@ void TableReader::read_line()
         return;
     }
     const NodeClass node_class = space_.node_class(node);
-    if (node_class == NodeClass::Variable) {
+    if (field(TableColumn::Part) == detail::roles_part) {
+        read_roles(space_.node_id(node), line);
+    } else if (node_class == NodeClass::Variable) {
         read_variable(space_.node_id(node), line);
     } else if (node_class == NodeClass::Method) {
         read_method(space_.node_id(node), line);
@@ -311,6 +317,24 @@ void TableReader::read_scaling(Scaling& to, const MappedPart& line)
         return;
     }
     to = *scaling;
+}
+
+void TableReader::read_roles(const NodeId& id, const MappedPart& line)
+{
+    if (id.namespace_index() == 0) {
+        report(ModelCode::TableRoles, "a node of namespace 0, which no model has");
+        return;
+    }
+    if (!with_roles_.insert(id).second) {
+        report(ModelCode::TableRepeated, detail::roles_part);
+        return;
+    }
+    auto roles = parse_roles(line.label);
+    if (!roles) {
+        report(ModelCode::TableRoles, text(roles.error()));
+        return;
+    }
+    result_.roles.push_back({id, *std::move(roles)});
 }
 
 void TableReader::read_method(const NodeId& id, const MappedPart& line)

@@ -5,6 +5,7 @@
 #include <busbar/controller/mappable_parts.hpp>
 #include <busbar/controller/mapping_table.hpp>
 #include <busbar/controller/model_set.hpp>
+#include <busbar/controller/node_roles.hpp>
 #include <busbar/model/relative_path.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -16,6 +17,14 @@ namespace busbar::controller {
 namespace {
 
 using model::NodeIndex;
+
+/// Returns whether the node, which must be one of a model, has RolePermissions of its own.
+bool has_roles(const model::SpaceReader& space, NodeIndex node)
+{
+    const model::NodeAccess* const access = space.node_access(node);
+    return access != nullptr && !access->role_permissions.is_null() &&
+           space.node_id(node).namespace_index() != 0;
+}
 
 class TableWriter {
 public:
@@ -63,6 +72,15 @@ public:
         }
         if (mapped != nullptr) {
             write_scaling(*mapped);
+        }
+    }
+    /// Writes the node's own RolePermissions, if it has any.
+    void write_roles(NodeIndex node)
+    {
+        if (has_roles(space_, node)) {
+            begin(node);
+            write_line({.label = roles_text(space_.node_access(node)->role_permissions.span())},
+                       std::string{detail::roles_part});
         }
     }
     [[nodiscard]] std::string take() { return std::move(text_); }
@@ -174,15 +192,27 @@ private:
 std::string write_mapping_table(const model::SpaceReader& space, const Mapping& mapping)
 {
     TableWriter writer{space};
-    for (const NodeId& id : mapped_nodes(mapping)) {
+    std::vector<NodeId> nodes = mapped_nodes(mapping);
+    space.for_each([&](NodeIndex node) {
+        if (has_roles(space, node)) {
+            nodes.push_back(space.node_id(node));
+        }
+    });
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (const NodeId& id : nodes) {
         const NodeIndex node = space.find(id);
+        if (node == model::no_node) {
+            continue;
+        }
         const auto variable = mapping.variables.find(id);
         const auto method = mapping.methods.find(id);
-        if (node != model::no_node && variable != mapping.variables.end()) {
+        if (variable != mapping.variables.end()) {
             writer.write(node, variable->second);
-        } else if (node != model::no_node) {
+        } else if (method != mapping.methods.end()) {
             writer.write(node, method->second);
         }
+        writer.write_roles(node);
     }
     return writer.take();
 }
@@ -205,6 +235,9 @@ std::string write_mappable_table(const ModelSet& models, PartsWritten written)
         const bool has_more = written == PartsWritten::All && mapped != variables.end();
         if (!found.empty()) {
             writer.write(node, found, has_more ? &mapped->second : nullptr);
+        }
+        if (written == PartsWritten::All) {
+            writer.write_roles(node);
         }
     }
     return writer.take();

@@ -3,7 +3,9 @@
 #include <utility>
 
 #include <busbar/controller/mapping_extensions.hpp>
+#include <busbar/controller/node_roles.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/core/text_forms.hpp>
 
 #include "extension_attributes.hpp"
 #include "mapping_merge.hpp"
@@ -57,6 +59,9 @@ bool ModelSet::Change::read(const model::NodeSetSource& source)
 bool ModelSet::Change::place()
 {
     after.files = before.files;
+    for (ModelFile& each : after.files) {
+        each.text = before.text_of(each);
+    }
     after.headers = before.headers;
     const auto found = std::find_if(after.files.begin(), after.files.end(),
                                     [&](const auto& each) { return each.uri == file.uri; });
@@ -123,6 +128,7 @@ bool ModelSet::Change::load(ImportResult& result)
     after.note_versions(placed.uri, reports);
     ReadMapping read = read_mapping(after.space, summary.extras, placed.name, after.limits);
     reports.add(std::move(read.reports));
+    after.keep_roles(before, placed.uri, reports);
     after.mapping =
         detail::merge(before.mapping, before.space, std::move(read.mapping),
                       after.space.namespace_index(placed.uri).value_or(0), after.space, reports);
@@ -186,6 +192,9 @@ Expected<void, ModelReport> ModelSet::remove(std::string_view uri)
     next->limits = state_->limits;
     next->application_uri = state_->application_uri;
     next->files.assign(files.begin(), files.end() - 1);
+    for (ModelFile& each : next->files) {
+        each.text = state_->text_of(each);
+    }
     next->headers.assign(state_->headers.begin(), state_->headers.end() - 1);
     model::NodeSetSummary none;
     ModelReports reports;
@@ -260,6 +269,59 @@ Expected<std::string, ModelReport> ModelSet::export_text(std::string_view uri) c
     return std::move(*text);
 }
 
+std::string ModelSet::State::text_of(const ModelFile& file) const
+{
+    const auto index = space.namespace_index(file.uri);
+    if (!index || !with_other_roles.contains(*index)) {
+        return file.text;
+    }
+    auto parts = parts_of(extras, mapping, [&](std::uint16_t each) { return each == *index; });
+    return write_file(space, *index, extras, parts[*index]).value_or(file.text);
+}
+
+void ModelSet::State::keep_roles(const State& before, std::string_view uri, ModelReports& reports)
+{
+    const auto index = before.space.namespace_index(uri);
+    if (!index) {
+        return;
+    }
+    before.space.for_each([&](model::NodeIndex old) {
+        const NodeId id = before.space.node_id(old);
+        const model::NodeAccess* const had = before.space.node_access(old);
+        if (id.namespace_index() != *index || had == nullptr || had->role_permissions.is_null()) {
+            return;
+        }
+        const auto known = detail::translate(id, before.space, space);
+        const model::NodeIndex node = known ? space.find(*known) : model::no_node;
+        if (node == model::no_node) {
+            return;
+        }
+        const model::NodeAccess* const has = space.node_access(node);
+        if (has == nullptr || has->role_permissions.is_null()) {
+            set_roles(node, had->role_permissions);
+            reports.add({ModelCode::RolesKept, *known, to_string(*known),
+                         printable(roles_text(had->role_permissions.span()))});
+        } else if (has->role_permissions != had->role_permissions) {
+            reports.add({ModelCode::RolesReplaced, *known, to_string(*known),
+                         printable(roles_text(had->role_permissions.span()))});
+        }
+    });
+}
+
+void ModelSet::State::set_roles(model::NodeIndex node, Array<RolePermissionType> roles)
+{
+    const model::NodeAccess* const own = space.node_access(node);
+    model::NodeAccess access = own != nullptr ? *own : model::NodeAccess{};
+    access.role_permissions = std::move(roles);
+    space.set_node_access(node, std::move(access));
+    with_other_roles.insert(space.node_id(node).namespace_index());
+}
+
+void ModelSet::set_roles(model::NodeIndex node, Array<RolePermissionType> roles)
+{
+    state_->set_roles(node, std::move(roles));
+}
+
 std::vector<std::string> ModelSet::export_texts() const
 {
     auto parts = parts_of(state_->extras, state_->mapping, [](std::uint16_t) { return true; });
@@ -318,7 +380,7 @@ Expected<Mapping, ModelReports> ModelSet::load_into(model::AddressSpace& space) 
 {
     std::vector<model::NodeSetSource> sources;
     for (const ModelFile& file : state_->files) {
-        sources.push_back({file.name, file.text, file.is_lenient});
+        sources.push_back({file.name, state_->text_of(file), file.is_lenient});
     }
     model::NodeSetLimits limits = model::limits_for_large_models();
     limits.accepts_older_models = true;

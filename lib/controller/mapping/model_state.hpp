@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,6 +57,8 @@ struct ModelSet::State {
     model::NodeSetExtras extras;
     Mapping mapping;
     std::vector<ModelNamespace> namespaces;
+    /// Namespaces with nodes whose RolePermissions are not those of their file.
+    std::set<std::uint16_t> with_other_roles;
     /// Number of nodes before any file was loaded.
     std::size_t built_in{0};
 
@@ -66,6 +70,12 @@ struct ModelSet::State {
     /// Returns nothing, with the state unchanged, if that is impossible or there is an error; then
     /// load all files again to report it. On success file and header are moved from.
     [[nodiscard]] std::optional<ImportResult> add(ModelFile& file, detail::ModelHeader& header);
+    /// Returns the file's text, with the present RolePermissions.
+    [[nodiscard]] std::string text_of(const ModelFile& file) const;
+    void set_roles(model::NodeIndex node, Array<RolePermissionType> roles);
+    /// Keeps the RolePermissions that nodes of the imported namespace had before the import, where
+    /// the file has none, and reports where it has others.
+    void keep_roles(const State& before, std::string_view uri, ModelReports& reports);
     /// Keeps everything in a file besides its nodes.
     void keep(model::NodeSetExtras& loaded);
     /// Notes where files require another version than the imported one, including files that were

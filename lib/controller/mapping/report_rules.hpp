@@ -8,7 +8,7 @@
 namespace busbar::controller::detail {
 
 /// The rules of all codes, in ascending order.
-inline constexpr std::array<ReportRule, 69> all_report_rules{{
+inline constexpr std::array<ReportRule, 74> all_report_rules{{
     {ModelCode::FileUnreadable, ReportResult::Error, "Import", "Information model file",
      "The file cannot be read", "Check its path, its size and the rights to read it"},
     {ModelCode::FileInvalid, ReportResult::Error, "Import", "Information model file",
@@ -121,6 +121,18 @@ inline constexpr std::array<ReportRule, 69> all_report_rules{{
     {ModelCode::QualityAlone, ReportResult::Error, "Mapping", "Quality",
      "A Variable without a label of its own has a quality or a scaling",
      "Map the Variable, or clear the mapping"},
+    {ModelCode::RoleUnknown, ReportResult::Warning, "Mapping", "Roles",
+     "The RolePermissions of a node name a role that there is none of",
+     "Name one of the well-known roles; `busbar project roles FILE NODE` lists those of the node"},
+    {ModelCode::RightUnused, ReportResult::Warning, "Mapping", "Roles",
+     "The RolePermissions of a node let a role do what the node does not allow",
+     "Give the role another right, or change the model"},
+    {ModelCode::RolesKept, ReportResult::Warning, "Import", "Roles",
+     "A node had RolePermissions that the file does not have, and keeps them",
+     "Take them away with `busbar project roles FILE NODE \"\"` if they are not wanted any more"},
+    {ModelCode::RolesReplaced, ReportResult::Warning, "Import", "Roles",
+     "A node had other RolePermissions than those of the file, which count now",
+     "Check them with `busbar project roles FILE NODE`"},
     {ModelCode::TooManyFiles, ReportResult::Error, "Import", "Limits",
      "There are too many information model files", "Delete a namespace"},
     {ModelCode::FilesTooLarge, ReportResult::Error, "Import", "Limits",
@@ -168,6 +180,8 @@ inline constexpr std::array<ReportRule, 69> all_report_rules{{
     {ModelCode::TableScaling, ReportResult::Error, "Mapping table", "Table",
      "This is not a scaling",
      "Write it as 0..27648=0..100, or as 0..27648 where the Variable has an EURange"},
+    {ModelCode::TableRoles, ReportResult::Error, "Mapping table", "Table",
+     "These are not the roles of a node", "Write them as Operator=write Observer=read, or nobody"},
 }};
 static_assert(std::is_sorted(all_report_rules.begin(), all_report_rules.end(),
                              [](const ReportRule& a, const ReportRule& b) {

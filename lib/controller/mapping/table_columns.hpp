@@ -20,5 +20,7 @@ inline constexpr std::string_view output_part = "Output";
 /// Parts of a Variable in addition to those of its value. Scaling has a text instead of a label.
 inline constexpr std::string_view quality_part = "Quality";
 inline constexpr std::string_view scaling_part = "Scaling";
+/// The RolePermissions of any node, as roles_text() writes them.
+inline constexpr std::string_view roles_part = "Roles";
 
 } // namespace busbar::controller::detail

@@ -4,8 +4,10 @@
 
 #include <pugixml.hpp>
 
+#include <busbar/controller/node_roles.hpp>
 #include <busbar/controller/project_compare.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/core/text_forms.hpp>
 
 namespace busbar::controller {
 
@@ -17,7 +19,7 @@ constexpr unsigned how_to_read = pugi::parse_default & ~pugi::parse_doctype;
 struct NodeTexts {
     std::string node;
     std::string mapping; // <Extensions>
-    /// Labels by the part's name in a mapping table: "", "[0].Speed", "Handle".
+    /// Labels by the part's name in a mapping table, "", "[0].Speed" or "Handle", and "Roles".
     std::map<std::string, std::string> labels{};
 };
 
@@ -72,6 +74,18 @@ void collect_labels(const pugi::xml_node& element, const std::string& path, std:
     }
 }
 
+/// Returns the text of a node's <RolePermissions>.
+std::string roles_of(const pugi::xml_node& element)
+{
+    Array<RolePermissionType> roles;
+    for (const pugi::xml_node& each : element.children()) {
+        const auto id = parse_expanded_node_id(each.text().get());
+        roles.push_back(
+            {id ? id->node_id : NodeId{}, PermissionType{each.attribute("Permissions").as_uint()}});
+    }
+    return roles_text(roles.span());
+}
+
 NodeTexts texts_of(pugi::xml_node node)
 {
     NodeTexts texts;
@@ -80,6 +94,9 @@ NodeTexts texts_of(pugi::xml_node node)
         if (std::strcmp(each.name(), "Extensions") == 0) {
             append_xml(texts.mapping, each);
             collect_labels(each, {}, 0, texts.labels);
+            node.remove_child(each);
+        } else if (std::strcmp(each.name(), "RolePermissions") == 0) {
+            texts.labels["Roles"] = roles_of(each);
             node.remove_child(each);
         }
         each = next;
@@ -126,7 +143,9 @@ Models read_all(const Project& project)
 std::string label_at(const std::map<std::string, std::string>& labels, const std::string& part)
 {
     const auto found = labels.find(part);
-    return found != labels.end() ? printable(found->second, 800) : "no label";
+    return found != labels.end() ? printable(found->second, 800)
+           : part == "Roles"     ? "everybody"
+                                 : "no label";
 }
 
 class ModelComparison {

@@ -7,6 +7,7 @@
 
 #include <busbar/backend/label_name.hpp>
 #include <busbar/controller/mapping_check.hpp>
+#include <busbar/controller/node_roles.hpp>
 
 namespace busbar::controller {
 
@@ -73,12 +74,15 @@ Configured<void> check_mapped_models(const Project& project)
 MappingCheck check_project_mapping(const Project& project, const ModelSet& models)
 {
     const bool has_preset = !project.preset.empty();
-    return check_mapping(models, [has_preset](std::string_view label) -> std::optional<Problem> {
+    const auto check_label = [has_preset](std::string_view label) -> std::optional<Problem> {
         if (const auto name = backend::parse_label_name(label); !name) {
             return name.error();
         }
         return has_preset ? backend::check_label_characters(label) : std::nullopt;
-    });
+    };
+    MappingCheck check = check_mapping(models, check_label);
+    check.reports.add(check_roles(models));
+    return check;
 }
 
 } // namespace busbar::controller

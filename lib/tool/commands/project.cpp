@@ -12,6 +12,7 @@ void add_project(CLI::App& app, Run& run)
     project::add_models(*command, run);
     project::add_instances(*command, run);
     project::add_mapping(*command, run);
+    project::add_roles(*command, run);
     project::add_check(*command, run);
     project::add_compare(*command, run);
     project::add_online(*command, run);

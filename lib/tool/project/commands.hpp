@@ -69,6 +69,7 @@ Exit show_node(Context& context, const controller::Project& project, const std::
 void add_settings(CLI::App& project, Run& run);
 void add_models(CLI::App& project, Run& run);
 void add_mapping(CLI::App& project, Run& run);
+void add_roles(CLI::App& project, Run& run);
 void add_check(CLI::App& project, Run& run);
 void add_instances(CLI::App& project, Run& run);
 void add_compare(CLI::App& project, Run& run);

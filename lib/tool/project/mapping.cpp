@@ -393,10 +393,16 @@ Exit table_of(Context& context, const ProjectArguments& arguments)
     } else {
         merge(models.mapping(), read.mapping);
     }
+    for (controller::TableRoles& each : read.roles) {
+        models.set_roles(models.space().find(each.node), std::move(each.roles));
+    }
     keep_mapping(context, path, project, models, read.mapping);
     return admin::report(
         context, std::to_string(controller::count_labels(read.mapping)) + " labels of the table, " +
-                     std::to_string(controller::count_labels(models.mapping())) + " in all");
+                     std::to_string(controller::count_labels(models.mapping())) + " in all" +
+                     (read.roles.empty()
+                          ? std::string{}
+                          : ", and the roles of " + std::to_string(read.roles.size()) + " nodes"));
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/controller/label_check.hpp>
 #include <busbar/controller/mapping_table.hpp>
+#include <busbar/controller/node_roles.hpp>
 #include <busbar/core/text_forms.hpp>
 #include <busbar/model/data_types.hpp>
 #include <busbar/types/attribute.hpp>
@@ -175,6 +176,12 @@ std::optional<std::string> NodePage::attribute_text(AttributeId id) const
         return rank_text(space_.variable(node_).value_rank);
     case AttributeId::ArrayDimensions:
         return dimensions_text(space_.variable(node_).array_dimensions);
+    case AttributeId::RolePermissions: {
+        const model::NodeAccess* const access = space_.node_access(node_);
+        return access != nullptr && !access->role_permissions.is_null()
+                   ? controller::roles_text(access->role_permissions.span())
+                   : std::string{};
+    }
     default:
         break;
     }
