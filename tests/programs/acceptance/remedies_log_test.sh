@@ -75,7 +75,8 @@ before=$(records)
 if [ -n "$mounts" ]; then
     mkdir pulled
     mount --move medium pulled
-    rmdir medium
+    # The controller may have written below it in that moment, which a card cannot have.
+    until rm -rf medium; do :; done
 else
     mv medium pulled
 fi
