@@ -16,9 +16,9 @@ namespace busbar::controller {
 
 class ModelSet;
 
-/// Returns "Observer=read Operator=write+call", in the order of the array; "nobody" for an empty
-/// one. Permissions that words do not say are a number, "Engineer=4147", and a role that is not one
-/// of the well-known ones is its NodeId.
+/// Returns "Observer=read Operator=write+call", in the order of the array, or "none" if that is
+/// empty. Writes permissions without a word as a number, "Engineer=4147", and other roles than the
+/// well-known ones as their NodeIds.
 [[nodiscard]] BUSBAR_API std::string roles_text(std::span<const RolePermissionType> permissions);
 
 /// Parses such a text. The words: `browse` shows the node and its attributes but the Value; `read`,
@@ -26,8 +26,8 @@ class ModelSet;
 /// none of the roles do not see the node. `where` of a problem is the role.
 [[nodiscard]] BUSBAR_API Configured<Array<RolePermissionType>> parse_roles(std::string_view text);
 
-/// Reports nodes of the models whose RolePermissions name a role that there is none of, or let
-/// somebody do what the node itself does not allow. Only warnings.
+/// Warns of RolePermissions in the models that name an unknown role, or that allow what the node
+/// itself does not.
 [[nodiscard]] BUSBAR_API ModelReports check_roles(const ModelSet& models);
 
 } // namespace busbar::controller

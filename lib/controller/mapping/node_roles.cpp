@@ -18,7 +18,7 @@ namespace busbar::controller {
 
 namespace {
 
-constexpr std::string_view nobody = "nobody";
+constexpr std::string_view no_role = "none";
 
 struct NamedRole {
     std::string_view name;
@@ -218,14 +218,14 @@ std::string roles_text(std::span<const RolePermissionType> permissions)
         text += text.empty() ? "" : " ";
         text += role_name(each.role_id) + "=" + rights_text(bits(each.permissions));
     }
-    return text.empty() ? std::string{nobody} : text;
+    return text.empty() ? std::string{no_role} : text;
 }
 
 Configured<Array<RolePermissionType>> parse_roles(std::string_view text)
 {
     Array<RolePermissionType> roles;
     roles.clear(); // not null
-    if (text == nobody) {
+    if (text == no_role) {
         return roles;
     }
     constexpr std::string_view blanks = " \t";
@@ -245,7 +245,7 @@ Configured<Array<RolePermissionType>> parse_roles(std::string_view text)
         roles.push_back(*std::move(entry));
         at = end;
     }
-    return roles.empty() ? misconfigured("roles", "found none, expected \"nobody\" or a role and "
+    return roles.empty() ? misconfigured("roles", "found nothing, expected none or a role and "
                                                   "its rights, such as Operator=write")
                          : Configured<Array<RolePermissionType>>{std::move(roles)};
 }

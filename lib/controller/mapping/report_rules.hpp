@@ -181,7 +181,7 @@ inline constexpr std::array<ReportRule, 74> all_report_rules{{
      "This is not a scaling",
      "Write it as 0..27648=0..100, or as 0..27648 where the Variable has an EURange"},
     {ModelCode::TableRoles, ReportResult::Error, "Mapping table", "Table",
-     "These are not the roles of a node", "Write them as Operator=write Observer=read, or nobody"},
+     "These are not the roles of a node", "Write them as Operator=write Observer=read, or none"},
 }};
 static_assert(std::is_sorted(all_report_rules.begin(), all_report_rules.end(),
                              [](const ReportRule& a, const ReportRule& b) {

@@ -135,10 +135,9 @@ void add_roles(CLI::App& project, Run& run)
         1, most_words, "FILE [NODE] [ROLE=RIGHTS]...", change_roles,
         std::make_shared<ProjectArguments>());
     command->footer("RIGHTS are browse, read, write, call or all, with + between them; write\n"
-                    "includes read, and each of them browse. Users with none of the roles do\n"
-                    "not see the node. \"\" takes the roles away, nobody takes all rights.\n"
-                    "Every user has the role Anonymous, every one who logged in also\n"
-                    "AuthenticatedUser.");
+                    "includes read, and each of them browse. Only users with one of the roles\n"
+                    "see the node. The word none takes all rights away, \"\" all roles.\n"
+                    "Every user has the role Anonymous, and after a login AuthenticatedUser.");
 }
 
 } // namespace busbar::tool::project

@@ -50,7 +50,7 @@ std::string problem_in(std::string_view text)
 TEST_CASE("Roles of nodes are texts that can be read again", "[roles]")
 {
     for (const char* const text :
-         {"Operator=write", "Observer=read Operator=write+call", "Anonymous=browse", "nobody",
+         {"Operator=write", "Observer=read Operator=write+call", "Anonymous=browse", "none",
           "SecurityAdmin=all", "Engineer=4147", "ns=1;s=Fitter=read", "Supervisor=0"}) {
         const auto roles = parse_roles(text);
         REQUIRE(roles);
@@ -61,7 +61,7 @@ TEST_CASE("Roles of nodes are texts that can be read again", "[roles]")
     REQUIRE(operators);
     CHECK(roles_text(operators->span()) == "Operator=write");
 
-    CHECK(problem_in("").find("found none") != std::string::npos);
+    CHECK(problem_in("").find("found nothing") != std::string::npos);
     CHECK(problem_in("Operator").find("found no right") != std::string::npos);
     CHECK(problem_in("Operator=").find("found no right") != std::string::npos);
     CHECK(problem_in("Operater=read").find("found no such role, expected one of Anonymous") !=
@@ -88,8 +88,8 @@ TEST_CASE_METHOD(RolesFixture, "Roles of nodes are those of the file and of the 
     CHECK(roles_text(roles->span()) == "Operator=write Anonymous=read");
     CHECK(copy.label("A") == "a");
 
-    set("A", "nobody");
-    CHECK(served("A") == "nobody");
+    set("A", "none");
+    CHECK(served("A") == "none");
     models.set_roles(models.space().find(id("A")), {});
     CHECK(served("A") == "everybody");
     CHECK(exported().find("RolePermission") == std::string::npos);
@@ -117,28 +117,28 @@ TEST_CASE_METHOD(RolesFixture, "Roles of nodes stay when their file is imported 
 TEST_CASE_METHOD(RolesFixture, "Roles of nodes are lines of a table", "[roles]")
 {
     set("M", "Operator=call");
-    set("Cell", "nobody");
+    set("Cell", "none");
     map("A", "a");
     const std::string table = write_mapping_table(models.space(), models.mapping());
     CHECK(table.find("s=M,/Objects/1:Cell/1:M,Roles,Operator=call,,,,\r\n") != std::string::npos);
-    CHECK(table.find("s=Cell,/Objects/1:Cell,Roles,nobody,,,,\r\n") != std::string::npos);
+    CHECK(table.find("s=Cell,/Objects/1:Cell,Roles,none,,,,\r\n") != std::string::npos);
 
     const auto back = read_mapping_table(table, models.space());
     CHECK(back.reports.is_empty());
     REQUIRE(back.roles.size() == 2);
     CHECK(back.mapping.methods.empty());
-    CHECK(roles_text(back.roles[0].roles.span()) == "nobody");
+    CHECK(roles_text(back.roles[0].roles.span()) == "none");
     CHECK(back.roles[1].node == id("M"));
 
     const std::string head = "NodeId,Part,Label\n";
     CHECK(has(read_mapping_table(head + "ns=1;s=M,Roles,Operator=go\n", models.space()).reports,
               ModelCode::TableRoles));
-    CHECK(has(read_mapping_table(head + "i=2253,Roles,nobody\n", models.space()).reports,
+    CHECK(has(read_mapping_table(head + "i=2253,Roles,none\n", models.space()).reports,
               ModelCode::TableRoles));
-    CHECK(has(
-        read_mapping_table(head + "ns=1;s=M,Roles,nobody\nns=1;s=M,Roles,nobody\n", models.space())
-            .reports,
-        ModelCode::TableRepeated));
+    CHECK(
+        has(read_mapping_table(head + "ns=1;s=M,Roles,none\nns=1;s=M,Roles,none\n", models.space())
+                .reports,
+            ModelCode::TableRepeated));
 }
 
 TEST_CASE_METHOD(RolesFixture, "Roles of nodes are checked", "[roles]")
