@@ -17,6 +17,8 @@ told() {
 
 # in_events CODE [TEXT]: the event is told, with what is to be done.
 in_events() {
+    cycle_when_due
+    await is_event "$1"
     chief 0 admin events "$url" --code "$1"
     says "$1 ${2:-}"
     case $1 in
@@ -24,6 +26,7 @@ in_events() {
         *) says 'Correction: ' ;;
     esac
 }
+is_event() { reaches admin events "$url" --code "$1" && grep -q -e "$1" out; }
 log_text() {
     cat medium/packages/OPCUA_Server/ExecutionLog/*.log 2> /dev/null | tr '\t\r' '  '
 }

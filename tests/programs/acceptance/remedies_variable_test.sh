@@ -18,8 +18,6 @@ configure() {
         machine "mode = \"PROGRAM\"
 simulated_hardware = true
 $1"
-        printf '[[plc.program]]\nkind = "copy"\nsource = "_Card1RestoreCmdTargetOpcuaSPF"\n'
-        printf 'target = "IsTarget"\n'
     } | sed 's/^\[limits\]$/[limits]\npreset = "nj501"/' > controller.toml
 }
 # with COMMAND...: what it prints is published, too.
@@ -55,10 +53,22 @@ VAR_GLOBAL RETAIN
 END_VAR
 END_OF_PROGRAM
 configure ''
+printf '[[plc.program]]\nkind = "copy"\nsource = "_Card1RestoreCmdTargetOpcuaSPF"\ntarget = "IsTarget"\n' \
+    >> controller.toml
 cp head.st press.st
 begin pki --config controller.toml
 entry variables 9-3: remedies
 one_step # what is to be there after a power cut is in other scripts
+
+remedy 9-3.35
+told 'it is a system-defined variable'
+chief 1 read "$url" "$(node _Card1RestoreCmdTargetOpcuaSPF)"
+says Bad_NodeIdUnknown
+chief 0 read --value "$url" "$(node IsTarget)"
+says '^false$'
+power_cut
+configure ''
+serve --config controller.toml
 
 remedy 9-3.34 9-3.41
 told 'it is not below GlobalVars'
@@ -71,13 +81,6 @@ hang_up 'press.st'
 await reaches read "$url" "$(node Hidden)"
 chief 0 browse "$url" "$(node Controller/GlobalVars)"
 says Hidden
-
-remedy 9-3.35
-told 'it is a system-defined variable'
-chief 1 read "$url" "$(node _Card1RestoreCmdTargetOpcuaSPF)"
-says Bad_NodeIdUnknown
-chief 0 read --value "$url" "$(node IsTarget)"
-says '^false$'
 
 remedy 9-3.36
 told 'SERVER 0101 names it |'
