@@ -273,7 +273,8 @@ std::vector<DataValue> Bench::values(const NodeId& node)
         }
     }
     if (!is_watched) {
-        throw std::invalid_argument{"values(): nobody watches " + to_string(node)};
+        throw std::invalid_argument{"values(): subscribe() has not been called for " +
+                                    to_string(node)};
     }
     return values;
 }

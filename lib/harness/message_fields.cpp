@@ -90,7 +90,7 @@ private:
 
 using Collect = void (*)(Collector& collector, const void* object);
 
-/// What writes down a structure, by its type.
+/// Returns the function that writes down each structure, by its type.
 const std::map<const StructureType*, Collect>& collectors()
 {
     static const auto made = [] {

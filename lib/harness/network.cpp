@@ -81,7 +81,7 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
         return fail(status::Bad_ConnectionRejected);
     }
     if (found == acceptors_.end()) {
-        log("nobody listens at " + printable(url) + listeners());
+        log("there is no listener at " + printable(url) + listeners());
         return fail(status::Bad_ConnectionRejected);
     }
     constexpr std::uint64_t first_stream = 1'000;

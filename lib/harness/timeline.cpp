@@ -31,7 +31,7 @@ std::string frame_text(const DissectedFrame& frame)
     constexpr std::size_t header =
         channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
     if (frame.type_name.empty()) {
-        return "bytes that are no message";
+        return "bytes that are not a message";
     }
     std::string text{frame.type_name};
     if (frame.type == MessageType::ERR) {

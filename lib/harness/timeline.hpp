@@ -20,7 +20,7 @@ public:
 
     /// `from` has sent the first chunk of a message.
     void sent(std::size_t connection, Side from, const DissectedFrame& frame);
-    /// Something else has happened on a connection: "cut after PublishResponse 3".
+    /// Adds a line about a connection that is not a message: "cut after PublishResponse 3".
     void happened(std::size_t connection, std::string_view what);
     /// The last lines, at most so many: "0.012 s client -> ReadRequest ns=1;s=Level".
     [[nodiscard]] std::string last(std::size_t lines) const;
@@ -35,7 +35,7 @@ private:
         std::size_t connection{0};
         Side from{Side::Client};
         DissectedFrame frame;
-        /// Of something else than a message.
+        /// The text of an entry that is not a message; else empty.
         std::string what;
     };
     Entry& next();

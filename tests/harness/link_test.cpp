@@ -293,7 +293,7 @@ TEST_CASE("a network tells of addresses that nobody has, or two", "[harness]")
 
     CHECK(world.network().connect("opc.tcp://sever:4840", end).error() ==
           status::Bad_ConnectionRejected);
-    CHECK(world.log().contains("network: nobody listens at opc.tcp://sever:4840; there is "
+    CHECK(world.log().contains("network: there is no listener at opc.tcp://sever:4840; there is "
                                "opc.tcp://server:4840"));
     CHECK(world.account().find("0.000 s network: nobody listens") != std::string::npos);
     world.network().unlisten(door);

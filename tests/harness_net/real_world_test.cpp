@@ -170,7 +170,7 @@ TEST_CASE("who connects where nobody listens in the world is turned away", "[har
     }};
     CHECK(world.run_until([&] { return is_closed.load(); }, 20s));
     stranger.join();
-    CHECK(world.log().contains("nobody listens at opc.tcp://127.0.0.1:"));
+    CHECK(world.log().contains("there is no listener at opc.tcp://127.0.0.1:"));
     CHECK(world.open("no address").error() == status::Bad_CommunicationError);
 }
 

@@ -76,7 +76,7 @@ public:
     /// Watches the value, with a Subscription that publishes and samples at `interval`. The first
     /// value is among values() after a while. If the connection or the Subscription is lost, a
     /// value with the reason as its status is added to values(), and the next verb watches the node
-    /// anew. Bad_InvalidArgument for an interval of half the client's request_timeout or more.
+    /// again. Bad_InvalidArgument for an interval of half the client's request_timeout or more.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
                          std::uint32_t queue_size = 100);
     /// The values of a watched node since the last call; at most the last 100,000. Throws

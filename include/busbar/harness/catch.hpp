@@ -65,22 +65,20 @@ namespace detail {
 template <typename T>
 using MatcherBase = Catch::Matchers::MatcherBase<T>;
 using ListenerBase = Catch::EventListenerBase;
-#define BUSBAR_CATCH_LISTENER
 #else
 template <typename T>
 using MatcherBase = Catch::MatcherBase<T>;
 #ifdef CATCH_CONFIG_EXTERNAL_INTERFACES
 using ListenerBase = Catch::TestEventListenerBase;
-#define BUSBAR_CATCH_LISTENER
 #endif
 #endif
 
-/// Whether AccountListener is there; else BenchFixture shows the seed.
+/// Whether CatchListener is there; else BenchFixture shows the seed.
 inline bool has_listener = false;
 
-#ifdef BUSBAR_CATCH_LISTENER
+#if CATCH_VERSION_MAJOR >= 3 || defined(CATCH_CONFIG_EXTERNAL_INTERFACES)
 /// Adds the account of the test's worlds to a check that fails.
-class AccountListener final : public ListenerBase {
+class CatchListener final : public ListenerBase {
 public:
     using ListenerBase::assertionEnded;
     using ListenerBase::ListenerBase;
@@ -100,11 +98,10 @@ public:
         return decltype(std::declval<ListenerBase&>().assertionEnded(stats))();
     }
 };
-inline const Catch::ListenerRegistrar<AccountListener> account_listener = [] {
+inline const Catch::ListenerRegistrar<CatchListener> account_listener = [] {
     has_listener = true;
-    return Catch::ListenerRegistrar<AccountListener>{};
+    return Catch::ListenerRegistrar<CatchListener>{};
 }();
-#undef BUSBAR_CATCH_LISTENER
 #endif
 
 inline const bool has_fail_test =

@@ -58,9 +58,9 @@ namespace busbar::harness {
 namespace detail {
 
 /// Prints the account of the test's worlds below a check that fails.
-class AccountListener final : public doctest::IReporter {
+class DoctestListener final : public doctest::IReporter {
 public:
-    explicit AccountListener(const doctest::ContextOptions& options) : out_{options.cout} {}
+    explicit DoctestListener(const doctest::ContextOptions& options) : out_{options.cout} {}
 
     void report_query(const doctest::QueryData&) override {}
     void test_run_start() override {}
@@ -85,7 +85,7 @@ private:
 };
 inline const bool has_listener = [] {
     set_fail_test([](const std::string& why) { FAIL_CHECK(why); });
-    return doctest::registerReporter<AccountListener>("busbar", 1, false) == 0;
+    return doctest::registerReporter<DoctestListener>("busbar", 1, false) == 0;
 }();
 
 } // namespace detail

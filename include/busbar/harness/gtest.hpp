@@ -40,7 +40,7 @@ namespace busbar::harness {
 namespace detail {
 
 /// Prints the account of the test's worlds below a check that fails.
-class AccountListener final : public ::testing::EmptyTestEventListener {
+class GoogleTestListener final : public ::testing::EmptyTestEventListener {
 public:
     void OnTestPartResult(const ::testing::TestPartResult& result) override
     {
@@ -50,7 +50,7 @@ public:
     }
 };
 inline const bool has_listener = [] {
-    ::testing::UnitTest::GetInstance()->listeners().Append(new AccountListener); // which owns it
+    ::testing::UnitTest::GetInstance()->listeners().Append(new GoogleTestListener); // which owns it
     set_fail_test([](const std::string& why) { ADD_FAILURE() << why; });
     return true;
 }();

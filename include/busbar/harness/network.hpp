@@ -38,7 +38,7 @@ public:
 /// Hosts, ports and connections in memory. One thread; scheduler, clock and log must outlive it.
 class BUSBAR_API Network {
 public:
-    /// `log`, which may be null, is told of connections that nobody accepts.
+    /// `log`, which may be null, gets a line for each connection that finds no listener.
     Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed, LogSink* log = nullptr);
     ~Network();
     Network(const Network&) = delete;

@@ -12,9 +12,9 @@
 /// What a test framework has to know of the worlds of a test; catch.hpp and its siblings use it.
 namespace busbar::harness {
 
-/// Returns what to print beside a check that fails: of each world that was made on this thread and
-/// exists, the seed that repeats the run, and at most so many of the last lines of its log and of
-/// the messages on its network. Empty if there is no world.
+/// Returns what to print beside a check that fails: of each world that exists, the seed that
+/// repeats the run, and at most so many of the last lines of its log and of the messages on its
+/// network. Empty if there is no world. Not while another thread runs one.
 [[nodiscard]] BUSBAR_API std::string account_of_worlds(std::size_t lines = 20);
 
 /// Tells the framework that the running test has failed; must not throw.

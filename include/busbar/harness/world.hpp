@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <busbar/core/api.hpp>
@@ -74,12 +73,9 @@ public:
     [[nodiscard]] std::string trace(std::size_t lines = 20) const { return network_.trace(lines); }
     /// What a test that fails shows: the seed, the last lines of the log, the last messages.
     [[nodiscard]] std::string account(std::size_t lines = 20) const;
-    /// The thread that made it.
-    [[nodiscard]] std::thread::id thread() const { return thread_; }
 
 private:
     std::uint64_t seed_;
-    std::thread::id thread_{std::this_thread::get_id()};
     std::array<std::uint64_t, 3> actors_{};
     std::array<std::size_t, 3> speakers_{};
     Scheduler scheduler_;

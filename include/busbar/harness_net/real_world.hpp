@@ -19,7 +19,7 @@ namespace busbar::harness {
 ///     server::ServerConfig config = open_server_config();
 ///     config.endpoint_url = need(world.open("127.0.0.1"));   // "opc.tcp://127.0.0.1:43215"
 ///     ServerHost server{world, config};
-///     world.run_for(10s);                                     // for whoever connects
+///     world.run_for(10s);                                     // for clients that connect
 ///
 /// One thread. Its seed, unless BUSBAR_SEED sets it, is another one each time: peers refuse a nonce
 /// that they have seen before. Lives longer than all that is in it, as every world.
@@ -29,13 +29,13 @@ public:
     ~RealWorld();
 
     /// Opens a listening socket at the IP address and returns its URL, with the port that the
-    /// system has chosen if `port` is 0. Who connects to it gets to what listens at this URL in the
-    /// world's network at that time, or is turned away. Bad_CommunicationError, with the reason in
-    /// the log.
+    /// system has chosen if `port` is 0. A client that connects to it gets to what listens at this
+    /// URL in the world's network at that time, or is turned away. Bad_CommunicationError, with the
+    /// reason in the log.
     [[nodiscard]] Result<std::string> open(std::string_view address, std::uint16_t port = 0);
     /// From now on connections to host and port of `url` in the world go to that address on the
-    /// real network. Bad_TcpEndpointUrlInvalid; Bad_InvalidState if somebody listens there in the
-    /// world.
+    /// real network. Bad_TcpEndpointUrlInvalid; Bad_InvalidState if a listener is there in the
+    /// world already.
     Result<void> reach(std::string_view url);
     /// The number of connections to real peers that exist.
     [[nodiscard]] std::size_t socket_count() const;

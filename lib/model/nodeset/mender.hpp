@@ -36,7 +36,7 @@ private:
 
     Document& document_;
     const LoadPlan& plan_;
-    /// By position in the document; null until known.
+    /// Each is indexed by position in the document, and null until it is known.
     std::vector<NodeId> supertypes_;
     std::vector<NodeId> type_definitions_;
 };
