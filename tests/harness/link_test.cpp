@@ -295,7 +295,7 @@ TEST_CASE("a network tells of addresses that nobody has, or two", "[harness]")
           status::Bad_ConnectionRejected);
     CHECK(world.log().contains("network: there is no listener at opc.tcp://sever:4840; there is "
                                "opc.tcp://server:4840"));
-    CHECK(world.account().find("0.000 s network: nobody listens") != std::string::npos);
+    CHECK(world.account().find("0.000 s network: there is no listener") != std::string::npos);
     world.network().unlisten(door);
     CHECK(world.network().listen("opc.tcp://server:4840", other));
 }
