@@ -305,9 +305,21 @@ void FileNodes::delete_entry(MethodCall& call, const std::string& path)
     if (open_.is_in_use(*child, holder_of(server_, call))) {
         return refuse_file(call, status::Bad_InvalidState);
     }
+    if (files_.may_delete && !files_.may_delete(*child)) {
+        return call.fail(status::Bad_InvalidState,
+                         "the server itself uses this; clients may delete only files that are "
+                         "complete");
+    }
     const StatusCode removed = remove_all(std::string{*child}, entries_.find(*child)->second.kind);
     refresh_soon();
     answer(call, removed);
+}
+
+void FileNodes::begin_new_file(MethodCall& call, const std::string& /*path*/)
+{
+    const auto begun = files_.begin_new_file();
+    refresh_soon();
+    answer(call, begun ? StatusCode{status::Good} : status_of(begun.error()));
 }
 
 StatusCode FileNodes::copy_file(const std::string& from, const std::string& to)

@@ -188,6 +188,26 @@ Configured<void> FileNodes::add_methods()
         }
         (each.is_of_files ? file_methods_ : directory_methods_).push_back(*added);
     }
+    return files_.begin_new_file ? add_begin_new_file() : Configured<void>{};
+}
+
+Configured<void> FileNodes::add_begin_new_file()
+{
+    model::NewNode node;
+    node.browse_name = QualifiedName{namespace_, "BeginNewFile"};
+    node.id = NodeId{namespace_, String{node_id("").string().str() + "//BeginNewFile"}};
+    node.parent = space_.find(node_id(""));
+    model::NewMethod facts;
+    facts.source = index();
+    facts.handle = methods_.size();
+    const auto added = space_.add_method(node, facts);
+    if (!added) {
+        return misconfigured("files " + files_.name, "their Methods cannot be added",
+                             added.error());
+    }
+    space_.set_node_access(*added, access_of(Thing::FileChanges, NodeClass::Method,
+                                             roles_of(files_, FileRight::Delete)));
+    methods_.push_back(&FileNodes::begin_new_file);
     return {};
 }
 

@@ -60,6 +60,8 @@ private:
     /// Adds the type of the files.
     [[nodiscard]] Configured<void> add_type();
     [[nodiscard]] Configured<void> add_methods();
+    /// Adds BeginNewFile, which no type declares, to the root.
+    [[nodiscard]] Configured<void> add_begin_new_file();
     /// Lists the entries of a folder; false if the medium cannot be read.
     [[nodiscard]] bool collect(const std::string& folder, std::size_t depth, Entries& found);
     /// Tells whether clients see the file of this name. Logs the first one that they do not see.
@@ -87,6 +89,7 @@ private:
     void undo_creation(const std::string& path);
     void delete_entry(server::MethodCall& call, const std::string& path);
     void move_or_copy(server::MethodCall& call, const std::string& path);
+    void begin_new_file(server::MethodCall& call, const std::string& path);
 
     /// Returns the path of a new entry with this name in the folder, if it may exist.
     [[nodiscard]] Result<std::string> new_path(const std::string& folder, std::string_view name);

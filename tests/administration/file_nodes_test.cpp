@@ -412,6 +412,10 @@ struct ProgramFiles : FilesFixture {
                 file_storage.replace(name, std::as_bytes(std::span{"text", 4}), FileAccess::Owner));
         }
         more.refresh_files();
+        complete_other();
+    }
+    void complete_other()
+    {
         while (std::exchange(waker.is_awake, false)) {
             other.handle_completions(now);
         }
@@ -435,6 +439,8 @@ struct ProgramFiles : FilesFixture {
         return name(response->results[0].status_code);
     }
 
+    /// The file that the program is writing.
+    std::string current;
     server::Server other{
         server::Server::create(ServerFixture::secure_config(), {.random = &random,
                                                                 .wall_clock = &wall_clock,
@@ -450,6 +456,13 @@ struct ProgramFiles : FilesFixture {
                                          .file_systems = {[this] {
                                              auto written = files;
                                              written.is_written_by_program = true;
+                                             written.may_delete = [this](std::string_view path) {
+                                                 return path != current && path != "folder";
+                                             };
+                                             written.begin_new_file = [this] {
+                                                 current = "b";
+                                                 return Stored<void>{};
+                                             };
                                              return written;
                                          }()}}};
 };
@@ -480,6 +493,31 @@ TEST_CASE_METHOD(ProgramFiles,
     CHECK(file_storage.entry("a"));
     CHECK(ask("eng", "", "Delete", {Variant{node("a")}}) == "Good");
     CHECK((!file_storage.entry("a") && file_storage.entry("b") && !file_storage.entry("c")));
+}
+
+TEST_CASE_METHOD(ProgramFiles,
+                 "file nodes: the file that the program is writing stays, whoever deletes",
+                 "[attack]")
+{
+    const auto begin = [&](const char* user) { return ask(user, "", "BeginNewFile", {}); };
+    REQUIRE(file_storage.make_folder("folder", FileAccess::Owner));
+    more.refresh_files();
+    complete_other();
+    current = "a";
+    for (const char* user : {"admin", "op", "looker", "eng"}) {
+        for (const char* kept : {"a", "folder"}) {
+            INFO(user << " deletes " << kept);
+            CHECK(ask(user, "", "Delete", {Variant{node(kept)}}) != "Good");
+            CHECK(file_storage.entry(kept));
+        }
+        CHECK((begin(user) == "Good") == (std::string_view{user} == "eng"));
+    }
+    CHECK(ask("eng", "", "Delete", {Variant{node("a")}}) == "Good"); // is complete now
+    CHECK(ask("eng", "", "Delete", {Variant{node("b")}}) == "Bad_InvalidState");
+    CHECK(file_storage.entry("b"));
+    // A folder that says nothing of that has no such Method.
+    auto eng = log_in_as("eng");
+    CHECK(call(eng, node(), folder_method("BeginNewFile"), {}).status_code.is_bad());
 }
 
 } // namespace file_nodes_test

@@ -39,6 +39,7 @@ EOF
     account chief SecurityAdmin
     account op Operator
     account super Supervisor
+    account eng Engineer
     account looker Observer
 } > controller.toml
 serve --config controller.toml
@@ -105,6 +106,23 @@ as chief 0 read "$url" i=2259
 has_more() { [ "$(wc -l < followed)" -gt "$before" ]; }
 await has_more
 
+# The file that is being written stays, and what else is in its folder is the controller's, too.
+current=ExecutionLog/OPCUA_ExecutionLog.log
+echo mine > mine
+for user in super eng; do
+    as $user 1 admin file remove "$url" "$current" --yes
+    says 'Bad_InvalidState'
+    says 'only files that are complete'
+    as $user 1 admin file remove "$url" ExecutionLog/other.txt --yes
+    as $user 1 admin file mkdir "$url" ExecutionLog/folder
+    as $user 1 admin file put "$url" mine ExecutionLog/mine
+    as $user 4 admin file put "$url" mine "$current" --yes
+    as $user 1 admin file move "$url" "$current" ExecutionLog/moved.log
+    as $user 1 admin file remove "$url" EventLog/events.log --yes
+done
+[ -s "$folder/OPCUA_ExecutionLog.log" ] || fail "the log that is being written is gone"
+[ "$(find "$folder" -type f | wc -l)" -eq 3 ] || fail "there is more in its folder: $(ls "$folder")"
+
 # Who may clear it does, after a question, and it goes on.
 as op 1 admin log "$url" --clear --yes
 as super 1 admin log "$url" --clear
@@ -113,6 +131,7 @@ as super 0 admin log "$url" --code 5
 says 'Run'
 as super 0 admin log "$url" --clear --yes
 says 'cleared the execution log: 2 files'
+[ -e "$folder/OPCUA_ExecutionLog.log" ] || fail "there is no file to be written"
 [ -e "$folder/other.txt" ] || fail "what is no log is gone"
 as super 0 admin log "$url" --code 5
 says '^No entries'

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/core/named_fields.hpp>
@@ -51,6 +53,12 @@ struct FileSystem {
     std::vector<NodeId> writers{};
     /// Only the program creates and writes them, such as logs: writers may only delete them.
     bool is_written_by_program{false};
+    /// Tells whether the file or folder at this path may be deleted; if it is empty, all may. A log
+    /// refuses the file that it is writing.
+    std::function<bool(std::string_view path)> may_delete{};
+    /// Completes the file that the program is writing and begins a new one. If it is not empty, the
+    /// folder has the Method BeginNewFile, without arguments, for the roles that may delete.
+    std::function<Stored<void>()> begin_new_file{};
 };
 
 } // namespace busbar::administration

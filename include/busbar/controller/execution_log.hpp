@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <busbar/controller/execution_log_record.hpp>
 #include <busbar/core/api.hpp>
@@ -92,6 +93,12 @@ public:
     /// Reports that the medium was taken out, inserted, or cannot be used. While it is known to be
     /// out nothing is reported as lost until records are; at the start it is assumed to be in.
     void medium_changed(LogMedium medium);
+
+    /// Saves the waiting records, if possible, and renames the file that is being written, as if it
+    /// were full, unless it has no records. Returns with a file for the next records.
+    [[nodiscard]] Stored<void> begin_new_file();
+    /// Tells whether a file of this name in the folder is complete: the log never writes it again.
+    [[nodiscard]] static bool is_complete_file(std::string_view name);
 
     /// Removes all files of the log. Serial numbers continue. After an error some files may remain.
     [[nodiscard]] Stored<void> clear();

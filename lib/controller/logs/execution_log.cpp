@@ -215,6 +215,19 @@ void ExecutionLog::medium_changed(LogMedium medium)
     medium_ = medium;
 }
 
+Stored<void> ExecutionLog::begin_new_file()
+{
+    // Records that cannot be saved now wait and become part of the next file.
+    static_cast<void>(write_pending());
+    const std::lock_guard lock{files_mutex_};
+    return known_fault() ? Stored<void>{not_stored(StorageError::Away)} : files_->complete();
+}
+
+bool ExecutionLog::is_complete_file(std::string_view name)
+{
+    return detail::is_full_log_name(name);
+}
+
 Stored<void> ExecutionLog::clear()
 {
     const std::lock_guard lock{files_mutex_};

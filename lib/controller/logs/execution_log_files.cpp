@@ -275,6 +275,15 @@ std::string ExecutionLogFiles::records_of(std::span<const WaitingLogItem> items)
     return lines;
 }
 
+Stored<void> ExecutionLogFiles::complete()
+{
+    auto done = open();
+    if (done && file_.size() != 0) {
+        done = begin_new_file();
+    }
+    return done ? file_.create() : done;
+}
+
 Stored<void> ExecutionLogFiles::clear()
 {
     if (auto opened = open(); !opened) {

@@ -42,6 +42,8 @@ public:
     [[nodiscard]] Outcome save(std::span<const WaitingLogItem> items);
     /// Writes the position of the log to the control file.
     [[nodiscard]] Stored<void> write_control();
+    /// See ExecutionLog::begin_new_file().
+    [[nodiscard]] Stored<void> complete();
     [[nodiscard]] Stored<void> clear();
     /// Closes the files: the next time another medium may be present.
     void close()

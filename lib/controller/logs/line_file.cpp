@@ -156,6 +156,11 @@ Stored<void> LineFile::mend()
     return cut;
 }
 
+Stored<void> LineFile::create()
+{
+    return storage_->append(name_, {}, FileAccess::Everyone);
+}
+
 Stored<void> LineFile::append(std::string_view lines)
 {
     if (!is_open_) {

@@ -29,6 +29,8 @@ public:
     [[nodiscard]] Stored<void> refresh();
     void close() { is_open_ = false; }
 
+    /// Makes the file, empty, unless it exists.
+    [[nodiscard]] Stored<void> create();
     /// Appends whole lines. An error closes the file, which may then contain some of them.
     [[nodiscard]] Stored<void> append(std::string_view lines);
     /// Number of lines of the last failed `append` that open() found in the file. Returned once.

@@ -184,6 +184,8 @@ std::vector<administration::FileSystem> Machine::file_systems()
     events.is_written_by_program = true;
     events.limits = log.limits;
     events.readers = log.readers;
+    log.may_delete = controller::ExecutionLog::is_complete_file;
+    log.begin_new_file = [this] { return execution_log_->begin_new_file(); };
     log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
                          id::WellKnownRole_SecurityAdmin});
     return execution_log_ ? std::vector{log, events} : std::vector{events};

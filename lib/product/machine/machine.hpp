@@ -131,8 +131,8 @@ public:
     void shut_down();
 
     /// The execution log, if there is one, as "ExecutionLog": users with the right to see it read
-    /// its files, those with the right to clear it remove them (W588, 7-2-2 and 8-1). The event log
-    /// as "EventLog", for the same readers.
+    /// its files, those with the right to clear it remove them (W588, 7-2-2 and 8-1), except the
+    /// one that is being written. The event log as "EventLog", for the same readers.
     [[nodiscard]] std::vector<administration::FileSystem> file_systems();
     /// Tells whether the files have changed since the last call. Thread-safe; never blocks.
     [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }

@@ -181,13 +181,14 @@ void remove_unless_read(RemoteLog& log, const NamedChild& file)
 
 Exit clear(Context& context, RemoteLog& log, const AdminArguments& arguments)
 {
-    const std::vector<NamedChild> files = log.files();
     make_sure(context, arguments,
-              "remove all " + std::to_string(files.size()) + " files of the execution log?");
-    for (const NamedChild& file : files) {
+              "remove all " + std::to_string(log.files().size()) + " files of the execution log?");
+    std::size_t removed = 0;
+    for (const NamedChild& file : log.complete_files()) {
         remove_unless_read(log, file);
+        ++removed;
     }
-    return report(context, "cleared the execution log: " + std::to_string(files.size()) + " files");
+    return report(context, "cleared the execution log: " + std::to_string(removed) + " files");
 }
 
 Exit run(Context& context, Connection& connection, const AdminArguments& arguments)

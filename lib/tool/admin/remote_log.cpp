@@ -93,6 +93,14 @@ std::string RemoteLog::fetch_if_there(const NamedChild& file, std::uint64_t offs
     }
 }
 
+std::vector<NamedChild> RemoteLog::complete_files()
+{
+    call_on_file(connection_, folder_, log_folder, "BeginNewFile", {});
+    std::vector<NamedChild> complete = files();
+    std::erase_if(complete, [](const NamedChild& file) { return is_current_log(file.name); });
+    return complete;
+}
+
 void RemoteLog::remove(const NamedChild& file)
 {
     call_on_file(connection_, folder_, log_folder, "Delete", {Variant{file.id}});

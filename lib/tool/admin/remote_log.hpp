@@ -22,6 +22,8 @@ public:
     /// Lists its files, oldest first, at most the last hundred; ignores other files in the folder.
     [[nodiscard]] std::vector<NamedChild> files();
     [[nodiscard]] std::string fetch(const NamedChild& file, std::uint64_t offset = 0);
+    /// Has the controller begin a new file, and lists the others, which can be removed.
+    [[nodiscard]] std::vector<NamedChild> complete_files();
     void remove(const NamedChild& file);
 
     /// Returns the last matching entries, at most `count`.
