@@ -193,15 +193,14 @@ TEST_CASE("a value that is too wide for a request is read in pieces and has no c
 
 TEST_CASE("ranges go into one request where the protocol has such")
 {
-    Fixture plc{
-        {.rules = {
-             {.area = registers, .max_read = 20, .max_gap = 1, .max_ranges = 3, .range_cost = 2},
-             {.area = coils, .max_read = 20, .max_ranges = 3, .range_cost = 2},
-             {.area = timers,
-              .max_read = 20,
-              .words_per_unit = 4,
-              .max_ranges = 3,
-              .sharing = 1}}}};
+    const PlanShare three{.max_ranges = 3, .max_words = 20, .range_cost = 2};
+    PlanShare other = three;
+    other.group = 1;
+    Fixture plc{{.rules = {
+                     {.area = registers, .max_read = 20, .max_gap = 1, .read = three},
+                     {.area = coils, .max_read = 20, .read = three},
+                     {.area = timers, .max_read = 20, .words_per_unit = 4, .read = other},
+                 }}};
     plc.read({{coils, 9, 1}, reg(1), reg(50), {timers, 1, 1}, {coils, 50, 1}});
     CHECK(plc.asked ==
           Fixture::Asked{{reg(1), reg(50), {coils, 9, 1}}, {{coils, 50, 1}}, {{timers, 1, 1}}});

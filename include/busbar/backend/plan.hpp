@@ -31,25 +31,41 @@ struct PlanAddress {
     friend auto operator<=>(const PlanAddress&, const PlanAddress&) = default;
 };
 
+/// What one request may have of several ranges, if the protocol has such requests. A word is one of
+/// PlanRule::words_per_unit, or PlanShare::units_per_word bits that have a place in one.
+struct PlanShare {
+    /// Ranges of areas whose rules have the same number here go together. These rules must have the
+    /// same limits here.
+    std::uint32_t group{0};
+    /// Ranges that a request may have, each as a place and a length; 1 if there is no such request.
+    std::uint32_t max_ranges{1};
+    /// Words of all of these, with `range_cost` for each range.
+    std::uint32_t max_words{0};
+    /// Words that a range costs in addition to its own.
+    std::uint32_t range_cost{0};
+    /// Words of a request that names each of them by itself, whatever ranges they are of; 0 if
+    /// there is no such request.
+    std::uint32_t max_listed{0};
+    /// Units in one word: 16 for bits that such a request has as the words that they are in.
+    std::uint32_t units_per_word{1};
+};
+
 /// The limits of requests for an area.
 struct PlanRule {
     /// The area that it is about.
     std::uint32_t area{0};
-    /// Units that one request may read; at least 1.
+    /// Units of one range that a request may read; at least 1.
     std::uint32_t max_read{1};
-    /// Units that one request may write; at least 1.
+    /// Units of one range that a request may write; at least 1.
     std::uint32_t max_write{1};
     /// Units between two addresses that are read in vain, since that costs less than a request.
     std::uint32_t max_gap{0};
     /// Words that the PLC sends for one unit. A bit is one word here, 0 or 1.
     std::uint32_t words_per_unit{1};
-    /// Ranges that one read may have.
-    std::uint32_t max_ranges{1};
-    /// Ranges of areas with the same number here may go into one read. Their rules must have the
-    /// same max_read and max_ranges.
-    std::uint32_t sharing{0};
-    /// Units that each range takes of max_read in addition to its own.
-    std::uint32_t range_cost{0};
+    /// Several ranges in one read.
+    PlanShare read{};
+    /// Several ranges in one write.
+    PlanShare write{};
 };
 
 /// The configuration of a RequestPlan. Every limit is finite.
@@ -81,9 +97,10 @@ struct PlanRequest {
     std::uint64_t id{0};
     /// Whether it writes or reads.
     bool is_write{false};
-    /// One for a write; up to PlanRule::max_ranges for a read, in the order of area and offset.
+    /// One, or several within the limits of a PlanShare: for a read in the order of area and
+    /// offset, for a write in the order of the writes, without one that overlaps another.
     std::vector<PlanAddress> ranges{};
-    /// Write: the words, as many as the units of the range have.
+    /// Write: the words of all ranges, as many as their units have.
     std::vector<std::uint16_t> words{};
     /// Write: the bits of the word that are written; others must keep their values.
     std::uint16_t mask{0xFFFF};
@@ -112,6 +129,8 @@ struct PlanValue {
     std::size_t first_word{0};
     /// Read: how many words it has, 0 with Bad_ConfigurationError.
     std::size_t word_count{0};
+    /// The protocol's own code of a refusal, as refuse() was given it; 0 without one.
+    std::uint16_t code{0};
 };
 
 /// A finished batch.
@@ -157,12 +176,14 @@ struct PlanCounters {
 /// Refusals. A request that the peer refuses is divided in two, until the addresses that it refuses
 /// are found; all others have their values. A refused address is not part of other requests any
 /// more and is tried by itself when refusal_memory is over. If the peer takes both halves, what
-/// lies between them is not read any more while cut_memory lasts.
+/// lies between them is not read any more while cut_memory lasts. A peer that does not have
+/// requests of several ranges is told apart from this: change_rules(), and plan_again() for the
+/// request.
 ///
 /// Writes. Each is sent once, in the order given, one request at a time and before waiting
-/// reads, of which one may go after eight writes in a row. Neighbours of one batch that follow one
-/// another in order and address share a request; if that is refused, its halves are sent, the first
-/// one first.
+/// reads, of which one may go after eight writes in a row. Neighbours of one batch share a request
+/// if they follow one another in address, too, or if the protocol has requests of several ranges,
+/// and none overlaps another; if that is refused, its halves are sent, the first one first.
 class BUSBAR_API RequestPlan {
 public:
     explicit RequestPlan(PlanConfig config);
@@ -180,13 +201,18 @@ public:
     void cancel(std::uint64_t batch);
 
     /// Returns the next request to send; none if max_under_way are, or nothing waits. Each must be
-    /// brought to an end by one of the next four functions.
+    /// brought to an end by one of the next functions up to fail_all().
     [[nodiscard]] std::optional<PlanRequest> next_request();
     /// The peer has done the request. A read needs the words of all ranges, one after the other;
     /// with another number its addresses have Bad_DecodingError.
     void answer(std::uint64_t request, std::span<const std::uint16_t> words, TimePoint now);
-    /// The peer refuses what the request has in it: an address, a length, a value.
-    void refuse(std::uint64_t request, StatusCode status, TimePoint now);
+    /// The peer refuses what the request has in it: an address, a length, a value. `code` is its
+    /// own code for that.
+    void refuse(std::uint64_t request, StatusCode status, TimePoint now, std::uint16_t code = 0);
+    /// The peer does not have requests of this kind, and nothing was read or written. The addresses
+    /// are asked for again by the rules of the last change_rules(); they are refused with
+    /// Bad_NotSupported if those say the same.
+    void plan_again(std::uint64_t request, TimePoint now);
     /// The request has no answer, such as Bad_Timeout, or failed for a reason that is not in it,
     /// such as a lock. All its addresses have this status.
     void fail(std::uint64_t request, StatusCode status);
@@ -203,6 +229,10 @@ public:
     [[nodiscard]] bool has_waiting() const;
     /// The work so far.
     [[nodiscard]] const PlanCounters& counters() const;
+    /// Changes the rules of areas, since more is known of the peer, and the number of requests that
+    /// it takes at a time. What waits with several ranges is planned again. An area keeps its
+    /// words_per_unit; max_read and max_write become smaller only while no batch waits.
+    void change_rules(std::span<const PlanRule> rules, std::size_t max_under_way, TimePoint now);
     /// Forgets which addresses were refused, such as after a reconnection or another program.
     void forget_refusals();
 

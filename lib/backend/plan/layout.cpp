@@ -14,10 +14,65 @@ std::uint64_t end_of(const PlanAddress& address)
     return std::uint64_t{address.offset} + address.width;
 }
 
-bool may_join_write(const PlanPart& part)
+/// Words that a range has where it shares a request.
+std::uint64_t words_of(const PlanAddress& range, const PlanRule& rule, const PlanShare& share)
 {
-    return part.mask == 0xFFFF && !part.is_piece;
+    const std::uint64_t per_word = std::max(share.units_per_word, 1U);
+    if (per_word == 1) {
+        return std::uint64_t{range.width} * std::max(rule.words_per_unit, 1U);
+    }
+    return (range.offset % per_word + range.width + per_word - 1) / per_word;
 }
+
+bool may_share(const PlanShare& share, std::size_t ranges, std::uint64_t words)
+{
+    return (ranges <= share.max_ranges &&
+            words + std::uint64_t{share.range_cost} * ranges <= share.max_words) ||
+           words <= share.max_listed;
+}
+
+/// The ranges of a request that grows.
+class RangeList {
+public:
+    /// Begins another request.
+    void begin(const PlanAddress& range, const PlanRule& rule, const PlanShare& share)
+    {
+        words_ = words_of(range, rule, share);
+        share_ = &share;
+    }
+    /// Makes the last range so long, if that is within the limits.
+    [[nodiscard]] bool extend(std::vector<PlanAddress>& ranges, std::uint64_t width,
+                              std::uint32_t limit, const PlanRule& rule)
+    {
+        PlanAddress longer = ranges.back();
+        longer.width = static_cast<std::uint32_t>(width);
+        const std::uint64_t words =
+            words_ - words_of(ranges.back(), rule, *share_) + words_of(longer, rule, *share_);
+        if (width > limit || (ranges.size() > 1 && !may_share(*share_, ranges.size(), words))) {
+            return false;
+        }
+        ranges.back() = longer;
+        words_ = words;
+        return true;
+    }
+    /// Appends a range, likewise.
+    [[nodiscard]] bool append(std::vector<PlanAddress>& ranges, const PlanAddress& range,
+                              const PlanRule& rule, const PlanShare& share)
+    {
+        const std::uint64_t words = words_ + words_of(range, rule, share);
+        if (share.group != share_->group || !may_share(share, ranges.size() + 1, words)) {
+            return false;
+        }
+        share_ = &share;
+        words_ = words;
+        ranges.push_back(range);
+        return true;
+    }
+
+private:
+    const PlanShare* share_{nullptr};
+    std::uint64_t words_{0};
+};
 
 /// Puts one part after the other into requests, the present one as long as they fit.
 class ReadLayout {
@@ -35,10 +90,9 @@ public:
         const bool fits = !jobs_.empty() && (is_same(part) || (may_join(part) && join(part)));
         if (!fits) {
             jobs_.push_back({at, at, {part.address}});
-            used_ = std::uint64_t{rule_->range_cost} + part.address.width;
+            list_.begin(part.address, *rule_, rule_->read);
         }
         jobs_.back().end = at + 1;
-        sharing_ = part.sharing;
         is_closed_ = part.is_alone;
     }
     [[nodiscard]] std::vector<PlanJob> take() { return std::move(jobs_); }
@@ -57,49 +111,47 @@ private:
         return !is_closed_ && !part.is_alone &&
                (begins_last || !memory_->is_cut(part.address, now_));
     }
-    [[nodiscard]] bool join(const PlanPart& part) { return extend(part.address) || append(part); }
+    [[nodiscard]] bool join(const PlanPart& part)
+    {
+        return extend(part.address) ||
+               list_.append(jobs_.back().ranges, part.address, *rule_, rule_->read);
+    }
     /// Makes the last range long enough for the address.
     [[nodiscard]] bool extend(const PlanAddress& address)
     {
-        PlanAddress& last = jobs_.back().ranges.back();
+        const PlanAddress& last = jobs_.back().ranges.back();
         if (last.area != address.area || address.offset > end_of(last) + rule_->max_gap ||
             memory_->is_refused_within(last.area, end_of(last), address.offset)) {
             return false;
         }
         const std::uint64_t end = std::max(end_of(last), end_of(address));
-        const std::uint64_t more = end - end_of(last);
-        if (used_ + more > rule_->max_read) {
-            return false;
-        }
-        used_ += more;
-        last.width += static_cast<std::uint32_t>(more);
-        return true;
-    }
-    /// Begins another range of the same request.
-    [[nodiscard]] bool append(const PlanPart& part)
-    {
-        const std::uint64_t more = std::uint64_t{rule_->range_cost} + part.address.width;
-        if (part.sharing != sharing_ || jobs_.back().ranges.size() >= rule_->max_ranges ||
-            used_ + more > rule_->max_read) {
-            return false;
-        }
-        used_ += more;
-        jobs_.back().ranges.push_back(part.address);
-        return true;
+        return list_.extend(jobs_.back().ranges, end - last.offset, rule_->max_read, *rule_);
     }
 
     const PlanRules* rules_;
     const PlanMemory* memory_;
     TimePoint now_;
     std::vector<PlanJob> jobs_{};
+    RangeList list_{};
     /// The rule of the last part's area.
     const PlanRule* rule_{nullptr};
-    std::uint32_t sharing_{0};
-    /// Units of the last job.
-    std::uint64_t used_{0};
     /// The last job takes equal addresses only.
     bool is_closed_{false};
 };
+
+bool may_join_write(const PlanPart& part)
+{
+    return part.mask == 0xFFFF && !part.is_piece;
+}
+
+/// Which of two writes of one place counts is not left to the PLC.
+bool overlaps(const std::vector<PlanAddress>& ranges, const PlanAddress& address)
+{
+    return std::ranges::any_of(ranges, [&](const PlanAddress& range) {
+        return range.area == address.area && range.offset < end_of(address) &&
+               address.offset < end_of(range);
+    });
+}
 
 } // namespace
 
@@ -115,6 +167,16 @@ const PlanRule* PlanRules::find(std::uint32_t area) const
         rules_.begin(), rules_.end(), area,
         [](const PlanRule& rule, std::uint32_t wanted) { return rule.area < wanted; });
     return found == rules_.end() || found->area != area ? nullptr : &*found;
+}
+
+void PlanRules::change(std::span<const PlanRule> rules)
+{
+    for (const PlanRule& rule : rules) {
+        const auto known = std::ranges::find(rules_, rule.area, &PlanRule::area);
+        if (known != rules_.end()) {
+            *known = rule;
+        }
+    }
 }
 
 bool is_possible(const PlanAddress& address, const PlanRule* rule)
@@ -142,8 +204,8 @@ void append_pieces(std::vector<PlanPart>& parts, PlanPart whole, std::uint32_t m
 void sort_parts(std::vector<PlanPart>& parts)
 {
     const auto before = [](const PlanPart& a, const PlanPart& b) {
-        return std::tie(a.is_alone, a.sharing, a.address, a.index) <
-               std::tie(b.is_alone, b.sharing, b.address, b.index);
+        return std::tie(a.is_alone, a.group, a.address, a.index) <
+               std::tie(b.is_alone, b.group, b.address, b.index);
     };
     if (!std::is_sorted(parts.begin(), parts.end(), before)) {
         std::sort(parts.begin(), parts.end(), before);
@@ -160,34 +222,32 @@ std::vector<PlanJob> lay_out(std::span<const PlanPart> parts, std::size_t begin,
     return layout.take();
 }
 
-std::vector<PlanJob> lay_out_writes(std::span<const PlanPart> parts, const PlanRules& rules)
+std::vector<PlanJob> lay_out_writes(std::span<const PlanPart> parts, std::size_t begin,
+                                    std::size_t end, const PlanRules& rules)
 {
     std::vector<PlanJob> jobs;
-    for (std::size_t at = 0; at < parts.size(); ++at) {
+    RangeList list;
+    for (std::size_t at = begin; at < end; ++at) {
         const PlanPart& part = parts[at];
-        const bool follows = !jobs.empty() && may_join_write(part) &&
-                             may_join_write(parts[at - 1]) &&
-                             jobs.back().ranges[0].area == part.address.area &&
-                             end_of(jobs.back().ranges[0]) == part.address.offset &&
-                             std::uint64_t{jobs.back().ranges[0].width} + part.address.width <=
-                                 std::max(rules.find(part.address.area)->max_write, 1U);
-        if (follows) {
-            jobs.back().ranges[0].width += part.address.width;
-        } else {
+        const PlanRule& rule = *rules.find(part.address.area);
+        bool is_in = at > begin && may_join_write(part) && may_join_write(parts[at - 1]) &&
+                     !overlaps(jobs.back().ranges, part.address);
+        if (is_in) {
+            std::vector<PlanAddress>& ranges = jobs.back().ranges;
+            const PlanAddress& last = ranges.back();
+            const bool follows =
+                last.area == part.address.area && end_of(last) == part.address.offset;
+            is_in = (follows && list.extend(ranges, std::uint64_t{last.width} + part.address.width,
+                                            std::max(rule.max_write, 1U), rule)) ||
+                    list.append(ranges, part.address, rule, rule.write);
+        }
+        if (!is_in) {
             jobs.push_back({at, at, {part.address}});
+            list.begin(part.address, rule, rule.write);
         }
         jobs.back().end = at + 1;
     }
     return jobs;
-}
-
-PlanJob write_of(std::span<const PlanPart> parts, std::size_t begin, std::size_t end)
-{
-    PlanAddress range = parts[begin].address;
-    for (std::size_t at = begin + 1; at < end; ++at) {
-        range.width += parts[at].address.width;
-    }
-    return {begin, end, {range}};
 }
 
 std::size_t divide(std::span<const PlanPart> parts, std::size_t begin, std::size_t end)

@@ -14,8 +14,8 @@ namespace busbar::backend::detail {
 /// An address of a batch, or a piece of one that is too wide for a request.
 struct PlanPart {
     PlanAddress address;
-    /// PlanRule::sharing of its area.
-    std::uint32_t sharing{0};
+    /// PlanShare::group of reads of its area.
+    std::uint32_t group{0};
     /// The address that it belongs to, in the order of the batch.
     std::uint32_t index{0};
     /// The place of its words among those of the batch.
@@ -44,6 +44,8 @@ public:
     explicit PlanRules(std::vector<PlanRule> rules);
     /// Null if the area has none.
     [[nodiscard]] const PlanRule* find(std::uint32_t area) const;
+    /// Replaces the rules of these areas.
+    void change(std::span<const PlanRule> rules);
 
 private:
     std::vector<PlanRule> rules_;
@@ -64,12 +66,10 @@ void sort_parts(std::vector<PlanPart>& parts);
                                            std::size_t end, const PlanRules& rules,
                                            const PlanMemory& memory, TimePoint now);
 
-/// Returns writes for all parts in their order; neighbours that follow one another go together.
+/// Returns writes for parts [begin, end) in their order; neighbours go together where they may.
 [[nodiscard]] std::vector<PlanJob> lay_out_writes(std::span<const PlanPart> parts,
+                                                  std::size_t begin, std::size_t end,
                                                   const PlanRules& rules);
-
-/// Returns the write of parts [begin, end), which follow one another.
-[[nodiscard]] PlanJob write_of(std::span<const PlanPart> parts, std::size_t begin, std::size_t end);
 
 /// Returns where a refused read or write of parts [begin, end) is divided; `end` if it has one
 /// address only. Equal addresses stay together.

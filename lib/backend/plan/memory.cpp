@@ -31,15 +31,14 @@ bool PlanMemory::is_refused_within(std::uint32_t area, std::uint64_t begin, std:
     return next != refusals_.end() && next->first.area == area && next->first.offset < end;
 }
 
-void PlanMemory::refused(const PlanAddress& address, StatusCode status, TimePoint until,
-                         TimePoint now)
+void PlanMemory::refused(const PlanAddress& address, const Refusal& refusal, TimePoint now)
 {
     const auto found = refusals_.find(address);
     if (found != refusals_.end()) {
-        found->second = {status, until};
+        found->second = refusal;
     } else if (make_room(refusals_, limit_,
                          [&](const auto& entry) { return entry.second.until <= now; })) {
-        refusals_.emplace(address, Refusal{status, until});
+        refusals_.emplace(address, refusal);
     }
 }
 

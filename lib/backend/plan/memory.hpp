@@ -15,6 +15,7 @@ public:
     struct Refusal {
         StatusCode status;
         TimePoint until;
+        std::uint16_t code{0};
     };
 
     explicit PlanMemory(std::size_t limit) : limit_{limit} {}
@@ -24,7 +25,7 @@ public:
     /// True if an address that begins in [begin, end) is known to be refused.
     [[nodiscard]] bool is_refused_within(std::uint32_t area, std::uint64_t begin,
                                          std::uint64_t end) const;
-    void refused(const PlanAddress& address, StatusCode status, TimePoint until, TimePoint now);
+    void refused(const PlanAddress& address, const Refusal& refusal, TimePoint now);
     void accepted(const PlanAddress& address);
 
     /// True if a request must not reach beyond the begin of `address`.

@@ -1,6 +1,7 @@
 #include <busbar/backend/plan.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "backend/plan/state.hpp"
@@ -40,7 +41,7 @@ Result<std::uint64_t> RequestPlan::read(std::span<const PlanAddress> addresses, 
             return busbar::fail(rule.error());
         }
         if (*rule != nullptr) {
-            PlanPart part{.address = addresses[i], .sharing = (*rule)->sharing};
+            PlanPart part{.address = addresses[i], .group = (*rule)->read.group};
             part.index = static_cast<std::uint32_t>(i);
             part.first_word = batch.result.values[i].first_word;
             impl_->add_read(batch, part, **rule, now);
@@ -48,8 +49,7 @@ Result<std::uint64_t> RequestPlan::read(std::span<const PlanAddress> addresses, 
     }
     batch.result.words.resize(words);
     detail::sort_parts(batch.parts);
-    auto jobs =
-        detail::lay_out(batch.parts, 0, batch.parts.size(), impl_->rules, impl_->memory, now);
+    auto jobs = impl_->lay_out(batch, 0, batch.parts.size(), now);
     return impl_->begin(std::move(batch), std::move(jobs));
 }
 
@@ -87,7 +87,7 @@ Result<std::uint64_t> RequestPlan::write(std::span<const PlanWrite> writes)
         detail::append_pieces(batch.parts, part, (*rule)->max_write,
                               std::max((*rule)->words_per_unit, 1U));
     }
-    auto jobs = detail::lay_out_writes(batch.parts, impl_->rules);
+    auto jobs = impl_->lay_out(batch, 0, batch.parts.size(), {});
     return impl_->begin(std::move(batch), std::move(jobs));
 }
 
@@ -141,7 +141,8 @@ void RequestPlan::answer(std::uint64_t request, std::span<const std::uint16_t> w
     impl_->finish_if_done(sent->batch);
 }
 
-void RequestPlan::refuse(std::uint64_t request, StatusCode status, TimePoint now)
+void RequestPlan::refuse(std::uint64_t request, StatusCode status, TimePoint now,
+                         std::uint16_t code)
 {
     const auto sent = impl_->take_sent(request);
     if (!sent) {
@@ -153,13 +154,34 @@ void RequestPlan::refuse(std::uint64_t request, StatusCode status, TimePoint now
     if (middle != job.end && batch.isolating_left >= 2) {
         impl_->divide(batch, *sent, middle, now);
     } else {
-        batch.set_status(job, status);
+        batch.set_status(job, status, code);
         if (middle == job.end && !sent->is_write) {
-            impl_->memory.refused(batch.parts[job.begin].address, never_good(status),
-                                  now + impl_->config.refusal_memory, now);
+            impl_->memory.refused(batch.parts[job.begin].address,
+                                  {never_good(status), now + impl_->config.refusal_memory, code},
+                                  now);
         }
     }
     impl_->settle(batch, *sent, false, now);
+    impl_->finish_if_done(sent->batch);
+}
+
+void RequestPlan::plan_again(std::uint64_t request, TimePoint now)
+{
+    auto sent = impl_->take_sent(request);
+    if (!sent) {
+        return;
+    }
+    PlanBatch& batch = impl_->batches.at(sent->batch);
+    const std::vector<PlanAddress> before = sent->job.ranges;
+    auto jobs = impl_->lay_out_again(batch, sent->job, now);
+    if (jobs.front().ranges == before) {
+        batch.set_status(sent->job, status::Bad_NotSupported);
+        impl_->settle(batch, *sent, false, now);
+    } else {
+        batch.waiting.insert(batch.waiting.begin(), std::make_move_iterator(jobs.begin()),
+                             std::make_move_iterator(jobs.end()));
+        impl_->give_turn(sent->batch, batch);
+    }
     impl_->finish_if_done(sent->batch);
 }
 
@@ -221,6 +243,19 @@ bool RequestPlan::has_waiting() const
 const PlanCounters& RequestPlan::counters() const
 {
     return impl_->counters;
+}
+
+void RequestPlan::change_rules(std::span<const PlanRule> rules, std::size_t max_under_way,
+                               TimePoint now)
+{
+    impl_->rules.change(rules);
+    impl_->config.max_under_way = max_under_way;
+    for (auto& [number, batch] : impl_->batches) {
+        for (auto& job : std::exchange(batch.waiting, {})) {
+            auto jobs = impl_->lay_out_again(batch, std::move(job), now);
+            std::move(jobs.begin(), jobs.end(), std::back_inserter(batch.waiting));
+        }
+    }
 }
 
 void RequestPlan::forget_refusals()

@@ -47,8 +47,7 @@ void RequestPlan::Impl::add_read(PlanBatch& batch, PlanPart part, const PlanRule
                                  TimePoint now)
 {
     const std::size_t first = batch.parts.size();
-    const std::uint32_t max_width = rule.max_read - std::min(rule.max_read, rule.range_cost);
-    detail::append_pieces(batch.parts, part, max_width, std::max(rule.words_per_unit, 1U));
+    detail::append_pieces(batch.parts, part, rule.max_read, std::max(rule.words_per_unit, 1U));
     for (std::size_t at = first; at < batch.parts.size(); ++at) {
         const auto* const refusal = memory.refusal_of(batch.parts[at].address);
         if (refusal == nullptr) {
@@ -57,6 +56,7 @@ void RequestPlan::Impl::add_read(PlanBatch& batch, PlanPart part, const PlanRule
         batch.parts[at].is_alone = true;
         if (now < refusal->until) {
             batch.result.values[part.index].status = refusal->status;
+            batch.result.values[part.index].code = refusal->code;
             batch.parts.resize(first);
             ++counters.remembered;
         }
@@ -106,9 +106,11 @@ PlanRequest RequestPlan::Impl::send(std::uint64_t number, PlanBatch& batch)
     batch.waiting.pop_front();
     if (request.is_write) {
         const PlanPart& first = batch.parts[job.begin];
-        const PlanRule* const rule = rules.find(first.address.area);
-        const std::size_t count =
-            std::size_t{request.ranges[0].width} * std::max(rule->words_per_unit, 1U);
+        std::size_t count = 0;
+        for (const PlanAddress& range : request.ranges) {
+            count +=
+                std::size_t{range.width} * std::max(rules.find(range.area)->words_per_unit, 1U);
+        }
         const auto begin = batch.to_write.begin() + static_cast<std::ptrdiff_t>(first.first_word);
         request.words.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
         request.mask = first.mask;
@@ -223,18 +225,35 @@ void RequestPlan::Impl::note_access(PlanBatch& batch, const PlanJob& job, std::u
     }
 }
 
+std::vector<PlanJob> RequestPlan::Impl::lay_out(const PlanBatch& batch, std::size_t begin,
+                                                std::size_t end, TimePoint now) const
+{
+    return batch.result.is_write ? detail::lay_out_writes(batch.parts, begin, end, rules)
+                                 : detail::lay_out(batch.parts, begin, end, rules, memory, now);
+}
+
+std::vector<PlanJob> RequestPlan::Impl::lay_out_again(PlanBatch& batch, PlanJob job,
+                                                      TimePoint now) const
+{
+    if (job.ranges.size() == 1) {
+        return {std::move(job)};
+    }
+    auto jobs = lay_out(batch, job.begin, job.end, now);
+    for (PlanJob& each : jobs) {
+        each.division = job.division;
+    }
+    if (job.division != no_division) {
+        batch.divisions[job.division].unanswered += jobs.size() - 1;
+    }
+    return jobs;
+}
+
 void RequestPlan::Impl::divide(PlanBatch& batch, const PlanSent& refused, std::size_t middle,
                                TimePoint now)
 {
-    std::vector<PlanJob> jobs;
-    if (refused.is_write) {
-        jobs = {detail::write_of(batch.parts, refused.job.begin, middle),
-                detail::write_of(batch.parts, middle, refused.job.end)};
-    } else {
-        jobs = detail::lay_out(batch.parts, refused.job.begin, middle, rules, memory, now);
-        auto second = detail::lay_out(batch.parts, middle, refused.job.end, rules, memory, now);
-        std::move(second.begin(), second.end(), std::back_inserter(jobs));
-    }
+    std::vector<PlanJob> jobs = lay_out(batch, refused.job.begin, middle, now);
+    auto second = lay_out(batch, middle, refused.job.end, now);
+    std::move(second.begin(), second.end(), std::back_inserter(jobs));
     const std::size_t division = batch.divisions.size();
     batch.divisions.push_back({batch.parts[middle].address, jobs.size()});
     batch.isolating_left -= std::min(batch.isolating_left, jobs.size());

@@ -46,11 +46,14 @@ struct PlanBatch {
     /// It is in the list of those that have something to send.
     bool has_turn{false};
 
-    void set_status(const PlanJob& job, StatusCode status)
+    void set_status(const PlanJob& job, StatusCode status, std::uint16_t code = 0)
     {
         for (std::size_t at = job.begin; at < job.end; ++at) {
-            StatusCode& present = result.values[parts[at].index].status;
-            present = present.is_good() ? never_good(status) : present;
+            PlanValue& value = result.values[parts[at].index];
+            if (value.status.is_good()) {
+                value.status = never_good(status);
+                value.code = code;
+            }
         }
     }
 };
@@ -100,6 +103,13 @@ struct RequestPlan::Impl {
     void note_access(detail::PlanBatch& batch, const detail::PlanJob& job, std::uint64_t request);
     void divide(detail::PlanBatch& batch, const detail::PlanSent& sent, std::size_t middle,
                 TimePoint now);
+    /// Returns requests for these parts by the present rules.
+    [[nodiscard]] std::vector<detail::PlanJob> lay_out(const detail::PlanBatch& batch,
+                                                       std::size_t begin, std::size_t end,
+                                                       TimePoint now) const;
+    /// Plans a job of several ranges again; the same as before if it has one.
+    [[nodiscard]] std::vector<detail::PlanJob>
+    lay_out_again(detail::PlanBatch& batch, detail::PlanJob job, TimePoint now) const;
     /// A request of a division has its answer.
     void settle(detail::PlanBatch& batch, const detail::PlanSent& sent, bool is_accepted,
                 TimePoint now);
