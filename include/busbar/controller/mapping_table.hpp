@@ -56,7 +56,9 @@ enum class PartsWritten : std::uint8_t { All, Unmapped };
 
 /// A line of the part "Roles".
 struct TableRoles {
+    /// The node, which has a part of this kind once.
     NodeId node;
+    /// Its RolePermissions.
     Array<RolePermissionType> roles;
 };
 

@@ -47,6 +47,7 @@ public:
     /// The value of restore_target_variable, FALSE when a program begins. Any thread, also within a
     /// scan.
     [[nodiscard]] bool restores_security_profile() const { return restores_profile_.load(); }
+    /// Sets it. Any thread, too.
     void set_restores_security_profile(bool value) { restores_profile_.store(value); }
 
 private:

@@ -92,6 +92,7 @@ inline const bool has_listener = [] {
 
 /// A value that is Good, whatever its timestamps: CHECK(read(node) == holds(42)).
 struct Held {
+    /// The value that is wanted.
     Variant value;
 
     friend bool operator==(const DataValue& found, const Held& wanted)

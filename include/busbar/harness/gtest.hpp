@@ -91,6 +91,7 @@ template <typename T>
 /// A Bench as the fixture of a TEST_F, or as its base.
 class BenchTest : public ::testing::Test, public Bench {
 public:
+    /// Creates the bench.
     explicit BenchTest(BenchOptions options = {}) : Bench{std::move(options)} {}
 };
 

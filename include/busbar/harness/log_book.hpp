@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
@@ -49,8 +48,9 @@ public:
         text_.append(source).append(": ").append(message).append("\n");
         if (text_.size() > max_size) {
             const std::size_t end = text_.find('\n', text_.size() / 2) + 1;
-            left_out_ += static_cast<std::size_t>(
-                std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+            for (std::size_t at = 0; at < end; at = text_.find('\n', at) + 1) {
+                ++left_out_;
+            }
             text_.erase(0, end);
         }
     }
@@ -95,12 +95,14 @@ private:
 /// One of those whose lines a book keeps. The book must outlive it.
 class BUSBAR_API Speaker final : public LogSink {
 public:
+    /// Creates one whose lines begin with `name`.
     Speaker(LogBook& book, std::string name) : book_{&book}, name_{std::move(name)} {}
 
     void write(LogLevel level, std::string_view source, std::string_view message) override
     {
         book_->write_as(name_, level, source, message);
     }
+    /// The name before its lines.
     [[nodiscard]] const std::string& name() const { return name_; }
 
 private:

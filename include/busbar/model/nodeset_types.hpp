@@ -79,10 +79,12 @@ enum class NodeSetRule : std::uint8_t {
     /// A value that does not fit and cannot be converted, or that cannot be read, becomes null.
     ValueRemoved,
 };
+/// The number of rules.
 inline constexpr std::size_t nodeset_rule_count = 9;
 
 /// One change that a lenient load made.
 struct NodeSetRepair {
+    /// The rule that demanded it.
     NodeSetRule rule{};
     /// The place, and what was done there.
     Problem done;
