@@ -25,6 +25,7 @@ namespace busbar::harness {
 /// that they have seen before. Lives longer than all that is in it, as every world.
 class BUSBAR_API RealWorld final : public World {
 public:
+    /// The time begins now.
     RealWorld();
     ~RealWorld();
 
