@@ -73,6 +73,7 @@ public:
     /// From now on a world may end with faults that have never acted; else that is a failure of the
     /// test, if its framework has an adapter (catch.hpp).
     void forgive_pending_faults() { forgives_pending_ = true; }
+    /// Tells whether it may.
     [[nodiscard]] bool forgives_pending_faults() const { return forgives_pending_; }
     /// The last messages on all connections, as they were sent, and the faults that acted; one a
     /// line: "0.012 s client -> ReadRequest ns=1;s=Level". At most the last 128.

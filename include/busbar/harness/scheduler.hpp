@@ -60,7 +60,6 @@ public:
     /// From now on the time is that of `pacer`, which must outlive the scheduler or its successor:
     /// runs take as long as they say. Null: virtual time again.
     void set_pacer(Pacer* pacer) { pacer_ = pacer; }
-    [[nodiscard]] Pacer* pacer() const { return pacer_; }
 
 private:
     friend class Signal;
