@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <busbar/core/text.hpp>
+
 namespace busbar::harness {
 
 namespace {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/text.hpp>
 
 #include "fault_filter.hpp"
 #include "timeline.hpp"

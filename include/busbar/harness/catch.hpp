@@ -98,10 +98,18 @@ public:
         return decltype(std::declval<ListenerBase&>().assertionEnded(stats))();
     }
 };
-inline const Catch::ListenerRegistrar<CatchListener> account_listener = [] {
+/// Registers the listener, by a name where the version wants one.
+template <typename Registrar>
+Registrar register_listener()
+{
     has_listener = true;
-    return Catch::ListenerRegistrar<CatchListener>{};
-}();
+    if constexpr (std::is_default_constructible_v<Registrar>) {
+        return Registrar();
+    } else {
+        return Registrar("busbar");
+    }
+}
+inline const auto account_listener = register_listener<Catch::ListenerRegistrar<CatchListener>>();
 #endif
 
 inline const bool has_fail_test =
