@@ -68,6 +68,15 @@ TEST_CASE("what this side refuses of a server is told as its own refusal")
     CHECK(text.find("trust our certificate") == std::string::npos);
 }
 
+TEST_CASE("busbar_text: a message stays one line in a file, however long its path is")
+{
+    const std::string what = "/a/rather/long/path" + std::string(200, 'x') + "/l.csv:1:2: a byte";
+    std::FILE* const file = std::tmpfile();
+    REQUIRE(file != nullptr);
+    CHECK(text_of(Failure{Exit::Failed, what}, Output{file}) == "busbar: " + what + "\n");
+    std::fclose(file);
+}
+
 TEST_CASE("a table fits, and cuts what may be cut")
 {
     const Output out{stdout};

@@ -146,7 +146,9 @@ Failure refused_by_us(StatusCode status, const std::string& what, const std::str
 
 std::string text_of(const Failure& failure, const Output& out)
 {
-    const std::size_t columns = std::min<std::size_t>(out.columns(), 100);
+    // In a file a message stays one line, which is searched and cut by other programs.
+    const std::size_t columns =
+        out.is_terminal() ? std::min<std::size_t>(out.columns(), 100) : out.columns();
     std::string what = safe(failure.what());
     if (failure.status != StatusCode{}) {
         what += ": " + status_text(failure.status);
