@@ -151,7 +151,8 @@ Result<void> Conversation::send(MessageType type, std::uint32_t request_id,
                    *current_,
                    sent_,
                    {type, channel_id, request_id, security, sizes_.send_buffer_size,
-                    sizes_.max_message_size, sizes_.max_chunk_count, too_large}};
+                    sizes_.max_message_size, sizes_.max_chunk_count, too_large,
+                    environment_.chunk_hook}};
     binary::Writer writer{sink};
     // No part of a failed message has left: the channel is as it was.
     busbar::detail::Undo undo{[&] {

@@ -147,6 +147,9 @@ bool ChunkSink::seal(std::size_t body_size, char flag)
     writer.number(token_->id);
     writer.number(sequence_->next());
     writer.number(settings_.request_id);
+    if (settings_.hook != nullptr) {
+        settings_.hook->sealing(chunk_.first(body_offset + body_size));
+    }
     const bool is_secured =
         (signature == 0 || token_->send->sign(chunk_.first(end), chunk_.subspan(end, signature))) &&
         (!is_encrypted(security) || token_->send->encrypt(chunk_.subspan(
@@ -154,6 +157,9 @@ bool ChunkSink::seal(std::size_t body_size, char flag)
     if (!is_secured) {
         status_ = status::Bad_InternalError;
         return false;
+    }
+    if (settings_.hook != nullptr) {
+        settings_.hook->sealed(chunk_.first(size));
     }
     body_total_ += body_size;
     output_->commit(size);

@@ -44,6 +44,7 @@ struct ChunkSettings {
     std::uint32_t max_message_size{0}; // for all bodies together
     std::uint32_t max_chunk_count{0};
     StatusCode too_large;
+    ChunkHook* hook{nullptr};
 };
 
 /// Gives a Writer the bodies of chunks in the output buffer and secures each chunk when it is full.

@@ -8,6 +8,7 @@
 #include <busbar/harness/fault.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 
+#include "chunk_tap.hpp"
 #include "timeline.hpp"
 
 namespace busbar::harness::detail {
@@ -30,8 +31,9 @@ public:
         }
     };
 
-    ActingFaults(JumpingClock& clock, std::shared_ptr<Timeline> timeline)
-        : clock_{&clock}, timeline_{std::move(timeline)}
+    ActingFaults(JumpingClock& clock, std::shared_ptr<Timeline> timeline,
+                 std::shared_ptr<ChunkTap> tap)
+        : clock_{&clock}, timeline_{std::move(timeline)}, tap_{std::move(tap)}
     {
     }
 
@@ -40,6 +42,7 @@ public:
     /// The fault acts, on this connection; 0: on no single one.
     void count(Entry& entry, std::size_t connection);
     [[nodiscard]] Timeline& timeline() const { return *timeline_; }
+    [[nodiscard]] ChunkTap& tap() const { return *tap_; }
     /// Lets the fault act on the link, when the bytes that `from` has sent have arrived. Not for
     /// faults that act on bytes: Delay, Corrupt, Answer. Does not count it.
     void act(const Fault& fault, Link& link, Side from);
@@ -50,6 +53,7 @@ public:
 private:
     JumpingClock* clock_;
     std::shared_ptr<Timeline> timeline_;
+    std::shared_ptr<ChunkTap> tap_;
     std::deque<Entry> entries_;
 };
 

@@ -20,7 +20,8 @@ ClientHost::ClientHost(World& world, client::ClientConfig config, const ClientPa
                    .wall_clock = &world.clock(),
                    .log = parts.log != nullptr ? parts.log : &world.new_log(Actor::Client),
                    .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
-                   .identity = parts.identity},
+                   .identity = parts.identity,
+                   .chunk_hook = &world.network().chunk_hook()},
       client_{std::make_unique<client::Client>(std::move(config), environment_, world.now())},
       open_{world.scheduler(), [this] { open(); }}, deadline_{world.scheduler(),
                                                               [this] {

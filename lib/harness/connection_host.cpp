@@ -55,7 +55,8 @@ void ConnectionHost::connect()
         .wall_clock = &world_.clock(),
         .log = parts_.log,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
-        .identity = parts_.identity};
+        .identity = parts_.identity,
+        .chunk_hook = &world_.network().chunk_hook()};
     connection_.emplace(config_, environment, world_.now());
     auto link = world_.network().connect(config_.channel.endpoint_url, *this, parts_.address);
     if (!link) {

@@ -33,17 +33,23 @@ const StructureType* type_of(const NodeId& encoding_id)
     return types.find(encoding_id);
 }
 
-/// Returns the name of the structure in a plain MSG chunk; empty if it is unknown.
-std::string_view structure_of(std::span<const std::byte> chunk)
+/// Returns the name of the structure in a body; empty if it is unknown.
+std::string_view structure_of(std::span<const std::byte> body)
 {
-    constexpr std::size_t header =
-        channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
-    const StructureType* const type =
-        chunk.size() > header ? type_of(encoding_of(chunk.subspan(header))) : nullptr;
+    const StructureType* const type = body.empty() ? nullptr : type_of(encoding_of(body));
     return type != nullptr ? type->name : std::string_view{};
 }
 
 } // namespace
+
+std::span<const std::byte> DissectedFrame::body() const
+{
+    constexpr std::size_t header =
+        channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
+    const std::span<const std::byte> chunk{is_plain ? bytes : opened};
+    return type == MessageType::MSG && chunk.size() > header ? chunk.subspan(header)
+                                                             : std::span<const std::byte>{};
+}
 
 std::optional<std::size_t> DissectedFrame::sequence_offset() const
 {
@@ -111,10 +117,11 @@ void Dissector::describe(Stream& stream, DissectedFrame& frame)
     frame.is_plain = is_plain_;
     frame.is_first = !stream.is_in_message;
     stream.is_in_message = !frame.is_last;
+    if (tap_ != nullptr && !is_plain_) {
+        frame.opened = tap_->take(frame.bytes);
+    }
     if (frame.is_first) {
-        stream.structure_name = frame.type == MessageType::MSG && is_plain_
-                                    ? structure_of(frame.bytes)
-                                    : std::string_view{};
+        stream.structure_name = structure_of(frame.body());
     }
     frame.structure_name = stream.structure_name;
 }

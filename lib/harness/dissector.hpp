@@ -12,6 +12,7 @@
 #include <busbar/harness/link.hpp>
 
 #include "channel/frame.hpp"
+#include "chunk_tap.hpp"
 
 namespace busbar::harness::detail {
 
@@ -27,6 +28,11 @@ struct DissectedFrame {
     bool is_last{true};
     /// The channel has policy None, so that its fields may be changed.
     bool is_plain{false};
+    /// The headers and the body of a secured chunk that a peer of this world has sent; else empty.
+    std::vector<std::byte> opened{};
+
+    /// The part of a MSG chunk that can be read: the body of its message. Empty if none can.
+    [[nodiscard]] std::span<const std::byte> body() const;
 
     /// The offset of SequenceNumber and RequestId in a plain OPN, MSG or CLO.
     [[nodiscard]] std::optional<std::size_t> sequence_offset() const;
@@ -36,6 +42,9 @@ struct DissectedFrame {
 /// third party can. Bytes that are not frames are returned unchanged.
 class Dissector {
 public:
+    /// `tap` may be null: then secured messages are not read. It must outlive the dissector.
+    explicit Dissector(ChunkTap* tap = nullptr) : tap_{tap} {}
+
     /// Takes bytes that `from` has sent; take() returns the frames that they complete.
     void feed(Side from, std::span<const std::byte> bytes);
     [[nodiscard]] std::optional<DissectedFrame> take(Side from);
@@ -52,6 +61,7 @@ private:
     };
     void describe(Stream& stream, DissectedFrame& frame);
 
+    ChunkTap* tap_;
     Stream streams_[2];
     bool is_plain_{false};
 };

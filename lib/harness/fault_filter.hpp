@@ -13,7 +13,7 @@ namespace busbar::harness::detail {
 class FaultFilter final : public LinkFilter {
 public:
     FaultFilter(std::shared_ptr<ActingFaults> faults, std::size_t connection)
-        : faults_{std::move(faults)}, connection_{connection}
+        : faults_{std::move(faults)}, connection_{connection}, dissector_{&faults_->tap()}
     {
     }
 

@@ -39,11 +39,17 @@ bool is_immediate(const Fault& fault)
 Network::Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed, LogSink* log)
     : scheduler_{&scheduler}, log_{log}, seed_{seed}, timeline_{std::make_shared<detail::Timeline>(
                                                           scheduler)},
-      faults_{std::make_shared<detail::ActingFaults>(clock, timeline_)}
+      tap_{std::make_shared<detail::ChunkTap>()}, faults_{std::make_shared<detail::ActingFaults>(
+                                                      clock, timeline_, tap_)}
 {
 }
 
 Network::~Network() = default;
+
+channel::ChunkHook& Network::chunk_hook()
+{
+    return *tap_;
+}
 
 Result<void> Network::listen(std::string_view url, Acceptor& acceptor)
 {

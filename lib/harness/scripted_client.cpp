@@ -37,7 +37,8 @@ Result<void> ScriptedClient::open(Duration limit)
         .wall_clock = &world_.clock(),
         .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
-        .identity = parts_.identity};
+        .identity = parts_.identity,
+        .chunk_hook = &world_.network().chunk_hook()};
     channel_.emplace(config_, environment, world_.now());
     auto link = world_.network().connect(config_.endpoint_url, *this, parts_.address);
     if (!link) {

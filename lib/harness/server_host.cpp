@@ -142,7 +142,8 @@ ServerHost::ServerHost(World& world, server::ServerConfig config, const ServerPa
                  world.new_chance(Actor::Server),
                  std::move(config),
                  parts,
-                 std::move(address_space)}
+                 std::move(address_space),
+                 &world.network().chunk_hook()}
 {
     if (server_ == nullptr) {
         return;
@@ -167,7 +168,7 @@ void ServerHost::need_server() const
 
 ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& log, Chance chance,
                        server::ServerConfig config, const ServerParts& parts,
-                       model::AddressSpace address_space)
+                       model::AddressSpace address_space, channel::ChunkHook* chunk_hook)
     : scheduler_{scheduler}, chance_{chance}, parts_{parts}, random_{chance_.next()},
       deadline_{scheduler, [this] { work([&](TimePoint now) { server_->handle_deadline(now); }); }},
       completions_{scheduler,
@@ -182,7 +183,8 @@ ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& lo
         .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
         .users = parts.users != nullptr ? parts.users : &anybody_,
         .access = parts.access,
-        .waker = this};
+        .waker = this,
+        .chunk_hook = chunk_hook};
     auto created = server::Server::create(std::move(config), environment, std::move(address_space));
     if (!created) {
         problem_ = created.error();

@@ -28,8 +28,6 @@ std::string error_text(std::span<const std::byte> frame)
 
 std::string frame_text(const DissectedFrame& frame)
 {
-    constexpr std::size_t header =
-        channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
     if (frame.type_name.empty()) {
         return "bytes that are not a message";
     }
@@ -40,13 +38,11 @@ std::string frame_text(const DissectedFrame& frame)
     if (frame.type != MessageType::MSG) {
         return text;
     }
-    if (!frame.is_plain) {
+    const auto body = frame.body();
+    if (!frame.is_plain && body.empty()) {
         return text + ", encrypted or signed";
     }
-    const auto message = frame.bytes.size() > header
-                             ? read_message(std::span{frame.bytes}.subspan(header))
-                             : std::nullopt;
-    if (message) {
+    if (const auto message = read_message(body)) {
         return summary_of(*message);
     }
     return frame.structure_name.empty() ? text : std::string{frame.structure_name};
@@ -71,8 +67,12 @@ void Timeline::sent(std::size_t connection, Side from, const DissectedFrame& fra
     Entry& entry = next();
     entry.connection = connection;
     entry.from = from;
-    const auto kept = std::span{frame.bytes}.first(std::min(frame.bytes.size(), max_bytes));
-    entry.frame.bytes.assign(kept.begin(), kept.end());
+    const auto keep = [](std::vector<std::byte>& to, std::span<const std::byte> from_bytes) {
+        const auto kept = from_bytes.first(std::min(from_bytes.size(), max_bytes));
+        to.assign(kept.begin(), kept.end());
+    };
+    keep(entry.frame.bytes, frame.bytes);
+    keep(entry.frame.opened, frame.opened);
     entry.frame.type = frame.type;
     entry.frame.type_name = frame.type_name;
     entry.frame.structure_name = frame.structure_name;

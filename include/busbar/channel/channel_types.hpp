@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/channel/chunk_hook.hpp>
 #include <busbar/channel/key_log.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
@@ -99,6 +100,8 @@ struct ChannelEnvironment {
     OpenWorker* worker{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG ignore it.
     KeyLog* key_log{nullptr};
+    /// Optional; null in every product.
+    ChunkHook* chunk_hook{nullptr};
 };
 
 /// An occurrence on a channel.

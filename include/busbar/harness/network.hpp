@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/channel/chunk_hook.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
@@ -19,6 +20,7 @@ namespace busbar::harness {
 
 namespace detail {
 class ActingFaults;
+class ChunkTap;
 class Timeline;
 } // namespace detail
 
@@ -78,6 +80,9 @@ public:
     /// The last messages on all connections, as they were sent, and the faults that acted; one a
     /// line: "0.012 s client -> ReadRequest ns=1;s=Level". At most the last 128.
     [[nodiscard]] std::string trace(std::size_t lines = 20) const;
+    /// What peers on secured channels need, in their environment, for faults and trace to read what
+    /// they send. The hosts of this library have it.
+    [[nodiscard]] channel::ChunkHook& chunk_hook();
     /// Sets the observer of all later connections; may be null.
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
 
@@ -104,6 +109,7 @@ private:
     std::map<std::string, Weather, std::less<>> weathers_;
     std::map<std::string, Acceptor*> acceptors_;
     std::shared_ptr<detail::Timeline> timeline_;
+    std::shared_ptr<detail::ChunkTap> tap_;
     std::shared_ptr<detail::ActingFaults> faults_;
     std::shared_ptr<LinkObserver> observer_;
     std::vector<std::weak_ptr<Link>> links_;

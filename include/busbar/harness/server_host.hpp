@@ -80,10 +80,10 @@ public:
     /// contradicts itself leaves the host without a server: see is_running() and problem().
     explicit ServerHost(World& world, server::ServerConfig config = open_server_config(),
                         const ServerParts& parts = {}, model::AddressSpace address_space = {});
-    /// For links that a test creates itself, without a network.
+    /// For links that a test creates itself, without a network. `chunk_hook` may be null.
     ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& log, Chance chance,
                server::ServerConfig config, const ServerParts& parts = {},
-               model::AddressSpace address_space = {});
+               model::AddressSpace address_space = {}, channel::ChunkHook* chunk_hook = nullptr);
     ~ServerHost() override;
 
     [[nodiscard]] bool is_running() const { return server_ != nullptr; }

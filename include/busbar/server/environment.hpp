@@ -1,5 +1,6 @@
 #pragma once
 
+#include <busbar/channel/chunk_hook.hpp>
 #include <busbar/channel/key_log.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
@@ -39,6 +40,8 @@ struct ServerEnvironment {
     Worker* channel_worker{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG ignore it.
     channel::KeyLog* key_log{nullptr};
+    /// Optional; null in every product.
+    channel::ChunkHook* chunk_hook{nullptr};
 };
 
 } // namespace busbar::server

@@ -49,6 +49,7 @@ channel::ChannelEnvironment channel_environment(Core& core, LogSink& log, channe
         .gate = &gate,
         .worker = worker,
         .key_log = from.key_log,
+        .chunk_hook = from.chunk_hook,
     };
 }
 
