@@ -6,22 +6,11 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/common.hpp>
 
+#include "chunk_fields.hpp"
+
 namespace busbar::harness::detail {
 
 namespace {
-
-std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t offset)
-{
-    binary::Reader reader{bytes.subspan(offset)};
-    return reader.number<std::uint32_t>();
-}
-
-void set_number(std::span<std::byte> bytes, std::size_t offset, std::uint32_t number)
-{
-    binary::SpanSink sink{bytes.subspan(offset, sizeof number)};
-    binary::Writer writer{sink};
-    writer.number(number);
-}
 
 void flip(std::span<std::byte> bytes, std::size_t position, unsigned bit)
 {
@@ -69,7 +58,7 @@ std::vector<std::byte> make_fault(std::span<const std::byte> request, std::uint3
     encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
     encode(writer, fault);
     auto bytes = sink.take(writer.written());
-    set_number(bytes, 4, static_cast<std::uint32_t>(bytes.size()));
+    set_number(bytes, size_offset, static_cast<std::uint32_t>(bytes.size()));
     return bytes;
 }
 

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include <busbar/crypto/security_policy.hpp>
-#include <busbar/types/session.hpp>
-
 #include "dissector.hpp"
+#include "wrong_chunks.hpp"
 
 namespace busbar::harness {
 
@@ -37,9 +35,9 @@ Result<std::vector<std::byte>> make_fault(std::span<const std::byte> request, St
 class ScriptedServer::Peer final : public LinkEnd {
 public:
     Peer(ScriptedServer& server, channel::ServerChannelConfig config,
-         const channel::ChannelEnvironment& environment, std::shared_ptr<Link> link)
-        : server_{server}, link_{std::move(link)}, channel_{std::move(config), environment,
-                                                            server.world_.now()},
+         channel::ChannelEnvironment environment, std::shared_ptr<Link> link)
+        : server_{server}, link_{std::move(link)}, chunks_{*environment.chunk_hook},
+          channel_{std::move(config), with_hook(environment, chunks_), server.world_.now()},
           deadline_{scheduler(),
                     [this] {
                         channel_.handle_deadline(scheduler().now());
@@ -57,8 +55,11 @@ public:
     }
 
     [[nodiscard]] bool has_ended() const { return link_ == nullptr; }
-    [[nodiscard]] std::span<const std::byte> output() const override { return channel_.output(); }
-    void consume(std::size_t size) override { channel_.consume(size); }
+    [[nodiscard]] std::span<const std::byte> output() const override { return output_; }
+    void consume(std::size_t size) override
+    {
+        output_.erase(output_.begin(), output_.begin() + static_cast<std::ptrdiff_t>(size));
+    }
     void feed(std::span<const std::byte> in) override
     {
         static_cast<void>(channel_.feed(in, scheduler().now()));
@@ -70,6 +71,23 @@ public:
         deadline_.cancel();
         answers_.cancel();
     }
+    Result<void> send(std::uint32_t request_id, std::span<const std::byte> body, const Wrong& wrong)
+    {
+        if (!channel_.is_open()) {
+            return fail(status::Bad_NotConnected);
+        }
+        auto sent = chunks_.send(wrong, body, [&](auto encode) { //
+            return channel_.send(request_id, encode);
+        });
+        flush();
+        return sent;
+    }
+    void send_bytes(std::span<const std::byte> bytes)
+    {
+        flush();
+        output_.insert(output_.end(), bytes.begin(), bytes.end());
+        flush();
+    }
 
 private:
     struct Due {
@@ -77,8 +95,18 @@ private:
         std::uint32_t request_id{0};
         std::vector<std::byte> body;
         std::optional<StatusCode> end;
+        Wrong wrong;
+        std::shared_ptr<detail::Hold> hold;
+
+        [[nodiscard]] bool is_held() const { return hold != nullptr && !hold->is_open; }
     };
 
+    static channel::ChannelEnvironment with_hook(channel::ChannelEnvironment environment,
+                                                 channel::ChunkHook& hook)
+    {
+        environment.chunk_hook = &hook;
+        return environment;
+    }
     [[nodiscard]] Scheduler& scheduler() const { return server_.world_.scheduler(); }
     void update()
     {
@@ -93,15 +121,24 @@ private:
     {
         const DateTime now = server_.world_.clock().now();
         const auto step = server_.take_step(request);
-        Due due{scheduler().now(), request_id, {}, {}};
+        Due due{scheduler().now(), request_id, {}, {}, {}, {}};
         if (!step) {
             due.body = make_fault(request, status::Bad_ServiceUnsupported, now).value_or(due.body);
         } else {
             due.time += step->delay;
             due.end = step->end;
+            due.wrong = step->wrong;
+            due.hold = step->hold;
+            if (due.is_held()) {
+                due.hold->waiting.emplace_back([this, alive = std::weak_ptr{alive_}] {
+                    if (!alive.expired()) {
+                        answers_.set_after(Duration{0});
+                    }
+                });
+            }
             if (step->answer) {
                 server_.channel_ = &channel_;
-                auto body = step->answer(request, now);
+                auto body = step->answer(request, now, step->wrong);
                 server_.channel_ = nullptr;
                 due.body = body ? *std::move(body)
                                 : make_fault(request, body.error(), now).value_or(due.body);
@@ -112,31 +149,54 @@ private:
             [](TimePoint time, const Due& other_due) { return time < other_due.time; });
         due_.insert(place, std::move(due));
     }
+    /// Returns the first that nothing keeps, whether its time has come or not.
+    [[nodiscard]] std::deque<Due>::iterator next_due()
+    {
+        return std::find_if(due_.begin(), due_.end(), [](const Due& due) { //
+            return !due.is_held();
+        });
+    }
     void answer_due()
     {
-        while (!due_.empty() && due_.front().time <= scheduler().now() && link_ != nullptr) {
-            const Due due = std::move(due_.front());
-            due_.pop_front();
+        for (auto next = next_due();
+             link_ != nullptr && next != due_.end() && next->time <= scheduler().now();
+             next = next_due()) {
+            const Due due = std::move(*next);
+            due_.erase(next);
             answer(due);
         }
         if (link_ == nullptr) {
             return;
         }
-        link_->flush(Side::Server);
+        flush();
         if (channel_.is_closed()) {
             std::exchange(link_, nullptr)->close(Side::Server);
             deadline_.cancel();
             return;
         }
         deadline_.set(channel_.next_deadline());
-        answers_.set(due_.empty() ? no_deadline : due_.front().time);
+        const auto next = next_due();
+        answers_.set(next == due_.end() ? no_deadline : next->time);
+    }
+    /// Takes what the channel has to say, but for messages that the script replaces.
+    void flush()
+    {
+        detail::Dissector frames;
+        frames.feed(Side::Server, channel_.output());
+        while (const auto frame = frames.take(Side::Server)) {
+            const auto instead = server_.take_replaced(frame->type_name);
+            const auto& bytes = instead ? *instead : frame->bytes;
+            output_.insert(output_.end(), bytes.begin(), bytes.end());
+        }
+        channel_.consume(channel_.output().size());
+        if (link_ != nullptr) {
+            link_->flush(Side::Server);
+        }
     }
     void answer(const Due& due)
     {
         if (!due.body.empty()) {
-            static_cast<void>(channel_.send(due.request_id, [&](binary::Writer& writer) { //
-                writer.bytes(due.body);
-            }));
+            static_cast<void>(send(due.request_id, due.body, due.wrong));
         }
         if (!due.end) {
             return;
@@ -150,8 +210,11 @@ private:
 
     ScriptedServer& server_;
     std::shared_ptr<Link> link_;
+    detail::WrongChunks chunks_;
     channel::ServerChannel channel_;
+    std::vector<std::byte> output_;
     std::deque<Due> due_;
+    std::shared_ptr<bool> alive_{std::make_shared<bool>(true)};
     Alarm deadline_;
     Alarm answers_;
 };
@@ -177,31 +240,6 @@ detail::ScriptStep& ScriptedServer::add(detail::ScriptStep& step, std::uint32_t 
     return step;
 }
 
-void ScriptedServer::accept_session()
-{
-    expect<CreateSessionRequest>().reply([](const CreateSessionRequest& request) {
-        CreateSessionResponse response;
-        response.session_id = NodeId{1, 1U};
-        response.authentication_token = NodeId{1, 2U};
-        response.revised_session_timeout = request.requested_session_timeout;
-        response.server_nonce = ByteString{std::vector<std::byte>(32, std::byte{1})};
-        EndpointDescription& endpoint = response.server_endpoints.emplace_back();
-        endpoint.endpoint_url = request.endpoint_url;
-        endpoint.security_mode = MessageSecurityMode::None;
-        endpoint.security_policy_uri = String{crypto::policy_none().uri};
-        endpoint.transport_profile_uri =
-            "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
-        UserTokenPolicy& policy = endpoint.user_identity_tokens.emplace_back();
-        policy.policy_id = "anonymous";
-        policy.token_type = UserTokenType::Anonymous;
-        response.max_request_message_size = 0;
-        return response;
-    });
-    ActivateSessionResponse activated;
-    activated.server_nonce = ByteString{std::vector<std::byte>(32, std::byte{2})};
-    expect<ActivateSessionRequest>().reply(std::move(activated));
-}
-
 bool ScriptedServer::accept(const std::shared_ptr<Link>& link, std::string_view /*peer_address*/)
 {
     peers_.erase(std::remove_if(peers_.begin(), peers_.end(),
@@ -215,7 +253,8 @@ bool ScriptedServer::accept(const std::shared_ptr<Link>& link, std::string_view 
         .wall_clock = &world_.clock(),
         .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
-        .identity = parts_.identity};
+        .identity = parts_.identity,
+        .chunk_hook = &world_.network().chunk_hook()};
     peers_.push_back(std::make_unique<Peer>(*this, std::move(config), environment, link));
     link->attach(Side::Server, *peers_.back());
     return true;
@@ -227,24 +266,65 @@ std::optional<detail::ScriptStep> ScriptedServer::take_step(std::span<const std:
     if (came_.size() < max_came) {
         came_.push_back(detail::encoding_name(id));
     }
-    if (!steps_.empty() && id.is(steps_.front().encoding_id)) {
+    const auto is_it = [&](const detail::ScriptStep& step) {
+        return id.is(step.encoding_id) && (!step.matches || step.matches(body));
+    };
+    if (!steps_.empty() && is_it(steps_.front())) {
         auto step = std::move(steps_.front());
         steps_.pop_front();
         return step;
     }
-    const auto found =
-        std::find_if(allowed_.begin(), allowed_.end(),
-                     [&](const detail::ScriptStep& step) { return id.is(step.encoding_id); });
-    if (found != allowed_.end()) {
-        return *found;
+    for (const auto* const steps : {&allowed_, &defaults_}) {
+        if (const auto found = std::find_if(steps->begin(), steps->end(), is_it);
+            found != steps->end()) {
+            return *found;
+        }
     }
     if (unexpected_.size() < max_unexpected) {
-        const std::string expected = steps_.empty() ? "nothing more" : steps_.front().name;
+        const bool is_other = !steps_.empty() && id.is(steps_.front().encoding_id);
+        const std::string expected =
+            steps_.empty() ? "nothing more" : (is_other ? "another " : "") + steps_.front().name;
         const auto time = std::chrono::duration<double>{world_.now().time_since_epoch()};
         unexpected_.push_back("expected " + expected + ", came " + detail::encoding_name(id) +
                               " at " + std::to_string(time.count()) + " s");
     }
     return std::nullopt;
+}
+
+ScriptedServer::Peer* ScriptedServer::newest() const
+{
+    return peers_.empty() || peers_.back()->has_ended() ? nullptr : peers_.back().get();
+}
+
+Result<void> ScriptedServer::send_body(std::uint32_t request_id, std::span<const std::byte> body,
+                                       const Wrong& wrong)
+{
+    Peer* const peer = newest();
+    return peer != nullptr ? peer->send(request_id, body, wrong) : fail(status::Bad_NotConnected);
+}
+
+void ScriptedServer::send_bytes(std::span<const std::byte> bytes)
+{
+    if (Peer* const peer = newest()) {
+        peer->send_bytes(bytes);
+    }
+}
+
+void ScriptedServer::replace(std::string_view message_type, std::vector<std::byte> bytes)
+{
+    replaced_.emplace_back(message_type, std::move(bytes));
+}
+
+std::optional<std::vector<std::byte>> ScriptedServer::take_replaced(std::string_view message_type)
+{
+    const auto found = std::find_if(replaced_.begin(), replaced_.end(),
+                                    [&](const auto& entry) { return entry.first == message_type; });
+    if (found == replaced_.end()) {
+        return std::nullopt;
+    }
+    auto bytes = std::move(found->second);
+    replaced_.erase(found);
+    return bytes;
 }
 
 std::string ScriptedServer::report() const

@@ -16,8 +16,12 @@
 #include <busbar/core/api.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
+#include <busbar/harness/wrong.hpp>
+#include <busbar/types/attribute.hpp>
 #include <busbar/types/common.hpp>
+#include <busbar/types/discovery.hpp>
 #include <busbar/types/registry.hpp>
+#include <busbar/types/session.hpp>
 
 namespace busbar::harness {
 
@@ -33,16 +37,29 @@ struct After {
 
 namespace detail {
 
+/// Answers that wait for the test.
+struct Hold {
+    bool is_open{false};
+    /// Looks after the answers of each peer that has some.
+    std::vector<std::function<void()>> waiting{};
+};
+
 /// One request that a scripted server waits for, and its reaction.
 struct ScriptStep {
+    using Matches = std::function<bool(std::span<const std::byte> request)>;
     using Answer = std::function<Result<std::vector<std::byte>>(std::span<const std::byte> request,
-                                                                DateTime now)>;
+                                                                DateTime now, const Wrong& wrong)>;
 
     std::uint32_t encoding_id{0};
     std::string name;
+    /// If null, every request of the type is the one.
+    Matches matches;
     Duration delay{0};
     /// The body of the response; null if there is none.
     Answer answer;
+    Wrong wrong;
+    /// Null if it does not wait.
+    std::shared_ptr<Hold> hold;
     /// The connection ends, with an Error message unless this is Good.
     std::optional<StatusCode> end;
 };
@@ -88,6 +105,27 @@ template <typename Structure>
 
 } // namespace detail
 
+/// Answers that wait until the test lets them go: see Expectation::held(). May outlive its server.
+class Held {
+public:
+    explicit Held(std::shared_ptr<detail::Hold> hold) : hold_{std::move(hold)} {}
+
+    /// Those that wait are sent now, and later ones do not wait.
+    void let_go()
+    {
+        hold_->is_open = true;
+        for (const auto& look : hold_->waiting) {
+            look();
+        }
+        hold_->waiting.clear();
+    }
+    /// The number of answers that wait.
+    [[nodiscard]] std::size_t count() const { return hold_->waiting.size(); }
+
+private:
+    std::shared_ptr<detail::Hold> hold_;
+};
+
 /// The reaction of a scripted server to a Request; nothing, unless one of these is called.
 template <typename Request>
 class Expectation {
@@ -98,20 +136,39 @@ public:
     /// time; or with the result of a function of the request, a ServiceFault if that is a failed
     /// Result.
     template <typename Response>
-    void reply(Response response, After delay = {})
+    Expectation reply(Response response, After delay = {})
     {
         if constexpr (std::is_invocable_v<Response, const Request&>) {
             answer(std::move(response), delay);
         } else {
             answer([response = std::move(response)](const Request&) { return response; }, delay);
         }
+        return *this;
     }
     /// Answers with a ServiceFault.
-    void fail(StatusCode status, After delay = {})
+    Expectation fail(StatusCode status, After delay = {})
     {
         ServiceFault fault;
         fault.response_header.service_result = status;
-        reply(std::move(fault), delay);
+        return reply(std::move(fault), delay);
+    }
+    /// The answer, which was said before, departs from the protocol.
+    Expectation wrong(const Wrong& how)
+    {
+        step_->wrong = how;
+        return *this;
+    }
+    /// The answer is sent twice.
+    Expectation twice()
+    {
+        step_->wrong.copies = 2;
+        return *this;
+    }
+    /// The answer, which is made when the request comes, waits until the test lets it go.
+    Held held()
+    {
+        step_->hold = std::make_shared<detail::Hold>();
+        return Held{step_->hold};
     }
     /// Sends an Error message and closes the connection.
     void close(StatusCode status, After delay = {})
@@ -127,8 +184,9 @@ private:
     void answer(Make make, After delay)
     {
         step_->delay = delay.delay;
-        step_->answer = [make = std::move(make)](std::span<const std::byte> body,
-                                                 DateTime now) -> Result<std::vector<std::byte>> {
+        step_->answer =
+            [make = std::move(make)](std::span<const std::byte> body, DateTime now,
+                                     const Wrong& wrong) -> Result<std::vector<std::byte>> {
             const auto request = detail::decode_body<Request>(body);
             if (!request) {
                 return busbar::fail(request.error());
@@ -138,7 +196,8 @@ private:
                 return busbar::fail(made.error());
             }
             auto& response = *made;
-            response.response_header.request_handle = request->request_header.request_handle;
+            response.response_header.request_handle =
+                wrong.request_handle.value_or(request->request_header.request_handle);
             if (response.response_header.timestamp == DateTime{}) {
                 response.response_header.timestamp = now;
             }
@@ -149,20 +208,28 @@ private:
     detail::ScriptStep* step_;
 };
 
+/// Returns what tells requests to read the Value of this node from others, for
+/// ScriptedServer::expect().
+[[nodiscard]] BUSBAR_API std::function<bool(const ReadRequest&)> reads(const NodeId& node);
+
 /// The parts that a scripted server needs for policies other than None. All pointers must outlive
 /// the server.
 struct ScriptedServerParts {
     std::vector<channel::SecuritySetting> allowed{{}};
     crypto::CertificateValidator* validator{nullptr};
     const channel::ApplicationIdentity* identity{nullptr};
+    /// What endpoints and namespaces name; a client that checks wants the identity's.
+    std::string application_uri{"urn:busbar:harness:server"};
 };
 
-/// A server that answers what a test wants. It handles the channel, OpenSecureChannel and its
-/// renewals, by itself; services follow the script:
+/// A server that answers what a test wants, rightly or not. It handles the channel,
+/// OpenSecureChannel and its renewals, by itself; services follow the script:
 ///
 ///     ScriptedServer server{world, "opc.tcp://server:4840"};
-///     server.accept_session();
-///     server.expect<ReadRequest>().reply(response, after(4ms));
+///     server.accept_clients();
+///     server.expect<ReadRequest>(reads(NodeId{1, "Level"})).reply(response, after(4ms));
+///     server.expect<WriteRequest>().reply(WriteResponse{}).wrong({.request_id = 4711});
+///     auto publish = server.expect<PublishRequest>().reply(notification).held();
 ///
 /// Requests must arrive in the order of the expectations, over any number of connections. Those out
 /// of turn are answered with Bad_ServiceUnsupported and reported. One thread; the world must
@@ -178,6 +245,12 @@ public:
     {
         return Expectation<Request>{add(steps_.emplace_back(), Request::binary_encoding_id)};
     }
+    /// The same for a request for which `matches` is true; another one of its type is out of turn.
+    template <typename Request>
+    Expectation<Request> expect(std::function<bool(const Request&)> matches)
+    {
+        return matching<Request>(steps_.emplace_back(), std::move(matches));
+    }
     /// Adds a request that may arrive at any time and any number of times; considered after the
     /// next one that must arrive.
     template <typename Request>
@@ -185,9 +258,31 @@ public:
     {
         return Expectation<Request>{add(allowed_.emplace_back(), Request::binary_encoding_id)};
     }
-    /// Expects CreateSession and ActivateSession, as an anonymous client without security sends
-    /// them, and grants both.
+    /// The same for a request for which `matches` is true.
+    template <typename Request>
+    Expectation<Request> allow(std::function<bool(const Request&)> matches)
+    {
+        return matching<Request>(allowed_.emplace_back(), std::move(matches));
+    }
+    /// Expects CreateSession and ActivateSession, of any user, and grants both.
     void accept_session();
+    /// Allows what clients do by themselves, after what was and will be said: FindServers,
+    /// GetEndpoints, sessions of any user, CloseSession, and Reads of nodes of namespace 0, of
+    /// which there are ServerStatus, its State, NamespaceArray and ServerArray.
+    void accept_clients();
+
+    /// Sends a response that nobody may have asked for to the newest client; its header's handle is
+    /// as it is. Bad_NotConnected without a channel.
+    template <typename Response>
+    Result<void> send(const Response& response, std::uint32_t request_id, const Wrong& wrong = {})
+    {
+        const auto body = detail::encode_body(response);
+        return body ? send_body(request_id, *body, wrong) : fail(body.error());
+    }
+    /// Sends bytes past the channel to the newest client, whole chunks or anything else.
+    void send_bytes(std::span<const std::byte> bytes);
+    /// Sends these bytes, which may be none, instead of its next "ACK", "OPN", "MSG" or "ERR".
+    void replace(std::string_view message_type, std::vector<std::byte> bytes);
 
     [[nodiscard]] bool is_done() const { return steps_.empty(); }
     /// The expected requests that did not arrive, and the unexpected ones that did; one a line,
@@ -206,6 +301,38 @@ private:
     class Peer;
 
     static detail::ScriptStep& add(detail::ScriptStep& step, std::uint32_t encoding_id);
+    template <typename Request>
+    static Expectation<Request> matching(detail::ScriptStep& step,
+                                         std::function<bool(const Request&)> matches)
+    {
+        step.matches = [matches = std::move(matches)](std::span<const std::byte> body) {
+            const auto request = detail::decode_body<Request>(body);
+            return request && matches(*request);
+        };
+        return Expectation<Request>{add(step, Request::binary_encoding_id)};
+    }
+    template <typename Request, typename Make>
+    void by_itself(Make make, std::function<bool(const Request&)> matches = nullptr)
+    {
+        detail::ScriptStep& step = defaults_.emplace_back();
+        if (matches) {
+            matching<Request>(step, std::move(matches)).reply(std::move(make));
+        } else {
+            Expectation<Request>{add(step, Request::binary_encoding_id)}.reply(std::move(make));
+        }
+    }
+    /// The newest connection; null if it has ended.
+    [[nodiscard]] Peer* newest() const;
+    Result<void> send_body(std::uint32_t request_id, std::span<const std::byte> body,
+                           const Wrong& wrong);
+    /// What shall be sent instead of the next message of this type; nothing if it is right.
+    [[nodiscard]] std::optional<std::vector<std::byte>>
+    take_replaced(std::string_view message_type);
+    [[nodiscard]] std::vector<EndpointDescription> endpoints(const String& url) const;
+    [[nodiscard]] Result<CreateSessionResponse> create_session(const CreateSessionRequest& request);
+    [[nodiscard]] ActivateSessionResponse activate_session();
+    [[nodiscard]] ReadResponse read_own(const ReadRequest& request) const;
+    [[nodiscard]] ByteString new_nonce();
     /// Returns the reaction to a request; nothing if it is out of turn.
     [[nodiscard]] std::optional<detail::ScriptStep> take_step(std::span<const std::byte> body);
 
@@ -217,10 +344,14 @@ private:
     crypto::InsecureAcceptAnyCertificate accept_any_;
     std::deque<detail::ScriptStep> steps_;
     std::deque<detail::ScriptStep> allowed_;
+    /// Considered last.
+    std::deque<detail::ScriptStep> defaults_;
+    std::vector<std::pair<std::string, std::vector<std::byte>>> replaced_;
     std::vector<std::string> came_;
     std::vector<std::string> unexpected_;
     std::vector<std::unique_ptr<Peer>> peers_;
     std::uint32_t last_channel_id_{0};
+    std::uint32_t last_session_{0};
     const channel::ServerChannel* channel_{nullptr};
 };
 
