@@ -3,17 +3,20 @@
 #include <utility>
 
 #include "dissector.hpp"
+#include "session_proof.hpp"
+#include "wrong_chunks.hpp"
 
 namespace busbar::harness {
 
 ScriptedClient::ScriptedClient(World& world, channel::ClientChannelConfig config,
                                const ClientParts& parts)
     : world_{world}, config_{std::move(config)}, parts_{parts}, log_{world.new_log(Actor::Client)},
-      random_{world.new_chance(Actor::Client).next()}, deadline_{world.scheduler(), [this] {
-                                                                     channel_->handle_deadline(
-                                                                         world_.now());
-                                                                     update();
-                                                                 }}
+      random_{world.new_chance(Actor::Client).next()},
+      chunks_{std::make_unique<detail::WrongChunks>(world.network().chunk_hook())},
+      deadline_{world.scheduler(), [this] {
+                    channel_->handle_deadline(world_.now());
+                    update();
+                }}
 {
 }
 
@@ -24,27 +27,43 @@ ScriptedClient::~ScriptedClient()
     }
 }
 
-Result<void> ScriptedClient::open(Duration limit)
+Result<void> ScriptedClient::connect()
 {
     if (link_ != nullptr) {
         std::exchange(link_, nullptr)->leave(Side::Client);
     }
+    channel_.reset();
     is_open_ = false;
     closed_by_.reset();
     messages_.clear();
+    received_.clear();
+    authentication_token_ = {};
+    auto link = world_.network().connect(config_.endpoint_url, *this, parts_.address);
+    if (!link) {
+        return fail(link.error());
+    }
+    link_ = *std::move(link);
+    return {};
+}
+
+Result<void> ScriptedClient::dial()
+{
+    return connect();
+}
+
+Result<void> ScriptedClient::open(Duration limit)
+{
+    if (auto connected = connect(); !connected) {
+        return connected;
+    }
     const channel::ChannelEnvironment environment{
         .random = &random_,
         .wall_clock = &world_.clock(),
         .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity,
-        .chunk_hook = &world_.network().chunk_hook()};
+        .chunk_hook = chunks_.get()};
     channel_.emplace(config_, environment, world_.now());
-    auto link = world_.network().connect(config_.endpoint_url, *this, parts_.address);
-    if (!link) {
-        return fail(link.error());
-    }
-    link_ = *std::move(link);
     update();
     if (!world_.run_until([this] { return is_open_ || closed_by_; }, limit)) {
         return fail(status::Bad_Timeout);
@@ -55,9 +74,56 @@ Result<void> ScriptedClient::open(Duration limit)
     return {};
 }
 
+std::uint32_t ScriptedClient::token_id() const
+{
+    return chunks_->token_id();
+}
+
+Result<void> ScriptedClient::open_session(Duration limit)
+{
+    if (!is_open_) {
+        return fail(status::Bad_NotConnected);
+    }
+    authentication_token_ = {};
+    CreateSessionRequest create;
+    create.endpoint_url = String{config_.endpoint_url};
+    create.session_name = "scripted";
+    create.client_description.application_uri = String{parts_.application_uri};
+    create.client_description.application_type = ApplicationType::Client;
+    create.requested_session_timeout = 60'000;
+    create.client_nonce = detail::new_nonce(random_);
+    if (parts_.identity != nullptr) {
+        create.client_certificate = ByteString{parts_.identity->certificates.front().der()};
+    }
+    if (auto sent = send(create); !sent) {
+        return fail(sent.error());
+    }
+    const auto created = expect<CreateSessionResponse>(limit);
+    if (!created) {
+        return fail(created.error());
+    }
+    authentication_token_ = created->authentication_token;
+    auto signature =
+        detail::sign_nonce(config_.security, parts_.identity, created->server_certificate.span(),
+                           created->server_nonce.span());
+    if (!signature) {
+        return fail(signature.error());
+    }
+    ActivateSessionRequest activate;
+    activate.client_signature = *std::move(signature);
+    AnonymousIdentityToken anonymous;
+    anonymous.policy_id = detail::anonymous_policy(created->server_endpoints, config_.security);
+    activate.user_identity_token = ExtensionObject::from(anonymous);
+    if (auto sent = send(activate); !sent) {
+        return fail(sent.error());
+    }
+    const auto activated = expect<ActivateSessionResponse>(limit);
+    return activated ? Result<void>{} : fail(activated.error());
+}
+
 std::span<const std::byte> ScriptedClient::output() const
 {
-    return raw_.empty() ? channel_->output() : std::span<const std::byte>{raw_};
+    return !raw_.empty() || !channel_ ? std::span<const std::byte>{raw_} : channel_->output();
 }
 
 void ScriptedClient::consume(std::size_t size)
@@ -71,6 +137,10 @@ void ScriptedClient::consume(std::size_t size)
 
 void ScriptedClient::feed(std::span<const std::byte> in)
 {
+    if (!channel_) {
+        received_.insert(received_.end(), in.begin(), in.end());
+        return;
+    }
     static_cast<void>(channel_->feed(in, world_.now()));
     update();
 }
@@ -113,14 +183,22 @@ void ScriptedClient::update()
     }
 }
 
-Result<std::uint32_t> ScriptedClient::send_body(std::span<const std::byte> body)
+Result<std::uint32_t> ScriptedClient::send_body(std::span<const std::byte> body, const Wrong& wrong)
 {
-    if (link_ == nullptr) {
+    if (link_ == nullptr || !channel_) {
         return fail(status::Bad_NotConnected);
     }
-    auto id = channel_->send([&](binary::Writer& writer) { writer.bytes(body); });
+    std::uint32_t id = 0;
+    const auto sent = chunks_->send(wrong, body, [&](auto encode) -> Result<void> {
+        const auto one = channel_->send(encode);
+        if (!one) {
+            return fail(one.error());
+        }
+        id = *one;
+        return {};
+    });
     update();
-    return id;
+    return sent ? Result<std::uint32_t>{id} : fail(sent.error());
 }
 
 void ScriptedClient::send_bytes(std::span<const std::byte> bytes)

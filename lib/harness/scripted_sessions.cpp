@@ -1,45 +1,17 @@
 #include <algorithm>
 #include <utility>
 
-#include <busbar/crypto/asymmetric.hpp>
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "session_proof.hpp"
 
 namespace busbar::harness {
 
 namespace {
 
 constexpr std::uint32_t value_attribute = 13;
-constexpr std::size_t nonce_size = 32; // Part 4, 5.7.2.2
-
-std::vector<std::byte> join(std::span<const std::byte> first, std::span<const std::byte> second)
-{
-    std::vector<std::byte> joined{first.begin(), first.end()};
-    joined.insert(joined.end(), second.begin(), second.end());
-    return joined;
-}
-
-/// Part 4, 5.7.2.2: over the client's certificate and nonce; null without security.
-Result<SignatureData> sign(const channel::SecuritySetting& security,
-                           const channel::ApplicationIdentity* identity,
-                           const CreateSessionRequest& request)
-{
-    SignatureData signature;
-    if (security.policy->is_none() || identity == nullptr) {
-        return signature;
-    }
-    const auto bytes = crypto::asymmetric_sign(
-        *security.policy, identity->key,
-        join(request.client_certificate.span(), request.client_nonce.span()));
-    if (!bytes) {
-        return fail(bytes.error());
-    }
-    signature.algorithm = security.policy->signature_uri;
-    signature.signature = ByteString{*bytes};
-    return signature;
-}
-
 UserTokenPolicy token_policy(const char* id, UserTokenType type)
 {
     UserTokenPolicy policy;
@@ -58,13 +30,6 @@ std::function<bool(const ReadRequest&)> reads(const NodeId& node)
             return item.node_id == node && item.attribute_id == value_attribute;
         });
     };
-}
-
-ByteString ScriptedServer::new_nonce()
-{
-    std::vector<std::byte> nonce(nonce_size);
-    static_cast<void>(random_.fill(nonce));
-    return ByteString{nonce};
 }
 
 std::vector<EndpointDescription> ScriptedServer::endpoints(const String& url) const
@@ -99,14 +64,16 @@ Result<CreateSessionResponse> ScriptedServer::create_session(const CreateSession
     response.session_id = NodeId{1, ++last_session_};
     response.authentication_token = NodeId{1, 1'000'000 + last_session_};
     response.revised_session_timeout = request.requested_session_timeout;
-    response.server_nonce = new_nonce();
+    response.server_nonce = detail::new_nonce(random_);
     if (parts_.identity != nullptr) {
         response.server_certificate = ByteString{parts_.identity->certificates.front().der()};
     }
     for (EndpointDescription& endpoint : endpoints(request.endpoint_url)) {
         response.server_endpoints.push_back(std::move(endpoint));
     }
-    auto signature = sign(channel().security(), parts_.identity, request);
+    auto signature =
+        detail::sign_nonce(channel().security(), parts_.identity, request.client_certificate.span(),
+                           request.client_nonce.span());
     if (!signature) {
         return fail(signature.error());
     }
@@ -117,7 +84,7 @@ Result<CreateSessionResponse> ScriptedServer::create_session(const CreateSession
 ActivateSessionResponse ScriptedServer::activate_session()
 {
     ActivateSessionResponse response;
-    response.server_nonce = new_nonce();
+    response.server_nonce = detail::new_nonce(random_);
     return response;
 }
 

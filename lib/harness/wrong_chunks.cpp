@@ -55,6 +55,7 @@ void WrongChunks::sealing(std::span<std::byte> chunk)
     if (wrong_.chunk_flag && static_cast<char>(chunk[flag_offset]) == 'F') {
         chunk[flag_offset] = static_cast<std::byte>(*wrong_.chunk_flag);
     }
+    token_id_ = number_at(chunk, token_offset);
     put(chunk, channel_offset, wrong_.channel_id);
     put(chunk, token_offset, wrong_.token_id);
     put(chunk, request_offset, wrong_.request_id);

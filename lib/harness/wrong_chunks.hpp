@@ -23,6 +23,9 @@ public:
     Result<void> send(const Wrong& wrong, std::span<const std::byte> body,
                       FunctionRef<Result<void>(FunctionRef<void(binary::Writer&)>)> send);
 
+    /// The SecurityToken of the last chunk; 0 before there was one.
+    [[nodiscard]] std::uint32_t token_id() const { return token_id_; }
+
     void sealing(std::span<std::byte> chunk) override;
     void sealed(std::span<std::byte> chunk) override;
 
@@ -30,6 +33,7 @@ private:
     channel::ChunkHook* next_;
     Wrong wrong_;
     bool is_first_{true};
+    std::uint32_t token_id_{0};
 };
 
 } // namespace busbar::harness::detail

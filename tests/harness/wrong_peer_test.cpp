@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include <catch2/catch.hpp>
 
 #include <busbar/crypto/security_policy.hpp>
@@ -288,6 +290,78 @@ TEST_CASE("faults and traces read what peers of the world send on secured channe
     CHECK_FALSE(script.read());
     CHECK_THAT(script.world.trace(), Catch::Contains("client -> ReadRequest ns=1;s=Level") &&
                                          Catch::Contains("server -> ReadResponse Double 1.5"));
+}
+
+TEST_CASE("a scripted client has sessions, and a server finds out what is wrong", "[harness]")
+{
+    const bool is_secure = GENERATE(false, true);
+    World world;
+    server::ServerConfig config = open_server_config();
+    channel::ClientChannelConfig channel;
+    channel.endpoint_url = url;
+    ClientParts parts;
+    if (is_secure) {
+        config.identity = identity("server");
+        config.endpoints[0].security = secured();
+        channel.security = secured();
+        channel.server_certificate = identity("server").certificates.front();
+        parts.identity = &identity("client");
+    }
+    const ServerHost server{world, config};
+    ScriptedClient client{world, channel, parts};
+    CHECK(client.open_session().error() == status::Bad_NotConnected);
+    REQUIRE(client.open());
+    CHECK_THAT(client.open_session(), succeeds<void>());
+    CHECK_FALSE(client.authentication_token().is_null());
+    const ReadRequest read = read_request(NodeId{0, 2259U});
+    REQUIRE(client.send(read));
+    CHECK_THAT(client.expect<ReadResponse>()->results[0], holds(std::int32_t{0}));
+    CHECK(client.token_id() != 0);
+    CHECK(client.report() == "");
+
+    Wrong wrong;
+    StatusCode expected = status::Bad_SecurityChecksFailed; // details are not for attackers
+    SECTION("the sequence number again")
+    {
+        wrong.sequence = Wrong::Sequence::Again;
+    }
+    SECTION("another channel")
+    {
+        wrong.channel_id = 4711;
+        expected = status::Bad_TcpSecureChannelUnknown;
+    }
+    SECTION("another token")
+    {
+        wrong.token_id = client.token_id() + 7;
+        expected = status::Bad_SecureChannelTokenUnknown;
+    }
+    SECTION("a signature, where there is one")
+    {
+        if (!is_secure) {
+            return;
+        }
+        wrong.signature = true;
+    }
+    REQUIRE(client.send(read, wrong));
+    CHECK(client.expect_close().value() == expected);
+}
+
+TEST_CASE("a scripted client says hello in its own way", "[harness]")
+{
+    World world;
+    const ServerHost server{world};
+    channel::ClientChannelConfig channel;
+    channel.endpoint_url = url;
+    ScriptedClient client{world, channel};
+    REQUIRE(client.dial());
+    // Part 6, 7.1.2.3: version 0, 8,192 bytes each way, no other limits, no URL.
+    const std::string_view hello{"HELF\x20\0\0\0"
+                                 "\0\0\0\0\0\x20\0\0\0\x20\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+                                 32};
+    client.send_bytes(std::as_bytes(std::span{hello}));
+    world.run_for(1s);
+    REQUIRE(client.received().size() == 28);
+    CHECK(std::memcmp(client.received().data(), "ACKF", 4) == 0);
 }
 
 } // namespace wrong_peer_test

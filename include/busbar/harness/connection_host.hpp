@@ -28,6 +28,8 @@ struct ClientParts {
     std::string address{"192.0.2.1"};
     /// Time from ordering a connection until it is open, or refused.
     Duration connect_time{std::chrono::milliseconds{1}};
+    /// Of a ScriptedClient's sessions; the other hosts have it in their configuration.
+    std::string application_uri{"urn:busbar:harness:client"};
 };
 
 /// Returns the configuration for the server of open_server_config(): an anonymous user without

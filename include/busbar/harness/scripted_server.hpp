@@ -332,7 +332,6 @@ private:
     [[nodiscard]] Result<CreateSessionResponse> create_session(const CreateSessionRequest& request);
     [[nodiscard]] ActivateSessionResponse activate_session();
     [[nodiscard]] ReadResponse read_own(const ReadRequest& request) const;
-    [[nodiscard]] ByteString new_nonce();
     /// Returns the reaction to a request; nothing if it is out of turn.
     [[nodiscard]] std::optional<detail::ScriptStep> take_step(std::span<const std::byte> body);
 
