@@ -47,9 +47,7 @@ std::string flaw_of_message(const Fault& fault)
     if (message.number == 0) {
         return "messages are counted from 1";
     }
-    const bool acts_on_it = fault.kind == Fault::Kind::Delay ||
-                            fault.kind == Fault::Kind::Corrupt || fault.kind == Fault::Kind::Answer;
-    if (acts_on_it && fault.moment == Fault::Moment::After) {
+    if (acts_on_bytes(fault.kind) && fault.moment == Fault::Moment::After) {
         return "after its message has been sent, nothing can be done to it; say at()";
     }
     if (fault.kind == Fault::Kind::Answer &&
@@ -76,6 +74,18 @@ std::string flaw_of_numbers(const Fault& fault)
 
 } // namespace
 
+bool acts_on_messages(Fault::Kind kind)
+{
+    using enum Fault::Kind;
+    return kind == Drop || kind == Duplicate || kind == Overtake || kind == Change;
+}
+
+bool acts_on_bytes(Fault::Kind kind)
+{
+    using enum Fault::Kind;
+    return kind == Delay || kind == Corrupt || kind == Answer || acts_on_messages(kind);
+}
+
 std::string flaw_of(const Fault& fault)
 {
     using enum Fault::Kind;
@@ -89,12 +99,17 @@ std::string flaw_of(const Fault& fault)
     if (fault.kind == Refuse) {
         return times == 0 ? "" : "it refuses the next connections, at no other time";
     }
-    const bool acts_on_bytes = fault.kind == Delay || fault.kind == Corrupt || fault.kind == Answer;
-    if (acts_on_bytes && !fault.message && !fault.byte_offset) {
+    if (acts_on_bytes(fault.kind) && !fault.message && !fault.byte_offset) {
         return "it acts on a message or a byte, and neither is said";
     }
     if (fault.kind == Answer && !fault.message) {
         return "only a message can be answered";
+    }
+    if (acts_on_messages(fault.kind) && !fault.message) {
+        return "it acts on a message, and none is said";
+    }
+    if (fault.kind == Change && !fault.edit) {
+        return "nothing says what shall change";
     }
     return fault.message ? flaw_of_message(fault) : std::string{};
 }

@@ -13,6 +13,10 @@
 
 namespace busbar::harness::detail {
 
+/// Returns whether the fault acts on a whole message.
+[[nodiscard]] bool acts_on_messages(Fault::Kind kind);
+/// Returns whether it acts on bytes that are sent, and not on their connection.
+[[nodiscard]] bool acts_on_bytes(Fault::Kind kind);
 /// Returns why the fault could never act, wherever it is played; empty if it could.
 [[nodiscard]] std::string flaw_of(const Fault& fault);
 
@@ -44,7 +48,7 @@ public:
     [[nodiscard]] Timeline& timeline() const { return *timeline_; }
     [[nodiscard]] ChunkTap& tap() const { return *tap_; }
     /// Lets the fault act on the link, when the bytes that `from` has sent have arrived. Not for
-    /// faults that act on bytes: Delay, Corrupt, Answer. Does not count it.
+    /// faults that act on bytes. Does not count it.
     void act(const Fault& fault, Link& link, Side from);
     void jump(Duration by) { clock_->jump(by); }
     [[nodiscard]] DateTime now() const { return clock_->now(); }

@@ -4,6 +4,8 @@
 
 #include <busbar/core/text.hpp>
 
+#include "message_edit.hpp"
+
 namespace busbar::harness {
 
 namespace {
@@ -130,6 +132,52 @@ Fault answer(StatusCode status)
     return made;
 }
 
+Fault drop()
+{
+    return make(Fault::Kind::Drop);
+}
+
+Fault duplicate()
+{
+    return make(Fault::Kind::Duplicate);
+}
+
+Fault overtake()
+{
+    return make(Fault::Kind::Overtake);
+}
+
+Fault change(Fault::Edit edit, std::string text)
+{
+    Fault made = make(Fault::Kind::Change);
+    made.edit = std::move(edit);
+    made.edit_text = std::move(text);
+    return made;
+}
+
+Fault edit(std::string path, std::string text)
+{
+    std::string what = "edit " + path + " = " + text;
+    return change(
+        [path = std::move(path), text = std::move(text)](std::vector<std::byte>& body) {
+            return detail::edit_message(body, path, text);
+        },
+        std::move(what));
+}
+
+Fault truncate(std::size_t bytes)
+{
+    return change(
+        [bytes](std::vector<std::byte>& body) -> std::string {
+            if (bytes > body.size()) {
+                return "it has only " + std::to_string(body.size()) + " bytes";
+            }
+            body.resize(body.size() - bytes);
+            return {};
+        },
+        "truncate " + std::to_string(bytes));
+}
+
 Fault jump_clock(Duration by)
 {
     Fault made = make(Fault::Kind::JumpClock);
@@ -146,9 +194,13 @@ Fault refuse()
 
 std::string describe(const Fault& fault)
 {
-    static constexpr std::array<std::string_view, 9> kinds{
-        "delay", "hold", "cut", "half open", "corrupt", "split", "answer", "jump clock", "refuse"};
+    static constexpr std::array<std::string_view, 13> kinds{
+        "delay",      "hold",   "cut",  "half open", "corrupt",  "split", "answer",
+        "jump clock", "refuse", "drop", "duplicate", "overtake", "change"};
     std::string text{kinds.at(static_cast<std::size_t>(fault.kind))};
+    if (!fault.edit_text.empty()) {
+        text = fault.edit_text;
+    }
     if (fault.kind == Fault::Kind::Answer) {
         text += " " + std::string{name(fault.status)};
     }

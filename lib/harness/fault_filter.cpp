@@ -7,6 +7,7 @@
 #include <busbar/types/common.hpp>
 
 #include "chunk_fields.hpp"
+#include "whole_message.hpp"
 
 namespace busbar::harness::detail {
 
@@ -15,12 +16,6 @@ namespace {
 void flip(std::span<std::byte> bytes, std::size_t position, unsigned bit)
 {
     bytes[std::min(position, bytes.size() - 1)] ^= static_cast<std::byte>(1U << bit);
-}
-
-bool acts_on_bytes(Fault::Kind kind)
-{
-    return kind == Fault::Kind::Delay || kind == Fault::Kind::Corrupt ||
-           kind == Fault::Kind::Answer;
 }
 
 /// For Hold and HalfOpen the side is the affected one, not the sender of the message.
@@ -82,12 +77,16 @@ void FaultFilter::pass(Link& link, Side from, DissectedFrame frame)
         faults_->timeline().sent(connection_, from, frame);
         begin_message(link, from, frame);
     }
+    const bool is_last = frame.is_last;
     if (stream.is_swallowed) {
-        ++swallowed_;
+        --shift_[static_cast<std::size_t>(from)];
+    } else if (!stream.on_message.empty() || !stream.overtaken.empty()) {
+        stream.frames.push_back(std::move(frame));
     } else {
         send(link, from, frame.bytes);
     }
-    if (frame.is_last) {
+    if (is_last) {
+        act_on_message(link, from);
         end_message(link, from);
     }
 }
@@ -98,8 +97,8 @@ void FaultFilter::renumber(Side from, DissectedFrame& frame)
     if (!offset || frame.bytes.size() < *offset + sizeof(std::uint32_t)) {
         return;
     }
-    std::uint32_t number = number_at(frame.bytes, *offset);
-    number = from == Side::Client ? number - swallowed_ : number + forged_;
+    const std::uint32_t number =
+        number_at(frame.bytes, *offset) + shift_[static_cast<std::size_t>(from)];
     set_number(frame.bytes, *offset, number);
     if (from == Side::Server) {
         server_number_ = number;
@@ -142,6 +141,10 @@ void FaultFilter::meet(Link& link, Side from, DissectedFrame& frame, Entry& entr
     if (fault.kind == Fault::Kind::Answer && (from == Side::Server || !frame.is_plain)) {
         return;
     }
+    if (acts_on_messages(fault.kind)) {
+        stream.on_message.push_back(&entry);
+        return;
+    }
     faults_->count(entry, connection_);
     if (!acts_on_bytes(fault.kind)) {
         faults_->act(fault, link, from);
@@ -152,6 +155,44 @@ void FaultFilter::meet(Link& link, Side from, DissectedFrame& frame, Entry& entr
     } else {
         stream.is_swallowed = true;
         answer(link, frame, fault.status);
+    }
+}
+
+void FaultFilter::act_on_message(Link& link, Side from)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    std::uint32_t& shift = shift_[static_cast<std::size_t>(from)];
+    WholeMessage message{std::exchange(stream.frames, {})};
+    for (Entry* const entry : std::exchange(stream.on_message, {})) {
+        if (message.is_empty() || !entry->is_for(connection_)) {
+            continue;
+        }
+        std::string flaw;
+        switch (entry->fault.kind) {
+        case Fault::Kind::Drop:
+            shift += message.drop();
+            break;
+        case Fault::Kind::Duplicate:
+            shift += message.duplicate();
+            break;
+        case Fault::Kind::Overtake:
+            stream.overtaken = message.take();
+            break;
+        default:
+            shift += message.change(entry->fault.edit, flaw);
+            break;
+        }
+        if (flaw.empty()) {
+            faults_->count(*entry, connection_);
+        } else {
+            faults_->timeline().happened(connection_, "no " + describe(entry->fault) + ": " + flaw);
+        }
+    }
+    if (!message.is_empty()) {
+        message.overtake(std::exchange(stream.overtaken, {}));
+    }
+    for (DissectedFrame& chunk : message.chunks()) {
+        send(link, from, chunk.bytes);
     }
 }
 
@@ -213,7 +254,7 @@ void FaultFilter::send(Link& link, Side from, std::span<std::byte> bytes)
 
 void FaultFilter::answer(Link& link, const DissectedFrame& request, StatusCode status)
 {
-    ++forged_;
+    ++shift_[static_cast<std::size_t>(Side::Server)];
     link.send(Side::Server, make_fault(request.bytes, ++server_number_, status, faults_->now()));
 }
 

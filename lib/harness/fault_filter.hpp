@@ -29,6 +29,11 @@ private:
         std::vector<std::size_t> matches;
         Duration delay{0};
         bool is_swallowed{false};
+        /// Faults that act on the whole of the present message, and its chunks so far.
+        std::vector<Entry*> on_message;
+        std::vector<DissectedFrame> frames;
+        /// The message that the next one overtakes.
+        std::vector<DissectedFrame> overtaken;
     };
 
     void pass(Link& link, Side from, DissectedFrame frame);
@@ -36,6 +41,7 @@ private:
     /// Lets the faults act whose message begins with the frame.
     void begin_message(Link& link, Side from, DissectedFrame& frame);
     void meet(Link& link, Side from, DissectedFrame& frame, Entry& entry);
+    void act_on_message(Link& link, Side from);
     void end_message(Link& link, Side from);
     void send(Link& link, Side from, std::span<std::byte> bytes);
     [[nodiscard]] Entry* next_at_byte(Side from, std::size_t size);
@@ -45,9 +51,9 @@ private:
     std::size_t connection_;
     Dissector dissector_;
     Stream streams_[2];
-    /// Chunks that the server never saw, and that it did not send; and its last number.
-    std::uint32_t swallowed_{0};
-    std::uint32_t forged_{0};
+    /// What the numbers of each side's chunks have to change, since some never arrived and others
+    /// were not its own; and the server's last number.
+    std::uint32_t shift_[2]{};
     std::uint32_t server_number_{0};
 };
 

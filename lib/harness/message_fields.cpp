@@ -20,16 +20,6 @@ namespace {
 constexpr std::size_t max_elements = 1'000;
 constexpr std::size_t max_summary = 160;
 
-/// The name of the specification as services spell it: "NodesToRead" is "nodesToRead".
-std::string spelled(std::string_view name)
-{
-    std::string text{name};
-    if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z') {
-        text[0] = static_cast<char>(text[0] + 32);
-    }
-    return text;
-}
-
 /// Writes down the fields of a structure, one after the other.
 class Collector {
 public:
@@ -142,6 +132,15 @@ bool is_telling(const MessageField& field)
 }
 
 } // namespace
+
+std::string spelled(std::string_view name)
+{
+    std::string text{name};
+    if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z') {
+        text[0] = static_cast<char>(text[0] + 32);
+    }
+    return text;
+}
 
 std::string_view MessageField::name() const
 {

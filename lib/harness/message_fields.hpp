@@ -9,6 +9,9 @@
 
 namespace busbar::harness::detail {
 
+/// The name of the specification as services spell it: "NodesToRead" is "nodesToRead".
+[[nodiscard]] std::string spelled(std::string_view name);
+
 /// One value in a message, by the names of the specification: "nodesToRead[0].nodeId" and
 /// "ns=1;s=Level".
 struct MessageField {

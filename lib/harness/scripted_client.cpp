@@ -228,7 +228,7 @@ Result<std::vector<std::byte>> ScriptedClient::await(std::uint32_t encoding_id, 
         return body;
     }
     StatusCode why = status::Bad_UnknownResponse;
-    if (const auto fault = detail::decode_body<ServiceFault>(body)) {
+    if (const auto fault = decode_body<ServiceFault>(body)) {
         why = fault->response_header.service_result;
     }
     report_ +=

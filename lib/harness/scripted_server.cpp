@@ -26,7 +26,7 @@ Result<std::vector<std::byte>> make_fault(std::span<const std::byte> request, St
     fault.response_header.timestamp = now;
     fault.response_header.request_handle = header.request_handle;
     fault.response_header.service_result = status;
-    return detail::encode_body(fault);
+    return encode_body(fault);
 }
 
 } // namespace

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/harness/link.hpp>
+#include <busbar/harness/message_body.hpp>
 
 namespace busbar::harness {
 
@@ -42,8 +46,14 @@ struct BUSBAR_API Fault {
         Split,
         Answer,
         JumpClock,
-        Refuse
+        Refuse,
+        Drop,
+        Duplicate,
+        Overtake,
+        Change
     };
+    /// Changes the body of a message; returns why it cannot, empty if it has.
+    using Edit = std::function<std::string(std::vector<std::byte>& body)>;
     /// The moment at which the fault acts, relative to its message.
     enum class Moment : std::uint8_t { Before, At, After };
 
@@ -83,6 +93,9 @@ struct BUSBAR_API Fault {
     unsigned bit{0};
     /// For Answer.
     StatusCode status{};
+    /// For Change, and what describe() says of it.
+    Edit edit{};
+    std::string edit_text{};
 
 private:
     [[nodiscard]] Fault on(Moment when, const Message& what) const;
@@ -109,6 +122,46 @@ namespace fault {
 /// on a channel with policy None, where requests can be read on their way; the sequence numbers of
 /// the following chunks are adjusted, so that neither side notices anything else.
 [[nodiscard]] BUSBAR_API Fault answer(StatusCode status);
+/// The message does not arrive. On a channel with policy None the sequence numbers of the following
+/// chunks are adjusted, so that the receiver notices nothing else; on a secured one it finds the
+/// gap.
+[[nodiscard]] BUSBAR_API Fault drop();
+/// The message arrives twice; the sequence numbers likewise.
+[[nodiscard]] BUSBAR_API Fault duplicate();
+/// The sender's next message overtakes this one, which does not arrive if there is none; the
+/// sequence numbers likewise.
+[[nodiscard]] BUSBAR_API Fault overtake();
+/// The message has a body of the test's making, in the same number of chunks if it is no larger.
+/// Only on a channel with policy None, as edit() and truncate(). Without an edit it does not act.
+[[nodiscard]] BUSBAR_API Fault change(Fault::Edit edit, std::string text = "change");
+/// The structure of the message is changed; those of other types stay as they are:
+///
+///     fault::change<ReadResponse>([](ReadResponse& response) { response.results.clear(); })
+///         .at(Message{"ReadResponse"})
+template <typename Structure, typename Work>
+[[nodiscard]] Fault change(Work work)
+{
+    return change([work = std::move(work)](std::vector<std::byte>& body) -> std::string {
+        auto structure = decode_body<Structure>(body);
+        if (!structure) {
+            return "it is another structure";
+        }
+        work(*structure);
+        auto changed = encode_body(*structure);
+        if (!changed) {
+            return std::string{name(changed.error())};
+        }
+        body = *std::move(changed);
+        return {};
+    });
+}
+/// A field, by the names of the specification, gets another value: ("results[0].status",
+/// "Bad_Timeout"), ("results[0].value", "Double:1.75"). Texts are read as client::parse_value()
+/// reads them. Does not act if there is no such field, or if it cannot have the value; the log says
+/// why.
+[[nodiscard]] BUSBAR_API Fault edit(std::string path, std::string text);
+/// The body of the message lacks so many bytes at its end, and its header's size says so.
+[[nodiscard]] BUSBAR_API Fault truncate(std::size_t bytes);
 /// The time of day jumps by this much, for all actors of the world.
 [[nodiscard]] BUSBAR_API Fault jump_clock(Duration by);
 /// The next connections are refused; the fault's times() is their number.

@@ -51,7 +51,7 @@ public:
         if (request.request_header.authentication_token.is_null()) {
             request.request_header.authentication_token = authentication_token_;
         }
-        auto body = detail::encode_body(request);
+        auto body = encode_body(request);
         return body ? send_body(*body, wrong) : fail(body.error());
     }
     /// Sends bytes past the channel, whole chunks or anything else.
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] Result<Response> expect(Duration limit = std::chrono::minutes{1})
     {
         auto body = await(Response::binary_encoding_id, limit);
-        return body ? detail::decode_body<Response>(*body) : fail(body.error());
+        return body ? decode_body<Response>(*body) : fail(body.error());
     }
     /// Runs the world until the connection is closed; returns the server's status, Good if it sent
     /// none.

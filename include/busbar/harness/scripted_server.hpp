@@ -10,17 +10,15 @@
 #include <type_traits>
 #include <vector>
 
-#include <busbar/binary/codec.hpp>
-#include <busbar/binary/type_registry.hpp>
 #include <busbar/channel/server_channel.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/harness/message_body.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
 #include <busbar/harness/wrong.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
-#include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 
 namespace busbar::harness {
@@ -74,34 +72,6 @@ struct AsResult<Result<T>> {
 };
 template <typename T>
 using ResultOf = typename AsResult<T>::Type;
-
-template <typename Structure>
-[[nodiscard]] Result<Structure> decode_body(std::span<const std::byte> body)
-{
-    static const binary::TypeRegistry types{binary::namespace0_types()};
-    binary::Reader reader{body, binary::Strings::Own, &types};
-    NodeId id;
-    Structure structure;
-    decode(reader, id);
-    decode(reader, structure);
-    if (!id.is(Structure::binary_encoding_id) || !reader.ok()) {
-        return fail(status::Bad_DecodingError);
-    }
-    return structure;
-}
-
-template <typename Structure>
-[[nodiscard]] Result<std::vector<std::byte>> encode_body(const Structure& structure)
-{
-    binary::VectorSink sink;
-    binary::Writer writer{sink};
-    encode(writer, NodeId{0, Structure::binary_encoding_id});
-    encode(writer, structure);
-    if (!writer.ok()) {
-        return fail(writer.status());
-    }
-    return sink.take(writer.written());
-}
 
 } // namespace detail
 
@@ -187,7 +157,7 @@ private:
         step_->answer =
             [make = std::move(make)](std::span<const std::byte> body, DateTime now,
                                      const Wrong& wrong) -> Result<std::vector<std::byte>> {
-            const auto request = detail::decode_body<Request>(body);
+            const auto request = decode_body<Request>(body);
             if (!request) {
                 return busbar::fail(request.error());
             }
@@ -201,7 +171,7 @@ private:
             if (response.response_header.timestamp == DateTime{}) {
                 response.response_header.timestamp = now;
             }
-            return detail::encode_body(response);
+            return encode_body(response);
         };
     }
 
@@ -276,7 +246,7 @@ public:
     template <typename Response>
     Result<void> send(const Response& response, std::uint32_t request_id, const Wrong& wrong = {})
     {
-        const auto body = detail::encode_body(response);
+        const auto body = encode_body(response);
         return body ? send_body(request_id, *body, wrong) : fail(body.error());
     }
     /// Sends bytes past the channel to the newest client, whole chunks or anything else.
@@ -306,7 +276,7 @@ private:
                                          std::function<bool(const Request&)> matches)
     {
         step.matches = [matches = std::move(matches)](std::span<const std::byte> body) {
-            const auto request = detail::decode_body<Request>(body);
+            const auto request = decode_body<Request>(body);
             return request && matches(*request);
         };
         return Expectation<Request>{add(step, Request::binary_encoding_id)};
