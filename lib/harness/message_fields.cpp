@@ -23,7 +23,10 @@ constexpr std::size_t max_summary = 160;
 /// Writes down the fields of a structure, one after the other.
 class Collector {
 public:
-    explicit Collector(std::vector<MessageField>& fields) : fields_{&fields} {}
+    Collector(std::vector<MessageField>& fields, DataValues values)
+        : fields_{&fields}, values_{values}
+    {
+    }
 
     template <typename T>
     void operator()(const char* name, const T& value)
@@ -38,8 +41,9 @@ public:
     {
         if constexpr (std::is_enum_v<T>) {
             leaf(std::to_string(static_cast<long long>(value)));
-        } else if constexpr (std::is_same_v<T, StatusCode> || std::is_same_v<T, Variant> ||
-                             std::is_same_v<T, DataValue>) {
+        } else if constexpr (std::is_same_v<T, DataValue>) {
+            add_data_value(value);
+        } else if constexpr (std::is_same_v<T, StatusCode> || std::is_same_v<T, Variant>) {
             leaf(text_of(value));
         } else if constexpr (std::is_same_v<T, ExtensionObject>) {
             add_object(value);
@@ -72,9 +76,11 @@ public:
 
 private:
     void add_object(const ExtensionObject& object);
+    void add_data_value(const DataValue& value);
     void leaf(std::string text) { fields_->push_back({path_, std::move(text)}); }
 
     std::vector<MessageField>* fields_;
+    DataValues values_;
     std::string path_;
 };
 
@@ -107,6 +113,24 @@ void Collector::add_object(const ExtensionObject& object)
         return;
     }
     found->second(*this, object.object());
+}
+
+void Collector::add_data_value(const DataValue& value)
+{
+    if (values_ == DataValues::Whole) {
+        leaf(text_of(value));
+        return;
+    }
+    const DataValue nothing;
+    const auto part = [&](const char* name, const auto& own, const auto& default_value) {
+        if (own != default_value) {
+            (*this)(name, own);
+        }
+    };
+    part("Value", value.value, nothing.value);
+    part("Status", value.status, nothing.status);
+    part("SourceTimestamp", value.source_timestamp, nothing.source_timestamp);
+    part("ServerTimestamp", value.server_timestamp, nothing.server_timestamp);
 }
 
 /// Whether the field belongs in a line about its message.
@@ -149,7 +173,7 @@ std::string_view MessageField::name() const
     return last.substr(0, last.find('['));
 }
 
-std::optional<MessageFields> read_message(std::span<const std::byte> body)
+std::optional<MessageFields> read_message(std::span<const std::byte> body, DataValues values)
 {
     static const binary::TypeRegistry types{binary::namespace0_types()};
     binary::Reader reader{body, binary::Strings::Own, &types};
@@ -167,7 +191,7 @@ std::optional<MessageFields> read_message(std::span<const std::byte> body)
         return std::nullopt;
     }
     MessageFields message{type->name, {}};
-    Collector collector{message.fields};
+    Collector collector{message.fields, values};
     found->second(collector, object.object());
     return message;
 }
@@ -180,8 +204,8 @@ std::string summary_of(const MessageFields& message)
         if (!is_telling(field)) {
             continue;
         }
-        const bool is_number =
-            field.name().ends_with("Id") && field.text.find('=') == std::string::npos;
+        const bool is_number = (field.name().ends_with("Id") || field.name().ends_with("Ids")) &&
+                               field.text.find('=') == std::string::npos;
         const std::string shown =
             (is_number || field.name() == "sequenceNumber" ? std::string{field.name()} + " " : "") +
             field.text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,9 +31,13 @@ struct MessageFields {
     std::vector<MessageField> fields;
 };
 
+/// Whether a DataValue is one field, or its parts are.
+enum class DataValues : std::uint8_t { Whole, InParts };
+
 /// Reads the body of a message: the NodeId of an encoding and a structure of namespace 0. Nothing
 /// if it is neither.
-[[nodiscard]] std::optional<MessageFields> read_message(std::span<const std::byte> body);
+[[nodiscard]] std::optional<MessageFields> read_message(std::span<const std::byte> body,
+                                                        DataValues values = DataValues::Whole);
 
 /// Returns one line: the name, and what says most about it: nodes, values, results. At most about
 /// 160 characters.

@@ -1,0 +1,105 @@
+#include <busbar/harness/recorded_messages.hpp>
+
+#include <array>
+#include <map>
+
+#include <busbar/harness/log_book.hpp>
+
+#include "chunk_fields.hpp"
+#include "dissector.hpp"
+#include "message_fields.hpp"
+#include "volatile_fields.hpp"
+
+namespace busbar::harness {
+
+namespace {
+
+/// Puts frames together and reads them.
+class MessageReader {
+public:
+    void feed(const Recording::Entry& entry)
+    {
+        // One dissector for both sides: only the client's OPN says the security of the channel.
+        detail::Dissector& dissector = dissectors_[entry.connection];
+        dissector.feed(entry.from, entry.bytes);
+        while (const auto frame = dissector.take(entry.from)) {
+            add(entry, *frame);
+        }
+    }
+    [[nodiscard]] std::vector<RecordedMessage> take() { return std::move(messages_); }
+
+private:
+    void add(const Recording::Entry& entry, const detail::DissectedFrame& frame);
+
+    std::map<std::uint32_t, detail::Dissector> dissectors_;
+    std::map<std::pair<std::uint32_t, Side>, std::vector<std::byte>> bodies_;
+    std::vector<RecordedMessage> messages_;
+};
+
+void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFrame& frame)
+{
+    std::vector<std::byte>& body = bodies_[{entry.connection, entry.from}];
+    const auto part = frame.body();
+    body.insert(body.end(), part.begin(), part.end());
+    if (!frame.is_last) {
+        return;
+    }
+    RecordedMessage& message = messages_.emplace_back();
+    message.number = messages_.size();
+    message.time = entry.time;
+    message.connection = entry.connection;
+    message.from = entry.from;
+    message.name = frame.type_name.empty() ? "bytes" : std::string{frame.type_name};
+    const auto offset = frame.sequence_offset();
+    if (offset && frame.bytes.size() >= *offset + 8) {
+        message.request_id = detail::number_at(frame.bytes, *offset + sizeof(std::uint32_t));
+    }
+    if (auto read = detail::read_message(body, detail::DataValues::InParts)) {
+        message.name = read->name;
+        for (detail::MessageField& field : read->fields) {
+            message.fields.push_back({std::move(field.path), std::move(field.text)});
+        }
+    } else if (!frame.structure_name.empty()) {
+        message.name = frame.structure_name;
+    }
+    body.clear();
+}
+
+} // namespace
+
+std::vector<RecordedMessage> read_messages(const Recording& recording)
+{
+    MessageReader reader;
+    for (const Recording::Entry& entry : recording.entries) {
+        if (entry.kind == Recording::Kind::Bytes) {
+            reader.feed(entry);
+        }
+    }
+    return reader.take();
+}
+
+std::string summary(const RecordedMessage& message)
+{
+    detail::MessageFields fields{message.name, {}};
+    for (const RecordedMessage::Field& field : message.fields) {
+        fields.fields.push_back({field.path, field.text});
+    }
+    return text_of(message.time) + (message.from == Side::Client ? " client -> " : " server -> ") +
+           detail::summary_of(fields);
+}
+
+std::string write_messages(const std::vector<RecordedMessage>& messages)
+{
+    detail::Symbols symbols;
+    std::string text = "busbar-messages 1\n";
+    for (const RecordedMessage& message : messages) {
+        text += "\n" + std::to_string(message.connection) +
+                (message.from == Side::Client ? " > " : " < ") + message.name + "\n";
+        for (const RecordedMessage::Field& field : message.fields) {
+            text += "  " + field.path + ": " + symbols.of(field) + "\n";
+        }
+    }
+    return text;
+}
+
+} // namespace busbar::harness
