@@ -1,9 +1,5 @@
 #include <busbar/harness/fault.hpp>
 
-#include <array>
-
-#include <busbar/core/text.hpp>
-
 #include "message_edit.hpp"
 
 namespace busbar::harness {
@@ -15,28 +11,6 @@ Fault make(Fault::Kind kind)
     Fault made;
     made.kind = kind;
     return made;
-}
-
-std::string_view side_name(Side side)
-{
-    return side == Side::Client ? "client" : "server";
-}
-
-std::string moment_text(const Fault& fault)
-{
-    static constexpr std::array<std::string_view, 3> moments{" before ", " at ", " after "};
-    if (fault.message) {
-        return std::string{moments.at(static_cast<std::size_t>(fault.moment))} +
-               fault.message->name + " " + std::to_string(fault.message->number);
-    }
-    if (fault.byte_offset) {
-        return " at byte " + std::to_string(*fault.byte_offset);
-    }
-    if (fault.time) {
-        return " after " + std::to_string(std::chrono::duration<double>{*fault.time}.count()) +
-               " s";
-    }
-    return "";
 }
 
 } // namespace
@@ -191,27 +165,5 @@ Fault refuse()
 }
 
 } // namespace fault
-
-std::string describe(const Fault& fault)
-{
-    static constexpr std::array<std::string_view, 13> kinds{
-        "delay",      "hold",   "cut",  "half open", "corrupt",  "split", "answer",
-        "jump clock", "refuse", "drop", "duplicate", "overtake", "change"};
-    std::string text{kinds.at(static_cast<std::size_t>(fault.kind))};
-    if (!fault.edit_text.empty()) {
-        text = fault.edit_text;
-    }
-    if (fault.kind == Fault::Kind::Answer) {
-        text += " " + std::string{name(fault.status)};
-    }
-    text += moment_text(fault);
-    if (fault.side) {
-        text += " of the " + std::string{side_name(*fault.side)};
-    }
-    if (fault.connection != 0) {
-        text += " on connection " + std::to_string(fault.connection);
-    }
-    return text;
-}
 
 } // namespace busbar::harness

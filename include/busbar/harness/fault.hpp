@@ -10,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/harness/link.hpp>
@@ -169,10 +170,20 @@ template <typename Structure, typename Work>
 
 } // namespace fault
 
-/// Describes the fault in a line of text, for reports.
+/// Describes the fault in a line of text, for reports: "delay 2 s at ReadResponse 3 times 2".
 [[nodiscard]] BUSBAR_API std::string describe(const Fault& fault);
+/// Reads what describe() writes, but for changes that are a test's code: what happens, "before",
+/// "at" or "after" which message (1 if no number follows) or time, or "at byte" N, then "of the
+/// client" or "server", "on connection" N, "times" N or "always". Times have a unit: ms, s, min, h.
+/// The Problem says what was found and what is expected, or why the fault could never act.
+[[nodiscard]] BUSBAR_API Configured<Fault> parse_fault(std::string_view text);
 
 /// The faults of a run. Network::play() makes them happen.
 using FaultScript = std::vector<Fault>;
+
+/// Reads a file of faults, one a line; empty lines and those that begin with # are for people. The
+/// Problem names the line: "bad.faults:3".
+[[nodiscard]] BUSBAR_API Configured<FaultScript> read_faults(std::string_view text,
+                                                             std::string_view file_name);
 
 } // namespace busbar::harness
