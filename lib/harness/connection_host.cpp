@@ -109,6 +109,10 @@ void ConnectionHost::handle(client::ConnectionEvent event)
         is_ready_ = true;
         break;
     case client::ConnectionEvent::Kind::Response: {
+        if (auto raw = body_handlers_.extract(event.handle); !raw.empty()) {
+            raw.mapped()(std::move(event.body));
+            return;
+        }
         auto found = handlers_.extract(event.handle);
         if (found.empty()) {
             return;
@@ -140,6 +144,32 @@ void ConnectionHost::await(Result<std::uint32_t> sent, Handler handler)
     }
 }
 
+void ConnectionHost::send_body(std::span<const std::byte> body, BodyHandler then)
+{
+    tell_time();
+    binary::Reader reader{body};
+    NodeId id;
+    RequestHeader header;
+    decode(reader, id);
+    decode(reader, header);
+    const auto fields = reader.ok() ? body.subspan(reader.offset()) : body.first(0);
+    const auto sent =
+        is_ready_ && reader.ok()
+            ? connection_->send_encoded([&](binary::Writer& writer, const RequestHeader& own) {
+                  encode(writer, id);
+                  encode(writer, own);
+                  writer.bytes(fields);
+              })
+            : fail(status::Bad_NotConnected);
+    if (!sent) {
+        then({});
+        return;
+    }
+    body_handlers_.emplace(*sent, std::move(then));
+    link_->flush(Side::Client);
+    deadline_.set(connection_->next_deadline());
+}
+
 void ConnectionHost::close()
 {
     connect_.cancel();
@@ -168,6 +198,9 @@ void ConnectionHost::end(StatusCode status)
     }
     for (auto& [handle, handler] : std::exchange(handlers_, {})) {
         handler(fail(status::Bad_ConnectionClosed));
+    }
+    for (auto& [handle, handler] : std::exchange(body_handlers_, {})) {
+        handler({});
     }
 }
 

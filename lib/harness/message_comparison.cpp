@@ -6,7 +6,7 @@
 
 #include <busbar/harness/recorded_messages.hpp>
 
-#include "message_fields.hpp"
+#include "recorded_exchanges.hpp"
 #include "volatile_fields.hpp"
 
 namespace busbar::harness {
@@ -21,17 +21,6 @@ struct Exchange {
     std::string content;
 };
 
-std::string content_of(const RecordedMessage& request)
-{
-    std::string text;
-    for (const RecordedMessage::Field& field : request.fields) {
-        if (detail::variability_of(field.path) == detail::Variability::None) {
-            text += field.path + "=" + field.text + "\n";
-        }
-    }
-    return text;
-}
-
 /// The exchanges on all connections, in the order of their requests; errors of the connection
 /// protocol stand alone.
 std::vector<Exchange> exchanges_of(const std::vector<RecordedMessage>& messages)
@@ -45,7 +34,7 @@ std::vector<Exchange> exchanges_of(const std::vector<RecordedMessage>& messages)
             continue; // the channel's own
         } else if (message.from == Side::Client) {
             open[{message.connection, message.request_id}] = exchanges.size();
-            exchanges.push_back({&message, nullptr, content_of(message)});
+            exchanges.push_back({&message, nullptr, detail::content_of(message)});
         } else if (const auto found = open.find({message.connection, message.request_id});
                    found != open.end()) {
             exchanges[found->second].response = &message;

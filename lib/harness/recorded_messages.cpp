@@ -8,6 +8,7 @@
 #include "chunk_fields.hpp"
 #include "dissector.hpp"
 #include "message_fields.hpp"
+#include "recorded_exchanges.hpp"
 #include "volatile_fields.hpp"
 
 namespace busbar::harness {
@@ -26,14 +27,14 @@ public:
             add(entry, *frame);
         }
     }
-    [[nodiscard]] std::vector<RecordedMessage> take() { return std::move(messages_); }
+    [[nodiscard]] std::vector<detail::WholeRecordedMessage> take() { return std::move(messages_); }
 
 private:
     void add(const Recording::Entry& entry, const detail::DissectedFrame& frame);
 
     std::map<std::uint32_t, detail::Dissector> dissectors_;
     std::map<std::pair<std::uint32_t, Side>, std::vector<std::byte>> bodies_;
-    std::vector<RecordedMessage> messages_;
+    std::vector<detail::WholeRecordedMessage> messages_;
 };
 
 void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFrame& frame)
@@ -44,7 +45,8 @@ void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFr
     if (!frame.is_last) {
         return;
     }
-    RecordedMessage& message = messages_.emplace_back();
+    detail::WholeRecordedMessage& whole = messages_.emplace_back();
+    RecordedMessage& message = whole.words;
     message.number = messages_.size();
     message.time = entry.time;
     message.connection = entry.connection;
@@ -54,20 +56,30 @@ void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFr
     if (offset && frame.bytes.size() >= *offset + 8) {
         message.request_id = detail::number_at(frame.bytes, *offset + sizeof(std::uint32_t));
     }
-    if (auto read = detail::read_message(body, detail::DataValues::InParts)) {
-        message.name = read->name;
-        for (detail::MessageField& field : read->fields) {
-            message.fields.push_back({std::move(field.path), std::move(field.text)});
-        }
-    } else if (!frame.structure_name.empty()) {
+    if (!detail::read_into(message, body) && !frame.structure_name.empty()) {
         message.name = frame.structure_name;
     }
-    body.clear();
+    whole.body = std::exchange(body, {});
 }
 
 } // namespace
 
-std::vector<RecordedMessage> read_messages(const Recording& recording)
+namespace detail {
+
+bool read_into(RecordedMessage& message, std::span<const std::byte> body)
+{
+    auto read = read_message(body, DataValues::InParts);
+    if (!read) {
+        return false;
+    }
+    message.name = read->name;
+    for (MessageField& field : read->fields) {
+        message.fields.push_back({std::move(field.path), std::move(field.text)});
+    }
+    return true;
+}
+
+std::vector<WholeRecordedMessage> read_whole_messages(const Recording& recording)
 {
     MessageReader reader;
     for (const Recording::Entry& entry : recording.entries) {
@@ -76,6 +88,17 @@ std::vector<RecordedMessage> read_messages(const Recording& recording)
         }
     }
     return reader.take();
+}
+
+} // namespace detail
+
+std::vector<RecordedMessage> read_messages(const Recording& recording)
+{
+    std::vector<RecordedMessage> messages;
+    for (detail::WholeRecordedMessage& whole : detail::read_whole_messages(recording)) {
+        messages.push_back(std::move(whole.words));
+    }
+    return messages;
 }
 
 std::string summary(const RecordedMessage& message)

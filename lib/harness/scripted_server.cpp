@@ -274,11 +274,25 @@ std::optional<detail::ScriptStep> ScriptedServer::take_step(std::span<const std:
         steps_.pop_front();
         return step;
     }
-    for (const auto* const steps : {&allowed_, &defaults_}) {
-        if (const auto found = std::find_if(steps->begin(), steps->end(), is_it);
-            found != steps->end()) {
-            return *found;
+    const auto known = [&](const std::deque<detail::ScriptStep>& steps) {
+        const auto found = std::find_if(steps.begin(), steps.end(), is_it);
+        return found == steps.end() ? std::nullopt : std::optional{*found};
+    };
+    if (auto step = known(allowed_)) {
+        return step;
+    }
+    if (auto answer = others_ ? others_(body) : std::nullopt) {
+        detail::ScriptStep step;
+        step.delay = answer->delay;
+        if (!answer->body.empty()) {
+            step.answer = [kept = std::move(answer->body)](const auto&, DateTime, const Wrong&) {
+                return Result<std::vector<std::byte>>{kept};
+            };
         }
+        return step;
+    }
+    if (auto step = known(defaults_)) {
+        return step;
     }
     if (unexpected_.size() < max_unexpected) {
         const bool is_other = !steps_.empty() && id.is(steps_.front().encoding_id);

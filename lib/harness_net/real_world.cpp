@@ -78,7 +78,7 @@ public:
     }
 
     [[nodiscard]] Result<std::string> open(std::string_view address, std::uint16_t port);
-    Result<void> reach(std::string_view url);
+    Result<void> forward(std::string_view from, std::string_view to);
     [[nodiscard]] std::size_t count();
     void stop();
 
@@ -162,14 +162,14 @@ void RealWorld::Sockets::take(const Listening& listening, tcp::socket socket)
     ends_.push_back(end);
 }
 
-Result<void> RealWorld::Sockets::reach(std::string_view url)
+Result<void> RealWorld::Sockets::forward(std::string_view from, std::string_view to)
 {
-    auto address = channel::EndpointUrl::parse(url);
+    auto address = channel::EndpointUrl::parse(to);
     if (!address) {
         return fail(address.error());
     }
     auto way = std::make_unique<Way>(context_, *std::move(address));
-    if (auto listens = world_.network().listen(url, *way); !listens) {
+    if (auto listens = world_.network().listen(from, *way); !listens) {
         return listens;
     }
     ways_.push_back(std::move(way));
@@ -232,7 +232,12 @@ Result<std::string> RealWorld::open(std::string_view address, std::uint16_t port
 
 Result<void> RealWorld::reach(std::string_view url)
 {
-    return sockets_->reach(url);
+    return sockets_->forward(url, url);
+}
+
+Result<void> RealWorld::forward(std::string_view from, std::string_view to)
+{
+    return sockets_->forward(from, to);
 }
 
 std::size_t RealWorld::socket_count() const

@@ -69,9 +69,15 @@ public:
     /// send further requests.
     template <typename Response, typename Request>
     void send(Request request, std::function<void(Result<Response>)> then);
+    /// Sends a request whose body is encoded: NodeId, header, fields. The header is replaced by one
+    /// of this connection. `then` gets the body of what came, a ServiceFault too; empty if nothing
+    /// did.
+    void send_body(std::span<const std::byte> body,
+                   std::function<void(std::vector<std::byte> body)> then);
 
 private:
     using Handler = std::function<void(Result<client::ResponseBody>)>;
+    using BodyHandler = std::function<void(std::vector<std::byte>)>;
 
     // LinkEnd.
     [[nodiscard]] std::span<const std::byte> output() const override
@@ -98,6 +104,7 @@ private:
     std::optional<client::Connection> connection_;
     std::shared_ptr<Link> link_;
     std::map<std::uint32_t, Handler> handlers_;
+    std::map<std::uint32_t, BodyHandler> body_handlers_;
     std::optional<StatusCode> closed_by_;
     bool is_ready_{false};
     Alarm connect_;

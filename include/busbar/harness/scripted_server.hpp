@@ -241,6 +241,18 @@ public:
     /// which there are ServerStatus, its State, NamespaceArray and ServerArray.
     void accept_clients();
 
+    /// Asks `answer` about requests that are neither expected nor allowed, before what
+    /// accept_clients() allows. It returns the body of a
+    /// response, with the header that it shall have, empty for no answer; nothing for a request
+    /// that is out of turn.
+    struct OtherAnswer {
+        std::vector<std::byte> body;
+        Duration delay{0};
+    };
+    using AnswerOthers =
+        std::function<std::optional<OtherAnswer>(std::span<const std::byte> request)>;
+    void answer_others(AnswerOthers answer) { others_ = std::move(answer); }
+
     /// Sends a response that nobody may have asked for to the newest client; its header's handle is
     /// as it is. Bad_NotConnected without a channel.
     template <typename Response>
@@ -315,6 +327,7 @@ private:
     std::deque<detail::ScriptStep> allowed_;
     /// Considered last.
     std::deque<detail::ScriptStep> defaults_;
+    AnswerOthers others_;
     std::vector<std::pair<std::string, std::vector<std::byte>>> replaced_;
     std::vector<std::string> came_;
     std::vector<std::string> unexpected_;

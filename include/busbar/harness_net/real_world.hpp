@@ -38,6 +38,10 @@ public:
     /// real network. Bad_TcpEndpointUrlInvalid; Bad_InvalidState if a listener is there in the
     /// world already.
     Result<void> reach(std::string_view url);
+    /// From now on connections to `from` in the world, which may be the URL of an open socket, go
+    /// to the address of `to` on the real network: a proxy, whose faults and trace are the world's.
+    /// Errors as for reach(), which is this with one URL.
+    Result<void> forward(std::string_view from, std::string_view to);
     /// The number of connections to real peers that exist.
     [[nodiscard]] std::size_t socket_count() const;
 

@@ -1,0 +1,170 @@
+#include <busbar/harness/request_replay.hpp>
+
+#include <algorithm>
+#include <map>
+
+#include "message_edit.hpp"
+#include "recorded_exchanges.hpp"
+#include "volatile_fields.hpp"
+
+namespace busbar::harness {
+
+namespace {
+
+using detail::RecordedExchange;
+using detail::WholeRecordedMessage;
+
+/// One replay.
+class RequestReplay {
+public:
+    RequestReplay(World& world, ConnectionHost& client, const RequestReplayOptions& options,
+                  std::vector<RecordedExchange> exchanges)
+        : world_{world}, client_{client}, options_{options}, exchanges_{std::move(exchanges)},
+          is_answered_(exchanges_.size(), false)
+    {
+    }
+
+    [[nodiscard]] std::vector<RecordedMessage> run()
+    {
+        const TimePoint begin = world_.now();
+        for (std::size_t i = 0; i < exchanges_.size() && client_.is_ready(); ++i) {
+            if (options_.keeps_pace) {
+                world_.run_until(begin + (time_of(i) - time_of(0)));
+            }
+            await_answers_before(i);
+            send(i);
+        }
+        await(exchanges_.size(),
+              [](const RecordedExchange& exchange) { return exchange.response != nullptr; });
+        return std::move(messages_);
+    }
+
+private:
+    [[nodiscard]] Duration time_of(std::size_t i) const
+    {
+        return exchanges_[i].request->words.time;
+    }
+    /// Waits for the answers that the recorded client had before it sent this request.
+    void await_answers_before(std::size_t i)
+    {
+        const std::size_t number = exchanges_[i].request->words.number;
+        await(i, [number](const RecordedExchange& exchange) {
+            return exchange.response != nullptr && exchange.response->words.number < number;
+        });
+    }
+    /// Waits until those of the first `count` exchanges for which `counts` are answered.
+    template <typename Counts>
+    void await(std::size_t count, Counts counts)
+    {
+        const auto is_done = [&] {
+            for (std::size_t i = 0; i < count; ++i) {
+                if (!is_answered_[i] && counts(exchanges_[i])) {
+                    return false;
+                }
+            }
+            return true;
+        };
+        if (!world_.run_until(is_done, options_.answer_limit)) {
+            // What has not come is not waited for again.
+            for (std::size_t i = 0; i < count; ++i) {
+                is_answered_[i] = is_answered_[i] || counts(exchanges_[i]);
+            }
+        }
+    }
+    void send(std::size_t i)
+    {
+        const WholeRecordedMessage& request = *exchanges_[i].request;
+        std::vector<std::byte> body = request.body;
+        for (const RecordedMessage::Field& field : request.words.fields) {
+            const auto found = ids_.find({std::string{detail::kind_of_id(field.path)}, field.text});
+            if (found != ids_.end() && found->second != field.text) {
+                static_cast<void>(detail::edit_message(body, field.path, found->second));
+            }
+        }
+        note(Side::Client, i, body);
+        client_.send_body(body, [this, i](const std::vector<std::byte>& answer) {
+            if (!answer.empty()) {
+                learn(i, note(Side::Server, i, answer));
+            }
+            is_answered_[i] = true;
+        });
+    }
+    /// Keeps a message in words; the exchange's number is its request id.
+    const RecordedMessage& note(Side from, std::size_t i, std::span<const std::byte> body)
+    {
+        RecordedMessage& message = messages_.emplace_back();
+        message.number = messages_.size();
+        message.time = world_.now().time_since_epoch();
+        message.connection = 1;
+        message.from = from;
+        message.request_id = static_cast<std::uint32_t>(i + 1);
+        detail::read_into(message, body);
+        return message;
+    }
+    /// Finds out which ids the new server has for those of the old one.
+    void learn(std::size_t i, const RecordedMessage& answer)
+    {
+        if (exchanges_[i].response == nullptr) {
+            return;
+        }
+        for (const RecordedMessage::Field& field : exchanges_[i].response->words.fields) {
+            const std::string kind{detail::kind_of_id(field.path)};
+            if (kind.empty()) {
+                continue;
+            }
+            const auto found = std::find_if(
+                answer.fields.begin(), answer.fields.end(),
+                [&](const RecordedMessage::Field& own) { return own.path == field.path; });
+            if (found != answer.fields.end()) {
+                ids_.try_emplace({kind, field.text}, found->text);
+            }
+        }
+    }
+
+    World& world_;
+    ConnectionHost& client_;
+    RequestReplayOptions options_;
+    std::vector<RecordedExchange> exchanges_;
+    std::vector<bool> is_answered_;
+    std::vector<RecordedMessage> messages_;
+    std::map<std::pair<std::string, std::string>, std::string> ids_;
+};
+
+} // namespace
+
+Result<std::vector<RecordedMessage>> replay_requests(World& world, const Recording& recording,
+                                                     client::ConnectionConfig config,
+                                                     const ClientParts& parts,
+                                                     const RequestReplayOptions& options)
+{
+    const auto messages = detail::read_whole_messages(recording);
+    config.request_timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
+        options.answer_limit + std::chrono::seconds{1});
+    ConnectionHost client{world, std::move(config), parts};
+    if (const auto opened = client.open(options.answer_limit); !opened) {
+        return fail(opened.error());
+    }
+    auto came = RequestReplay{world, client, options, detail::exchanges_of(messages)}.run();
+    client.close();
+    constexpr Duration farewell = std::chrono::milliseconds{100};
+    world.run_for(farewell);
+    return came;
+}
+
+std::vector<RecordedMessage> repeated_messages(const Recording& recording)
+{
+    const auto messages = detail::read_whole_messages(recording);
+    std::vector<RecordedMessage> repeated;
+    for (const RecordedExchange& exchange : detail::exchanges_of(messages)) {
+        for (const WholeRecordedMessage* const one : {exchange.request, exchange.response}) {
+            if (one != nullptr) {
+                repeated.push_back(one->words);
+            }
+        }
+    }
+    std::sort(repeated.begin(), repeated.end(),
+              [](const auto& a, const auto& b) { return a.number < b.number; });
+    return repeated;
+}
+
+} // namespace busbar::harness
