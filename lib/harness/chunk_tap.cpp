@@ -7,7 +7,7 @@ namespace busbar::harness::detail {
 
 namespace {
 
-/// Of two chunks with the same last bytes one is a copy of the other.
+/// Two chunks with the same last bytes are copies of each other.
 constexpr std::size_t mark_size = 32;
 
 std::span<const std::byte> mark_of(std::span<const std::byte> chunk)

@@ -17,7 +17,7 @@ namespace {
 struct Exchange {
     const RecordedMessage* request{nullptr};
     const RecordedMessage* response{nullptr};
-    /// What tells it from others of its name.
+    /// Tells it from others of its name.
     std::string content;
 };
 

@@ -138,7 +138,7 @@ private:
         fail("expected a field of \"" + std::string{path_.substr(0, done_)} + "\"");
         return false;
     }
-    /// What went wrong first, farthest within the path, says most.
+    /// Keeps what went wrong first: farthest within the path, it says most.
     void fail(std::string flaw)
     {
         if (flaw_.empty()) {

@@ -16,10 +16,13 @@ namespace busbar::harness {
 namespace {
 
 /// Puts frames together and reads them.
-class MessageReader {
+class Assembler {
 public:
     void feed(const Recording::Entry& entry)
     {
+        if (entry.kind != Recording::Kind::Bytes) {
+            return;
+        }
         // One dissector for both sides: only the client's OPN says the security of the channel.
         detail::Dissector& dissector = dissectors_[entry.connection];
         dissector.feed(entry.from, entry.bytes);
@@ -27,7 +30,10 @@ public:
             add(entry, *frame);
         }
     }
-    [[nodiscard]] std::vector<detail::WholeRecordedMessage> take() { return std::move(messages_); }
+    [[nodiscard]] std::vector<detail::WholeRecordedMessage> take()
+    {
+        return std::exchange(messages_, {});
+    }
 
 private:
     void add(const Recording::Entry& entry, const detail::DissectedFrame& frame);
@@ -35,9 +41,10 @@ private:
     std::map<std::uint32_t, detail::Dissector> dissectors_;
     std::map<std::pair<std::uint32_t, Side>, std::vector<std::byte>> bodies_;
     std::vector<detail::WholeRecordedMessage> messages_;
+    std::size_t count_{0};
 };
 
-void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFrame& frame)
+void Assembler::add(const Recording::Entry& entry, const detail::DissectedFrame& frame)
 {
     std::vector<std::byte>& body = bodies_[{entry.connection, entry.from}];
     const auto part = frame.body();
@@ -47,7 +54,7 @@ void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFr
     }
     detail::WholeRecordedMessage& whole = messages_.emplace_back();
     RecordedMessage& message = whole.words;
-    message.number = messages_.size();
+    message.number = ++count_;
     message.time = entry.time;
     message.connection = entry.connection;
     message.from = entry.from;
@@ -60,6 +67,15 @@ void MessageReader::add(const Recording::Entry& entry, const detail::DissectedFr
         message.name = frame.structure_name;
     }
     whole.body = std::exchange(body, {});
+}
+
+std::vector<RecordedMessage> words_of(std::vector<detail::WholeRecordedMessage> whole_messages)
+{
+    std::vector<RecordedMessage> messages;
+    for (detail::WholeRecordedMessage& whole : whole_messages) {
+        messages.push_back(std::move(whole.words));
+    }
+    return messages;
 }
 
 } // namespace
@@ -81,24 +97,32 @@ bool read_into(RecordedMessage& message, std::span<const std::byte> body)
 
 std::vector<WholeRecordedMessage> read_whole_messages(const Recording& recording)
 {
-    MessageReader reader;
+    Assembler assembler;
     for (const Recording::Entry& entry : recording.entries) {
-        if (entry.kind == Recording::Kind::Bytes) {
-            reader.feed(entry);
-        }
+        assembler.feed(entry);
     }
-    return reader.take();
+    return assembler.take();
 }
 
 } // namespace detail
 
+struct MessageReader::Impl {
+    Assembler assembler;
+};
+
+MessageReader::MessageReader() : impl_{std::make_unique<Impl>()} {}
+
+MessageReader::~MessageReader() = default;
+
+std::vector<RecordedMessage> MessageReader::feed(const Recording::Entry& entry)
+{
+    impl_->assembler.feed(entry);
+    return words_of(impl_->assembler.take());
+}
+
 std::vector<RecordedMessage> read_messages(const Recording& recording)
 {
-    std::vector<RecordedMessage> messages;
-    for (detail::WholeRecordedMessage& whole : detail::read_whole_messages(recording)) {
-        messages.push_back(std::move(whole.words));
-    }
-    return messages;
+    return words_of(detail::read_whole_messages(recording));
 }
 
 std::string summary(const RecordedMessage& message)

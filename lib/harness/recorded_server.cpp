@@ -59,7 +59,7 @@ struct RecordedServer::Impl {
         std::size_t next{0};
     };
     std::vector<detail::WholeRecordedMessage> messages;
-    /// By name and content of the request.
+    /// Answers by the name and the content of the request.
     std::map<std::pair<std::string, std::string>, Answers> answers;
     ScriptedServer server;
 };

@@ -22,13 +22,15 @@ constexpr std::array ids{
     IdName{"registeredNodeIds", "node"},      IdName{"nodesToUnregister", "node"},
 };
 
-constexpr std::array<std::string_view, 14> noise{"requestHandle",     "clientNonce",
+constexpr std::array<std::string_view, 17> noise{"requestHandle",     "clientNonce",
                                                  "serverNonce",       "signature",
                                                  "clientCertificate", "serverCertificate",
                                                  "secureChannelId",   "tokenId",
                                                  "sequenceNumber",    "auditEntryId",
                                                  "timeoutHint",       "password",
-                                                 "tokenData",         "availableSequenceNumbers"};
+                                                 "tokenData",         "availableSequenceNumbers",
+                                                 "endpointUrl",       "discoveryUrls",
+                                                 "discoveryUrl"};
 
 constexpr std::array<std::string_view, 4> times{"timestamp", "createdAt", "startTime",
                                                 "publishTime"};

@@ -10,7 +10,7 @@
 
 namespace busbar::harness::detail {
 
-/// How a field of a message differs from run to run.
+/// Says how a field of a message differs from run to run.
 enum class Variability : std::uint8_t {
     /// It does not.
     None,
@@ -18,7 +18,7 @@ enum class Variability : std::uint8_t {
     Id,
     /// A time.
     Time,
-    /// It has no meaning beyond its message: handles, nonces, signatures, certificates.
+    /// It has no meaning beyond its message: handles, nonces, signatures, certificates, URLs.
     Noise
 };
 

@@ -25,8 +25,8 @@ namespace {
 /// Real servers at one address, for connections of the world.
 class Way final : public Acceptor {
 public:
-    Way(asio::io_context& context, channel::EndpointUrl address)
-        : context_{context}, address_{std::move(address)}
+    Way(asio::io_context& context, channel::EndpointUrl address, LogSink& log)
+        : context_{context}, address_{std::move(address)}, log_{log}
     {
     }
 
@@ -37,11 +37,12 @@ public:
         const auto found =
             tcp::resolver{context_}.resolve(address_.host, std::to_string(address_.port), error);
         if (error) {
+            tell(error.message());
             return false;
         }
         const auto end = std::make_shared<detail::SocketEnd>(tcp::socket{context_}, Side::Server);
         link->attach(Side::Server, *end);
-        end->begin(link, found);
+        end->begin(link, found, [this](const std::string& why) { tell(why); });
         ends.push_back(end);
         return true;
     }
@@ -49,8 +50,16 @@ public:
     std::vector<std::weak_ptr<detail::SocketEnd>> ends;
 
 private:
+    void tell(const std::string& why)
+    {
+        log_.write(LogLevel::Warning, "sockets",
+                   "cannot connect to " + printable(address_.host) + ":" +
+                       std::to_string(address_.port) + ": " + why);
+    }
+
     asio::io_context& context_;
     channel::EndpointUrl address_;
+    LogSink& log_;
 };
 
 std::uint64_t new_seed()
@@ -168,7 +177,7 @@ Result<void> RealWorld::Sockets::forward(std::string_view from, std::string_view
     if (!address) {
         return fail(address.error());
     }
-    auto way = std::make_unique<Way>(context_, *std::move(address));
+    auto way = std::make_unique<Way>(context_, *std::move(address), world_.log());
     if (auto listens = world_.network().listen(from, *way); !listens) {
         return listens;
     }

@@ -20,15 +20,18 @@ void SocketEnd::begin(std::shared_ptr<Link> link)
 }
 
 void SocketEnd::begin(std::shared_ptr<Link> link,
-                      const asio::ip::tcp::resolver::results_type& addresses)
+                      const asio::ip::tcp::resolver::results_type& addresses,
+                      std::function<void(const std::string& why)> failed)
 {
     link_ = std::move(link);
     asio::async_connect(socket_, addresses,
-                        [self = shared_from_this()](asio::error_code error, const auto&) {
+                        [self = shared_from_this(),
+                         failed = std::move(failed)](asio::error_code error, const auto&) {
                             if (self->link_ == nullptr) {
                                 return;
                             }
                             if (error) {
+                                failed(error.message());
                                 self->socket_lost(false);
                             } else {
                                 self->begin(self->link_);

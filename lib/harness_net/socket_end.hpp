@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <asio/ip/tcp.hpp>
@@ -21,8 +22,10 @@ public:
 
     /// Takes part in the link, with a socket that is connected.
     void begin(std::shared_ptr<Link> link);
-    /// Connects first; what arrives on the link meanwhile waits. The link is lost if that fails.
-    void begin(std::shared_ptr<Link> link, const asio::ip::tcp::resolver::results_type& addresses);
+    /// Connects first; what arrives on the link meanwhile waits. If that fails, the link is lost
+    /// and `failed` is told the reason.
+    void begin(std::shared_ptr<Link> link, const asio::ip::tcp::resolver::results_type& addresses,
+               std::function<void(const std::string& why)> failed);
     /// Leaves the link and closes the socket at once.
     void stop();
 

@@ -140,6 +140,31 @@ TEST_CASE("a server that is not there is no connection", "[harness]")
     config.channel.endpoint_url = url;
     ConnectionHost client{world, config};
     CHECK(client.open(20s).error() == status::Bad_ConnectionClosed);
+    CHECK(world.log().contains("sockets: cannot connect to 127.0.0.1:"));
+}
+
+TEST_CASE("a world between two real peers sees and changes what they say", "[harness]")
+{
+    test::Machine machine;
+    RealWorld world;
+    const std::string url = need(world.open("127.0.0.1"));
+    REQUIRE(world.forward(url, machine.url()));
+    world.network().play(
+        fault::edit("results[0].value", "Double:7.5").at(Message{"ReadResponse"}).times(0));
+    Result<ReadResponse> answer;
+    {
+        const RealClient client{url, [&](net::BlockingClient& real) {
+                                    if (real.connect()) {
+                                        answer = real.call<ReadResponse>(
+                                            test::read_request(machine.node("Level")));
+                                    }
+                                    real.close();
+                                }};
+        REQUIRE(world.run_until([&] { return client.is_done.load(); }, 20s));
+    }
+    REQUIRE(answer);
+    CHECK(answer->results[0].value == Variant{7.5});
+    CHECK_THAT(world.trace(), Catch::Contains("client -> ReadRequest"));
 }
 
 TEST_CASE("a bench in real time waits for threads", "[harness]")

@@ -40,7 +40,7 @@ constexpr std::array layers = {
           "backend storage net controller product "},
     Layer{"tool",
           " core command_line binary types crypto channel model nodes server administration client "
-          "backend storage net controller tool "},
+          "backend storage net harness harness_net controller tool "},
 };
 /// These have threads, clocks and exceptions.
 constexpr std::array<std::string_view, 6> outer_layers = {"net", "harness_net", "controller",

@@ -28,7 +28,8 @@ struct ClientParts {
     std::string address{"192.0.2.1"};
     /// Time from ordering a connection until it is open, or refused.
     Duration connect_time{std::chrono::milliseconds{1}};
-    /// Of a ScriptedClient's sessions; the other hosts have it in their configuration.
+    /// The ApplicationUri in sessions of a ScriptedClient; the other hosts have it in their
+    /// configuration.
     std::string application_uri{"urn:busbar:harness:client"};
 };
 

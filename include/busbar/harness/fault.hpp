@@ -132,7 +132,7 @@ namespace fault {
 /// The sender's next message overtakes this one, which does not arrive if there is none; the
 /// sequence numbers likewise.
 [[nodiscard]] BUSBAR_API Fault overtake();
-/// The message has a body of the test's making, in the same number of chunks if it is no larger.
+/// The message has a body of the test's making, in as many chunks as before unless it is larger.
 /// Only on a channel with policy None, as edit() and truncate(). Without an edit it does not act.
 [[nodiscard]] BUSBAR_API Fault change(Fault::Edit edit, std::string text = "change");
 /// The structure of the message is changed; those of other types stay as they are:

@@ -80,8 +80,8 @@ public:
     /// The last messages on all connections, as they were sent, and the faults that acted; one a
     /// line: "0.012 s client -> ReadRequest ns=1;s=Level". At most the last 128.
     [[nodiscard]] std::string trace(std::size_t lines = 20) const;
-    /// What peers on secured channels need, in their environment, for faults and trace to read what
-    /// they send. The hosts of this library have it.
+    /// Returns the hook that peers on secured channels need in their environment, for faults and
+    /// trace to read what they send. The hosts of this library have it.
     [[nodiscard]] channel::ChunkHook& chunk_hook();
     /// Sets the observer of all later connections; may be null.
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }

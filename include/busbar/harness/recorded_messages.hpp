@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,22 @@ struct BUSBAR_API RecordedMessage {
     friend bool operator==(const RecordedMessage&, const RecordedMessage&) = default;
 };
 
+/// Reads the messages of a recording that grows. Neither copied nor moved.
+class BUSBAR_API MessageReader {
+public:
+    MessageReader();
+    ~MessageReader();
+    MessageReader(const MessageReader&) = delete;
+    MessageReader& operator=(const MessageReader&) = delete;
+
+    /// Takes the next entry of the recording, and returns the messages that it completes.
+    [[nodiscard]] std::vector<RecordedMessage> feed(const Recording::Entry& entry);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
 /// Returns the messages of a recording in the order in which they arrived. Those on secured
 /// channels have a name and no fields.
 [[nodiscard]] BUSBAR_API std::vector<RecordedMessage> read_messages(const Recording& recording);
@@ -51,7 +68,7 @@ struct BUSBAR_API RecordedMessage {
 /// authentication token, "$time" for every time, "$nonce".
 [[nodiscard]] BUSBAR_API std::string write_messages(const std::vector<RecordedMessage>& messages);
 
-/// What compare_messages() looks at.
+/// Says what compare_messages() looks at.
 struct ComparisonOptions {
     /// Times of values and events, too; else no times.
     bool with_times{false};
@@ -68,7 +85,7 @@ struct ComparisonOptions {
 ///
 /// Requests are compared with each other, whatever came between, and responses as those of their
 /// requests. Ids that servers and clients choose may be others as long as they stay the same ones;
-/// handles, nonces, signatures and certificates are not compared.
+/// handles, nonces, signatures, certificates and the servers' URLs are not compared.
 [[nodiscard]] BUSBAR_API std::vector<std::string>
 compare_messages(const std::vector<RecordedMessage>& before,
                  const std::vector<RecordedMessage>& after, const ComparisonOptions& options = {});

@@ -11,7 +11,7 @@
 
 namespace busbar::harness {
 
-/// How recorded requests are sent again.
+/// Says how recorded requests are sent again.
 struct RequestReplayOptions {
     /// The longest time that an answer takes.
     Duration answer_limit{std::chrono::seconds{10}};

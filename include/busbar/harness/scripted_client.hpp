@@ -56,13 +56,13 @@ public:
     }
     /// Sends bytes past the channel, whole chunks or anything else.
     void send_bytes(std::span<const std::byte> bytes);
-    /// What has come since dial(); empty after open().
+    /// Returns what has come since dial(); empty after open().
     [[nodiscard]] const std::vector<std::byte>& received() const { return received_; }
     /// The open channel, whose id a chunk of one's own needs.
     [[nodiscard]] const channel::ClientChannel& channel() const { return *channel_; }
     /// The SecurityToken of the last message; 0 before there was one.
     [[nodiscard]] std::uint32_t token_id() const;
-    /// Of the session; null without one.
+    /// Returns the token of the session; null without one.
     [[nodiscard]] const NodeId& authentication_token() const { return authentication_token_; }
     /// Runs the world until a message arrives, and returns the response, or an error: the status of
     /// a ServiceFault, Bad_UnknownResponse for another structure, Bad_Timeout, or the status that

@@ -76,11 +76,11 @@ using ResultOf = typename AsResult<T>::Type;
 } // namespace detail
 
 /// Answers that wait until the test lets them go: see Expectation::held(). May outlive its server.
-class Held {
+class HeldAnswers {
 public:
-    explicit Held(std::shared_ptr<detail::Hold> hold) : hold_{std::move(hold)} {}
+    explicit HeldAnswers(std::shared_ptr<detail::Hold> hold) : hold_{std::move(hold)} {}
 
-    /// Those that wait are sent now, and later ones do not wait.
+    /// Sends those that wait; later ones do not wait.
     void let_go()
     {
         hold_->is_open = true;
@@ -135,10 +135,10 @@ public:
         return *this;
     }
     /// The answer, which is made when the request comes, waits until the test lets it go.
-    Held held()
+    HeldAnswers held()
     {
         step_->hold = std::make_shared<detail::Hold>();
-        return Held{step_->hold};
+        return HeldAnswers{step_->hold};
     }
     /// Sends an Error message and closes the connection.
     void close(StatusCode status, After delay = {})
@@ -188,7 +188,7 @@ struct ScriptedServerParts {
     std::vector<channel::SecuritySetting> allowed{{}};
     crypto::CertificateValidator* validator{nullptr};
     const channel::ApplicationIdentity* identity{nullptr};
-    /// What endpoints and namespaces name; a client that checks wants the identity's.
+    /// The URI that endpoints and namespaces name; a client that checks wants the identity's.
     std::string application_uri{"urn:busbar:harness:server"};
 };
 
@@ -253,8 +253,8 @@ public:
         std::function<std::optional<OtherAnswer>(std::span<const std::byte> request)>;
     void answer_others(AnswerOthers answer) { others_ = std::move(answer); }
 
-    /// Sends a response that nobody may have asked for to the newest client; its header's handle is
-    /// as it is. Bad_NotConnected without a channel.
+    /// Sends a response, asked for or not, to the newest client; its header's handle is as it is.
+    /// Bad_NotConnected without a channel.
     template <typename Response>
     Result<void> send(const Response& response, std::uint32_t request_id, const Wrong& wrong = {})
     {
@@ -307,7 +307,7 @@ private:
     [[nodiscard]] Peer* newest() const;
     Result<void> send_body(std::uint32_t request_id, std::span<const std::byte> body,
                            const Wrong& wrong);
-    /// What shall be sent instead of the next message of this type; nothing if it is right.
+    /// Returns what shall be sent instead of the next message of this type; nothing if it is right.
     [[nodiscard]] std::optional<std::vector<std::byte>>
     take_replaced(std::string_view message_type);
     [[nodiscard]] std::vector<EndpointDescription> endpoints(const String& url) const;

@@ -8,8 +8,8 @@
 
 namespace busbar::harness {
 
-/// How a message of a scripted peer departs from the protocol; what is not set is right. Signatures
-/// are made afterwards: on a secured channel only what is said is wrong.
+/// Says how a message of a scripted peer departs from the protocol; what is not set is right.
+/// Signatures are made afterwards: on a secured channel only what is said is wrong.
 ///
 ///     server.expect<ReadRequest>().reply(response).wrong({.sequence = Wrong::Sequence::Again});
 struct Wrong {
@@ -41,7 +41,8 @@ struct Wrong {
     std::optional<StatusCode> abort{};
     /// Number of bytes that its body lacks at the end.
     std::size_t cut_off{0};
-    /// How often it is sent, each time with a sequence number of its own; 0 is never.
+    /// The number of times that it is sent, each time with a sequence number of its own; 0 is
+    /// never.
     std::size_t copies{1};
 };
 

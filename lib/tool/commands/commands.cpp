@@ -36,6 +36,12 @@ void add_commands(CLI::App& app, Run& run)
     add_admin(app, run);
     add_project(app, run);
     add_bench(app, run);
+#ifdef BUSBAR_TOOL_HARNESS
+    add_proxy(app, run);
+    add_show(app, run);
+    add_diff(app, run);
+    add_replay(app, run);
+#endif
     add_completion(app, run);
     add_help(app, run);
 }

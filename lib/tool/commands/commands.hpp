@@ -34,6 +34,11 @@ void add_cert(CLI::App& app, Run& run);
 void add_admin(CLI::App& app, Run& run);
 void add_project(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
+/// These need the harness, which a build may lack.
+void add_proxy(CLI::App& app, Run& run);
+void add_show(CLI::App& app, Run& run);
+void add_diff(CLI::App& app, Run& run);
+void add_replay(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
 void add_help(CLI::App& app, Run& run);
 

@@ -1,0 +1,126 @@
+#!/bin/sh
+# busbar proxy, show, diff and replay between a client and busbar-controller.
+# usage: recordings_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
+
+for level in 1.5 1.75; do
+    cat > level-$level.st << END
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL
+    Level : LREAL := $level;
+END_VAR
+END
+    cat > machine-$level.toml << END
+[server]
+port = 0
+address = "127.0.0.1"
+[certificates]
+folder = "pki-$level"
+[machine]
+program = "level-$level.st"
+state = "state-$level"
+[[endpoint]]
+policy = "None"
+[users]
+anonymous = "write"
+END
+done
+
+# start FILE: a controller of its own; its URL in url.
+controllers=""
+trap 'kill $pid $controllers 2> /dev/null; wait; rm -rf "$work"' EXIT
+start() {
+    "$controller" --config "$1" > "$1.log" 2>&1 < /dev/null &
+    controllers="$controllers $!"
+    await grep -q -s '^ready' "$1.log"
+    url=$(sed -n 's/.* at \(opc.tcp:[^ ]*\)$/\1/p' "$1.log" | head -n 1)
+}
+start machine-1.5.toml
+first=$url
+start machine-1.75.toml
+second=$url
+
+# proxy FILE ARGUMENTS...: in the background, with its URL in through.
+proxy() {
+    file=$1
+    shift
+    "$busbar" proxy "$first" --record "$file" "$@" > "$file.out" 2> "$file.err" < /dev/null &
+    pid=$!
+    await grep -q -s ' leads to ' "$file.err"
+    through=$(sed -n 's/^busbar: \([^ ]*\) leads to.*/\1/p' "$file.err")
+}
+# stop CODE: as Ctrl+C does; its exit code.
+stop() {
+    kill -TERM "$pid"
+    wait "$pid"
+    code=$?
+    pid=""
+    [ "$code" -eq "$1" ] || fail "the proxy ends with $code instead of $1"
+}
+level="nsu=urn:busbar:machine;s=Level"
+
+# A client is recorded, and what it said is shown.
+proxy a.rec
+run 0 --insecure read "$through" "$level"
+says 1.5
+stop 0
+grep -q 'client -> ReadRequest ns=' a.rec.out || fail "the proxy does not show the request"
+grep -q 'server -> ReadResponse Double 1.5' a.rec.out || fail "it does not show the response"
+run 0 show a.rec --filter 'Double 1.5'
+says 'ReadResponse Double 1.5'
+run 0 show a.rec --filter 'Double 1.5' --json
+says '"name":"ReadResponse"'
+run 0 show a.rec --fields --pcap a.pcap
+says '^  results\[0\].sourceTimestamp: \$time$'
+[ -s a.pcap ] || fail "there is no capture file"
+
+# Messages are disturbed by name; what did not happen is told.
+proxy b.rec --fault "edit results[0].value = Double:9 at ReadResponse 2"
+run 0 --insecure read "$through" "$level"
+says 'Level *9 '
+stop 0
+echo '# never' > never.faults
+echo 'cut after WriteResponse 7' >> never.faults
+proxy c.rec --faults never.faults --quiet
+run 0 --insecure read "$through" "$level"
+stop 5
+grep -q 'has never acted: cut after WriteResponse 7' c.rec.err || fail "a fault is not told"
+[ -s c.rec.out ] && fail "--quiet says something"
+
+# Two recordings differ in what was changed, and by name.
+run 0 diff a.rec c.rec
+[ -s out ] && fail "two reads of the same differ: $(cat out)"
+run 1 diff a.rec b.rec --junit junit.xml
+says 'ReadResponse to ns=[^:]*: results\[0\].value Double 1.5 -> Double 9 (messages'
+grep -q '<failure message="differences: ' junit.xml || fail "there is no report"
+run 0 diff a.rec b.rec --tolerance 7.5
+
+# What was recorded is asked again, of the same controller and of another one.
+run 2 replay "$first" a.rec
+says 'insecure'
+run 0 --insecure replay "$first" a.rec
+run 1 --insecure replay "$second" a.rec
+says 'results\[0\].value Double 1.5 -> Double 1.75'
+
+# A recording answers in the place of the controller.
+"$busbar" replay a.rec --serve 0 > served.out 2> served.err < /dev/null &
+pid=$!
+await grep -q -s ' answers as ' served.err
+served=$(sed -n 's/^busbar: \([^ ]*\) answers as.*/\1/p' served.err)
+run 0 --insecure read "$served" "$level"
+says 1.5
+stop 0
+
+# Mistakes.
+run 2 show machine-1.5.toml
+says 'machine-1.5.toml: found no recording; expected a file that begins with "busbar-recording 1"'
+run 2 proxy "$first" --fault "cut near OPN"
+says 'found "near"; expected before, at, after'
+echo 'delay' > bad.faults
+run 2 proxy "$first" --faults bad.faults
+says 'bad.faults:1: found the end; expected a time with its unit'
+run 2 proxy "$first" --listen there
+says 'expected \[ADDRESS:\]PORT'
+exit $failures
