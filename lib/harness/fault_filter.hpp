@@ -51,8 +51,8 @@ private:
     std::size_t connection_;
     Dissector dissector_;
     Stream streams_[2];
-    /// By how much the numbers of each side's chunks have to change, since some never arrived and others
-    /// were not its own; and the server's last number.
+    /// By how much the numbers of each side's chunks have to change, since some never arrived and
+    /// others were not its own; and the server's last number.
     std::uint32_t shift_[2]{};
     std::uint32_t server_number_{0};
 };

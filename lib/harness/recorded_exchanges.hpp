@@ -32,7 +32,8 @@ struct RecordedExchange {
 [[nodiscard]] std::vector<RecordedExchange>
 exchanges_of(const std::vector<WholeRecordedMessage>& messages);
 
-/// Returns what tells a request from others of its name: all fields that do not differ from run to run.
+/// Returns what tells a request from others of its name: all fields that do not differ from run to
+/// run.
 [[nodiscard]] std::string content_of(const RecordedMessage& request);
 
 } // namespace busbar::harness::detail
