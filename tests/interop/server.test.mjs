@@ -201,8 +201,7 @@ test("tshark decodes a captured session without a malformed packet", { timeout: 
     },
     `opc.tcp://localhost:${proxy.port}`);
   const file = join(controller.folder, "session.pcap");
-  proxy.save(file);
-  await proxy.stop();
+  await proxy.stop(file);
   const fields = ["-T", "fields", "-e", "opcua.transport.type", "-e", "_ws.malformed", "-e", "_ws.expert.message"];
   const { status, stdout, stderr } = spawnSync("tshark", ["-r", file, "-d", "tcp.port==4840,opcua", ...fields],
     { encoding: "utf8", maxBuffer: 1 << 28 });

@@ -89,6 +89,24 @@ stop 5
 grep -q 'has never acted: cut after WriteResponse 7' c.rec.err || fail "a fault is not told"
 [ -s c.rec.out ] && fail "--quiet says something"
 
+# Faults are played while it runs.
+mkfifo control
+sleep 60 > control & # keeps it open
+holder=$!
+"$busbar" proxy "$first" --control --quiet > control.out 2> control.err < control &
+pid=$!
+await grep -q -s ' leads to ' control.err
+through=$(sed -n 's/^busbar: \([^ ]*\) leads to.*/\1/p' control.err)
+run 0 --insecure read "$through" "$level"
+echo 'refuse times 1' > control
+await grep -q 'played refuse' control.err
+run 3 --insecure read "$through" "$level" --timeout 2
+echo 'cute' > control
+await grep -q 'cute: found "cute"; expected cut, delay' control.err
+run 0 --insecure read "$through" "$level"
+stop 0
+kill "$holder"
+
 # Two recordings differ in what was changed, and by name.
 run 0 diff a.rec c.rec
 [ -s out ] && fail "two reads of the same differ: $(cat out)"

@@ -1,5 +1,9 @@
+#include <array>
 #include <memory>
 #include <sstream>
+
+#include <poll.h>
+#include <unistd.h>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/harness/fault.hpp>
@@ -24,6 +28,7 @@ struct ProxyArguments {
     std::string record;
     double seconds{0};
     bool is_quiet{false};
+    bool is_controlled{false};
 };
 
 /// Lets clients stay on the proxy: URLs of the server in what discovery and sessions return become
@@ -106,6 +111,45 @@ harness::FaultScript faults_of(const ProxyArguments& arguments)
     return script;
 }
 
+/// Plays faults as they come on standard input, one a line; a line that is none is told.
+class Control {
+public:
+    /// Takes what is there, and never waits.
+    void look(Context& context, harness::Network& network)
+    {
+        pollfd input{STDIN_FILENO, POLLIN, 0};
+        std::array<char, 4'096> bytes{};
+        while (!has_ended_ && ::poll(&input, 1, 0) > 0) {
+            const auto size = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+            has_ended_ = size <= 0;
+            rest_.append(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+        }
+        for (std::size_t end = rest_.find('\n'); end != std::string::npos; end = rest_.find('\n')) {
+            play(context, network, rest_.substr(0, end));
+            rest_.erase(0, end + 1);
+        }
+        constexpr std::size_t max_line = 4'096;
+        if (rest_.size() > max_line) {
+            rest_.clear();
+        }
+    }
+
+private:
+    static void play(Context& context, harness::Network& network, const std::string& line)
+    {
+        const auto fault = harness::parse_fault(line);
+        if (!fault) {
+            context.err.line("busbar: " + safe(line) + ": " + fault.error().text);
+            return;
+        }
+        network.play(*fault);
+        context.err.line("busbar: played " + safe(harness::describe(*fault)));
+    }
+
+    std::string rest_;
+    bool has_ended_{false};
+};
+
 /// Tells which of the user's faults have never acted; those of the proxy itself may not.
 Exit report(Context& context, const harness::RealWorld& world, const harness::FaultScript& faults)
 {
@@ -139,8 +183,12 @@ Exit run_proxy(Context& context, const ProxyArguments& arguments)
     world.network().play(faults);
     context.err.line("busbar: " + url + " leads to " + safe(context.options.url));
     harness::MessageReader reader;
+    Control control;
     std::size_t next = 0;
     live.run(arguments.seconds, [&] {
+        if (arguments.is_controlled) {
+            control.look(context, world.network());
+        }
         context.err.write(world.log().text());
         world.log().clear();
         const auto& entries = recorder->recording().entries;
@@ -178,6 +226,8 @@ void add_proxy(CLI::App& app, Run& run)
         ->type_name("FILE");
     command->add_option("--record", arguments->record, "for show, diff and replay")
         ->type_name("FILE");
+    command->add_flag("--control", arguments->is_controlled,
+                      "plays faults from standard input, one a line");
     command->add_option("--for", arguments->seconds, "ends after so many seconds");
     command->add_flag("--quiet", arguments->is_quiet, "does not show messages");
     command->callback([&run, arguments] {
