@@ -72,4 +72,21 @@ TEST_CASE("a node that tells of its parent gets no other")
     CHECK(nodes[1].references.size() == 2);
 }
 
+TEST_CASE("what describes sessions is not exported")
+{
+    // A session's Object, its Variable, and a Variable that is the machine's.
+    std::vector<RemoteNode> nodes{node(1, NodeClass::Object, "Session1"),
+                                  node(2, NodeClass::Variable, "SessionDiagnostics"),
+                                  node(3, NodeClass::Variable, "Level")};
+    nodes[0].references.push_back(
+        reference(id::HasComponent, false,
+                  NodeId{0, id::Server_ServerDiagnostics_SessionsDiagnosticsSummary}));
+    nodes[0].references.push_back(reference(id::HasComponent, true, NodeId{1, 2}));
+    nodes[1].references.push_back(reference(id::HasComponent, false, NodeId{1, 1}));
+    nodes[2].references.push_back(reference(id::Organizes, false, NodeId{0, id::ObjectsFolder}));
+    leave_out_diagnostics(nodes);
+    REQUIRE(nodes.size() == 1);
+    CHECK(nodes[0].id == NodeId{1, 3});
+}
+
 } // namespace export_test

@@ -97,6 +97,13 @@ std::vector<RemoteNode> follow_references(Connection& connection, std::vector<No
     return nodes;
 }
 
+/// Have the nodes of sessions and Subscriptions.
+constexpr std::uint32_t diagnostics[] = {
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary,
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
+    id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray};
+
 constexpr AttributeId common[] = {AttributeId::NodeClass, AttributeId::BrowseName,
                                   AttributeId::DisplayName, AttributeId::Description};
 
@@ -173,6 +180,42 @@ void read_into(Connection& connection, std::vector<RemoteNode>& nodes, Reading r
 
 } // namespace
 
+void leave_out_diagnostics(std::vector<RemoteNode>& nodes)
+{
+    std::unordered_map<NodeId, const RemoteNode*> by_id;
+    std::vector<NodeId> pending;
+    const auto is_component = [](const ReferenceDescription& reference) {
+        return reference.reference_type_id.is(id::HasComponent) ||
+               reference.reference_type_id.is(id::HasProperty);
+    };
+    for (const RemoteNode& node : nodes) {
+        by_id.emplace(node.id, &node);
+        for (const ReferenceDescription& reference : node.references) {
+            const NodeId& owner = reference.node_id.node_id;
+            if (!reference.is_forward && is_component(reference) &&
+                std::any_of(std::begin(diagnostics), std::end(diagnostics),
+                            [&](std::uint32_t known) { return owner.is(known); })) {
+                pending.push_back(node.id);
+            }
+        }
+    }
+    std::unordered_set<NodeId> left_out{pending.begin(), pending.end()};
+    while (!pending.empty()) {
+        const auto found = by_id.find(pending.back());
+        pending.pop_back();
+        if (found == by_id.end()) {
+            continue;
+        }
+        for (const ReferenceDescription& reference : found->second->references) {
+            if (reference.is_forward && is_component(reference) &&
+                left_out.insert(reference.node_id.node_id).second) {
+                pending.push_back(reference.node_id.node_id);
+            }
+        }
+    }
+    std::erase_if(nodes, [&](const RemoteNode& node) { return left_out.contains(node.id); });
+}
+
 void adopt_orphans(std::vector<RemoteNode>& nodes)
 {
     std::unordered_map<NodeId, std::vector<ReferenceDescription>> orphans;
@@ -208,6 +251,7 @@ RemoteNodes read_remote_nodes(Context& context, Connection& connection, std::uin
     std::vector<RemoteNode>& nodes = remote.nodes;
     nodes = follow_references(connection, find_from_root(connection, remote.is_complete),
                               remote.is_complete);
+    leave_out_diagnostics(nodes);
     adopt_orphans(nodes);
     progress.say("reading " + std::to_string(nodes.size()) + " nodes ...");
     Reading first;

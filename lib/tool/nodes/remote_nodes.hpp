@@ -41,6 +41,11 @@ struct RemoteNodes {
 [[nodiscard]] RemoteNodes read_remote_nodes(Context& context, Connection& connection,
                                             std::uint16_t with_values);
 
+/// Removes what describes the sessions and Subscriptions of the moment, the reader's own among them
+/// (Part 5, 6.3.3 and 6.3.5): nodes below SessionsDiagnosticsSummary and
+/// SubscriptionDiagnosticsArray.
+void leave_out_diagnostics(std::vector<RemoteNode>& nodes);
+
 /// Gives nodes without any inverse reference those that the forward references of others imply:
 /// some servers tell of the encodings of a DataType at the DataType only.
 void adopt_orphans(std::vector<RemoteNode>& nodes);
