@@ -34,6 +34,9 @@ public:
         /// Sets as PasswordUsers::set does.
         [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                        UserRights rights = {});
+        /// Sets as PasswordUsers::set_code does.
+        [[nodiscard]] Result<void> set_code(std::string name, std::string code_hash,
+                                            UserRights rights = {});
         /// Removes a user, if he exists.
         void remove(std::string name) { gone_.push_back(std::move(name)); }
 

@@ -16,6 +16,9 @@ namespace busbar::server {
 /// server's thread, except for passwords().
 class BUSBAR_API UserDirectory final : public UserStore {
 public:
+    /// Bits of AccessLevel by the names of roles in tokens.
+    using RoleAccess = std::map<std::string, std::uint8_t, std::less<>>;
+
     explicit UserDirectory(PasswordRules rules = {}) : passwords_{std::move(rules)} {}
 
     /// Users with names and passwords, and the rights of anonymous users.
@@ -36,6 +39,8 @@ public:
     void accept_tokens(crypto::JwtRules rules) { token_rules_ = std::move(rules); }
     /// Sets the access of a role, by its name in tokens.
     void set_role_access(std::string role, std::uint8_t access_level_mask);
+    /// Sets the access of these roles, and forgets all others.
+    void set_role_access(RoleAccess access) noexcept { role_access_ = std::move(access); }
 
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
                                               std::string_view password) override;
@@ -62,7 +67,7 @@ private:
     std::map<std::string, UserRights, std::less<>> certificate_rights_;
     std::optional<UserRights> other_certificate_rights_{UserRights{}};
     std::optional<crypto::JwtRules> token_rules_;
-    std::map<std::string, std::uint8_t, std::less<>> role_access_;
+    RoleAccess role_access_;
 };
 
 } // namespace busbar::server

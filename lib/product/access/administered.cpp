@@ -74,6 +74,7 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
         waits_for_port_ = !config.machine.is_used;
         if (!waits_for_port_) { // otherwise no client could use the code to log in
             new_code_ = setup_->begin(random_, config.users.password_rules.cost);
+            has_setup_ = true;
             show_accounts();
         }
     }
@@ -94,16 +95,17 @@ void Administered::offer_logins(std::vector<server::EndpointConfig>& endpoints) 
 
 void Administered::end_setup(server::Server& server)
 {
-    if (!setup_->is_active() || !users_->has_administrator()) {
+    if (!has_setup_ || !users_->has_administrator()) {
         return;
     }
     setup_->end();
-    show_accounts();
-    audit_.write(LogLevel::Info, "controller", "there is an administrator: the setup is over");
     const server::RunningServer running{server};
     static_cast<void>(running.end_sessions(
         [](const server::UserIdentity& user) { return user.name == Setup::user_name; }));
     running.trust_changed();
+    show_accounts();
+    has_setup_ = false; // without memory the next change of a user does what is left
+    audit_.write(LogLevel::Info, "controller", "there is an administrator: the setup is over");
 }
 
 void Administered::read_users()

@@ -86,6 +86,8 @@ public:
     [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
     /// The one-time code of the setup, if this is the first start of a controller with a setup.
     [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
+    /// Keeps new_code() for further starts; otherwise it ends with this object.
+    void code_is_shown() { setup_->code_is_shown(); }
     /// Returns true while there is no administrator but the one of the setup.
     [[nodiscard]] bool is_in_setup() const { return setup_ && setup_->is_active(); }
     /// Returns true if there would be a setup, but there is no port for it.
@@ -123,6 +125,7 @@ private:
     std::optional<administration::UserList> users_;
     TakenOverFiles copies_{files_};
     bool waits_for_port_{false};
+    bool has_setup_{false}; // of which end_setup() has not done all
     administration::ManagedCertificates certificates_;
     FileSystems file_systems_;
     std::optional<administration::Administration> administration_;

@@ -48,7 +48,7 @@ void make_folders(crypto::CertificateStore& store)
 } // namespace
 
 Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& log)
-    : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
+    : trusts_all_clients_{config.certificates.trusts_all_clients},
       has_client_folders_{needs_certificates(config)}, client_store_{files,
                                                                      config.certificates.limits,
                                                                      log},
@@ -62,7 +62,7 @@ Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& lo
     if (config.users.certified) {
         make_folders(user_store_);
     }
-    add_users();
+    admit(prepare(config.users));
 }
 
 crypto::CertificateValidator& Admission::clients()
@@ -73,27 +73,52 @@ crypto::CertificateValidator& Admission::clients()
     return client_validator_;
 }
 
-void Admission::add_users()
+Admission::Users Admission::prepare(UserConfig users) const
 {
-    server::PasswordUsers& passwords = users_.passwords();
-    let_anonymous_in(config_.anonymous);
+    Users all;
     for (const Account& account : config_.accounts) {
-        if (!passwords.set(account.name, account.password_hash,
-                           {.access_level_mask = mask_of(account.access),
-                            .roles = account.roles,
-                            .administers_only = account.access == AccountAccess::None})) {
+        all.accounts.remove(account.name);
+    }
+    for (const Account& account : users.accounts) {
+        if (!all.accounts.set(account.name, account.password_hash,
+                              {.access_level_mask = mask_of(account.access),
+                               .roles = account.roles,
+                               .administers_only = account.access == AccountAccess::None})) {
             throw ConfigError{"account \"" + account.name + "\"", "the name is empty"};
         }
     }
+    if (users.tokens) {
+        all.rules = users.tokens->rules;
+        for (const auto& [role, access] : users.tokens->roles) {
+            all.roles.insert_or_assign(role, mask_of(access));
+        }
+    }
+    all.config = std::move(users);
+    return all;
+}
+
+Admission::Users Admission::prepare(UserConfig users, const std::string& file) const
+{
+    if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
+        throw ConfigError{file + ": [users]",
+                          kind + " were added or removed, expected the kinds of user that the "
+                                 "controller started with: restart the controller"};
+    }
+    return prepare(std::move(users));
+}
+
+void Admission::admit(Users users) noexcept
+{
+    config_ = std::move(users.config);
+    let_anonymous_in(config_.anonymous);
+    users_.passwords().apply(std::move(users.accounts));
     if (config_.certified) {
         users_.accept_certificates(user_validator_);
         users_.set_other_certificate_rights(server::UserRights{mask_of(*config_.certified)});
     }
-    if (config_.tokens) {
-        users_.accept_tokens(config_.tokens->rules);
-        for (const auto& [role, access] : config_.tokens->roles) {
-            users_.set_role_access(role, mask_of(access));
-        }
+    users_.set_role_access(std::move(users.roles));
+    if (users.rules) {
+        users_.accept_tokens(*std::move(users.rules));
     }
 }
 
@@ -101,31 +126,6 @@ void Admission::let_anonymous_in(std::optional<AccountAccess> access)
 {
     config_.anonymous = access;
     users_.passwords().set_anonymous_access(mask_of(access.value_or(AccountAccess::Read)));
-}
-
-void Admission::check_users(const UserConfig& users, const std::string& file) const
-{
-    if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
-        throw ConfigError{file + ": [users]",
-                          kind + " were added or removed, expected the kinds of user that the "
-                                 "controller started with: restart the controller"};
-    }
-}
-
-void Admission::replace_users(const UserConfig& users)
-{
-    for (const Account& account : config_.accounts) {
-        if (!has_account(users, account.name)) {
-            users_.passwords().remove(account.name);
-        }
-    }
-    if (config_.tokens) {
-        for (const auto& [role, access] : config_.tokens->roles) {
-            users_.set_role_access(role, 0);
-        }
-    }
-    config_ = users;
-    add_users();
 }
 
 void Admission::tell_found_certificates(DateTime now)

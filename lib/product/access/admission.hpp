@@ -30,11 +30,19 @@ public:
     /// Sets the access of anonymous users; without one endpoints do not admit them. The caller must
     /// end their sessions.
     void let_anonymous_in(std::optional<AccountAccess> access);
-    /// Throws a ConfigError that begins with `file` if kinds of user, other than anonymous ones,
-    /// were added or removed: endpoints offer the same kinds since the start.
-    void check_users(const UserConfig& users, const std::string& file) const;
-    /// Admits only the users in `users` from now on; call check_users() first.
-    void replace_users(const UserConfig& users);
+    /// Users who are admitted together.
+    struct Users {
+        UserConfig config;
+        server::PasswordUsers::Change accounts;
+        server::UserDirectory::RoleAccess roles;
+        std::optional<crypto::JwtRules> rules;
+    };
+    /// Returns `users` for admit(). Throws a ConfigError that begins with `file` if kinds of user,
+    /// other than anonymous ones, were added or removed: endpoints offer the same kinds since the
+    /// start.
+    [[nodiscard]] Users prepare(UserConfig users, const std::string& file) const;
+    /// Admits only these users from now on. Needs no memory.
+    void admit(Users users) noexcept;
     /// Reads the trust lists again, which also happens when files change, and logs changes. Returns
     /// a text with the numbers of certificates.
     [[nodiscard]] std::string read_certificates(DateTime now);
@@ -45,7 +53,7 @@ public:
     void check_passwords_on(server::Worker& worker) { users_.passwords().set_worker(&worker); }
 
 private:
-    void add_users();
+    [[nodiscard]] Users prepare(UserConfig users) const;
 
     UserConfig config_;
     bool trusts_all_clients_;

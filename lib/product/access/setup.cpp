@@ -1,5 +1,6 @@
 #include "setup.hpp"
 
+#include <span>
 #include <string>
 #include <utility>
 
@@ -15,41 +16,61 @@ constexpr std::uint8_t all_access = 0xFF;
 
 } // namespace
 
-std::optional<crypto::Secret> Setup::begin(crypto::Random& random, const crypto::PasswordCost& cost)
+Setup::~Setup()
 {
-    std::string hash;
-    std::optional<crypto::Secret> code;
+    if (takes_code_back_) { // the start failed after begin(): the next one makes another code
+        static_cast<void>(files_.remove(code_file));
+    }
+}
+
+std::optional<std::string> Setup::kept_hash() const
+{
     const auto bytes = read_file(files_, code_file, max_code_file);
     if (bytes) {
-        hash.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-    } else if (bytes.error() != StorageError::NotFound && bytes.error() != StorageError::Away) {
-        throw ConfigError{files_.place(code_file), std::string{text(bytes.error())}};
-    } else {
-        code = new_password(random);
-        auto made = crypto::hash_password(code->text(), random, cost);
-        if (!made || !files_.make_folder("", FileAccess::Everyone) ||
-            !files_.replace(code_file, std::as_bytes(std::span{*made}), FileAccess::Owner)) {
-            throw ConfigError{files_.place(code_file),
-                              "the file cannot be written, expected a folder of this user"};
-        }
-        hash = *std::move(made);
+        return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
     }
-    if (!users_.set_code(user_name, std::move(hash),
-                         {all_access, {"SecurityAdmin", "ConfigureAdmin"}})) {
+    if (bytes.error() != StorageError::NotFound && bytes.error() != StorageError::Away) {
+        throw ConfigError{files_.place(code_file), std::string{text(bytes.error())}};
+    }
+    return std::nullopt;
+}
+
+std::optional<crypto::Secret> Setup::begin(crypto::Random& random, const crypto::PasswordCost& cost)
+{
+    std::optional<crypto::Secret> code;
+    std::optional<std::string> hash = kept_hash();
+    if (!hash) {
+        code = new_password(random);
+        hash = crypto::hash_password(code->text(), random, cost).value_or(std::string{});
+    }
+    server::PasswordUsers::Change change;
+    if (!change.set_code(user_name, *hash, {all_access, {"SecurityAdmin", "ConfigureAdmin"}})) {
         throw ConfigError{files_.place(code_file),
                           "found no hash of a code; remove the file to get a new code"};
     }
+    // The file comes last: once it is there, nothing may fail, since nobody would know the code.
+    if (code && (!files_.make_folder("", FileAccess::Everyone) ||
+                 !files_.replace(code_file, std::as_bytes(std::span{*hash}), FileAccess::Owner))) {
+        throw ConfigError{files_.place(code_file),
+                          "the file cannot be written, expected a folder of this user"};
+    }
+    users_.apply(std::move(change));
     is_active_ = true;
+    has_code_ = true;
+    takes_code_back_ = code.has_value();
     return code;
 }
 
 void Setup::end()
 {
     if (is_active_) {
-        is_active_ = false;
         users_.remove(user_name);
-        static_cast<void>(files_.remove(code_file)); // the code is valid only while there is no
-                                                     // administrator
+        is_active_ = false;
+    }
+    if (has_code_) { // it is valid only while there is no administrator
+        static_cast<void>(files_.remove(code_file));
+        has_code_ = false;
+        takes_code_back_ = false;
     }
 }
 

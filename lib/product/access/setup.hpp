@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
@@ -27,12 +28,19 @@ public:
     {
     }
 
-    /// Admits the user. Returns the code if it is new: show it once and store it nowhere; the file
-    /// setup.code has its hash, which costs `cost`. Throws ConfigError.
+    /// Takes a new code back that nobody was shown.
+    ~Setup() override;
+
+    /// Admits the user. Returns the code if it is new: show it once, call code_is_shown(), and
+    /// store it nowhere; the file setup.code has its hash, which costs `cost`. Throws ConfigError,
+    /// and then there is no file that was not there before.
     [[nodiscard]] std::optional<crypto::Secret> begin(crypto::Random& random,
                                                       const crypto::PasswordCost& cost);
+    /// Keeps the new code for further starts.
+    void code_is_shown() { takes_code_back_ = false; }
     [[nodiscard]] bool is_active() const { return is_active_; }
     /// Ends the setup for good: removes the user and the file, and refuses untrusted clients again.
+    /// If that fails half way, which throws, another call does the rest.
     void end();
 
     /// Lets a client that is not trusted connect while the setup lasts; all other checks apply.
@@ -40,10 +48,15 @@ public:
                                          const crypto::ValidationContext& context) override;
 
 private:
+    /// Returns the hash in the file; nothing if there is no file. Throws ConfigError.
+    [[nodiscard]] std::optional<std::string> kept_hash() const;
+
     Storage& files_;
     crypto::CertificateValidator& inner_;
     server::PasswordUsers& users_;
     bool is_active_{false};
+    bool has_code_{false}; // there is a file
+    bool takes_code_back_{false};
 };
 
 } // namespace busbar::product

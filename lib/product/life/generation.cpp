@@ -326,7 +326,7 @@ TakenOver Generation::taken_over() const
     return all;
 }
 
-void Generation::print_welcome() const
+void Generation::print_welcome()
 {
     if (const auto& code = administered_.new_code()) {
         std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
@@ -352,6 +352,7 @@ void Generation::print_welcome() const
         around_.environment.wall_clock->now(), priority);
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
+    administered_.code_is_shown();
 }
 
 void Generation::print_statistics() const

@@ -163,7 +163,7 @@ public:
     /// Sets a machine's mode as an online change. Fails if the change cannot be stored.
     [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
     /// Prints, for people, how to reach the server and what is left to do.
-    void print_welcome() const;
+    void print_welcome();
     /// Prints, for people, statistics of the PLC.
     void print_statistics() const;
     /// Reads users, trust lists and settings again and applies what can be applied. Returns a text

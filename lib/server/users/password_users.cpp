@@ -93,6 +93,12 @@ Result<void> PasswordUsers::Change::set(std::string name, std::string password_h
     return put(std::move(name), User{std::move(password_hash), std::move(rights)});
 }
 
+Result<void> PasswordUsers::Change::set_code(std::string name, std::string code_hash,
+                                             UserRights rights)
+{
+    return put(std::move(name), User{std::move(code_hash), std::move(rights), true});
+}
+
 Result<void> PasswordUsers::set(std::string name, std::string password_hash, UserRights rights)
 {
     Change change;
@@ -106,7 +112,7 @@ Result<void> PasswordUsers::set(std::string name, std::string password_hash, Use
 Result<void> PasswordUsers::set_code(std::string name, std::string code_hash, UserRights rights)
 {
     Change change;
-    auto set = change.put(std::move(name), User{std::move(code_hash), std::move(rights), true});
+    auto set = change.set_code(std::move(name), std::move(code_hash), std::move(rights));
     if (set) {
         apply(std::move(change));
     }

@@ -133,4 +133,17 @@ fresh_again closed
 setup 0
 is_done 8
 shut_down
+# A start that fails has shown no code: the one that succeeds shows one.
+rm -rf "$XDG_DATA_HOME"
+echo "no NodeSet" > broken.xml
+sed -e 's/"first/"failed/' -e 's/^\[server\]/&\nnodesets = ["broken.xml"]/' first.toml > failed.toml
+"$controller" --config failed.toml > log 2>&1 < /dev/null && fail "it starts without its models"
+logged 'broken.xml' || fail "it does not say why"
+logged 'with the code' && fail "a code is shown that nobody can use"
+[ -e failed/setup.code ] && fail "a code stays that nobody has seen"
+sed -i '/^nodesets/d' failed.toml
+fresh_again failed
+setup 0
+is_done 9
+shut_down
 finish
