@@ -434,6 +434,31 @@ TEST_CASE("folders whose files clients see are configured")
     CHECK_NOTHROW(parse(start + "\"pki2\"")); // a part of the name is no part of the path
 }
 
+TEST_CASE("clients get no folder in which a machine keeps its own files", "[attack]")
+{
+    const test::TemporaryFolder folder;
+    const std::string program = folder.path.string() + "/press.st";
+    std::ofstream{program} << "VAR_GLOBAL\n  speed : INT;\nEND_VAR\n";
+    const auto with = [&](const char* files, const char* machine = "") {
+        return std::string{"[machine]\nprogram = \""} + program + "\"\nmedium = \"card\"\n" +
+               "state = \"kept\"\n" + machine + "[[files]]\nname = \"a\"\nfolder = \"" + files +
+               "\"\n";
+    };
+    for (const char* const taken :
+         {"kept", "kept/events", "./kept/", "card", "card/packages", "card/packages/OPCUA_Server",
+          "card/packages/OPCUA_Server/ExecutionLog", "x/../card"}) {
+        INFO(taken << ": " << complaint(with(taken)));
+        CHECK(complaint(with(taken)).find("where the machine keeps its own files") !=
+              std::string::npos);
+    }
+    CHECK(complaint(with(folder.path.c_str())).find("the machine's program") != std::string::npos);
+    const std::string here =
+        "certificates.folder = \"/elsewhere/pki\"\n[[files]]\nname = \"a\"\nfolder = \".\"\n";
+    CHECK(complaint(here).find("\"plant.toml\", the configuration") != std::string::npos);
+    CHECK_NOTHROW(parse(with("card/recipes")));
+    CHECK_NOTHROW(parse(with("keptwell")));
+}
+
 TEST_CASE("names that become nodes have at most 512 bytes, and the file's line is told")
 {
     const auto with = [](const std::string& before, std::size_t size) {

@@ -5,6 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include <busbar/controller/execution_log.hpp>
+
 namespace busbar::product {
 
 namespace {
@@ -86,6 +88,33 @@ std::vector<FilesConfig> read_files(const TomlTable& root, const CertificateConf
         all.push_back(std::move(files));
     }
     return all;
+}
+
+void check_files(const TomlTable& root, const ControllerConfig& config)
+{
+    struct Own {
+        std::string path;
+        const char* use;
+    };
+    std::vector<Own> all{{root.file(), "the configuration"}};
+    if (const MachineConfig& machine = config.machine; !machine.program_file.empty()) {
+        constexpr const char* of_machine = "where the machine keeps its own files";
+        const std::filesystem::path log = controller::ExecutionLogOptions{}.folder;
+        all.push_back({machine.program_file, "the machine's program"});
+        all.push_back({machine.state_folder, of_machine});
+        all.push_back(
+            {std::filesystem::path{machine.medium_folder} / log.parent_path(), of_machine});
+    }
+    const std::vector<TomlTable> entries = root.tables("files");
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        for (const auto& [path, use] : all) {
+            if (overlap(config.files[i].folder, path)) {
+                entries[i].refuse("folder", "found \"" + config.files[i].folder +
+                                                "\", expected one apart from \"" + path + "\", " +
+                                                use);
+            }
+        }
+    }
 }
 
 } // namespace busbar::product

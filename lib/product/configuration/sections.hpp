@@ -23,6 +23,10 @@ void read_certificates(const TomlTable& table, ControllerConfig& config);
 [[nodiscard]] std::vector<FilesConfig> read_files(const TomlTable& root,
                                                   const CertificateConfig& certificates);
 
+/// Refuses folders with files that are not for clients: the configuration, the machine's program
+/// and what the machine keeps. Call it after read_machine().
+void check_files(const TomlTable& root, const ControllerConfig& config);
+
 /// Reads the rest of [limits], and [users.passwords].
 void read_limits(const TomlTable& root, ControllerConfig& config);
 /// Upper limit of array_length.

@@ -93,6 +93,7 @@ public:
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
     [[nodiscard]] const toml::node* node(std::string_view key) const { return table_->get(key); }
 
+    [[nodiscard]] const std::string& file() const { return file_; }
     [[nodiscard]] SourceFiles& sources() const { return *sources_; }
 
     /// Throws at a key, or at the table itself if the key is missing.
