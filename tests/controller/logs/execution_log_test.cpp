@@ -173,6 +173,48 @@ TEST_CASE_METHOD(LogWorld, "What waits goes with files that are removed, numbers
     CHECK(all_lines() == std::vector<std::string>{"5 v5"});
 }
 
+TEST_CASE_METHOD(LogWorld,
+                 "A file that is completed on request leaves one for what follows (7-2-2)")
+{
+    happen(0, 3);
+    REQUIRE(log->write_pending());
+    happen(3, 2); // waits, and goes with the file
+    clock.time = later(example_start, 1'234);
+    REQUIRE(log->begin_new_file());
+    const std::vector<std::string> both{"OPCUA_ExecutionLog.log",
+                                        "OPCUA_ExecutionLog_20171017145251981.log"};
+    CHECK(log_files() == both);
+    CHECK(file().empty());
+    CHECK_FALSE(ExecutionLog::is_complete_file(both[0]));
+    CHECK(ExecutionLog::is_complete_file(both[1]));
+    CHECK_FALSE(ExecutionLog::is_complete_file("other.txt"));
+    // A file without records is not completed.
+    REQUIRE(log->begin_new_file());
+    CHECK(log_files() == both);
+    SECTION("by the same log") {}
+    SECTION("by the one after a restart")
+    {
+        restart();
+    }
+    happen(5, 1);
+    REQUIRE(log->write_pending());
+    CHECK(log_files() == both);
+    CHECK(all_lines().size() == 6);
+    CHECK(all_lines().back() == "5 v5");
+    SECTION("with a medium that is away or protected nothing is lost")
+    {
+        medium.set_away(true);
+        CHECK_FALSE(log->begin_new_file());
+        medium.set_away(false);
+        medium.set_protected(true);
+        CHECK_FALSE(log->begin_new_file());
+        medium.set_protected(false);
+        happen(6, 1);
+        REQUIRE(log->write_pending());
+        CHECK(all_lines().size() == 7);
+    }
+}
+
 TEST_CASE_METHOD(LogWorld, "A log file that somebody deletes is made anew (7-1-5)")
 {
     happen(0, 3);
