@@ -327,6 +327,13 @@ TEST_CASE("an entry of an execution log is a line that fits, or two")
           "{\"entry\":8,\"time\":\"2017-10-17T14:54:11.822\",\"category\":\"AUTH\","
           "\"code\":\"0001\",\"name\":\"Application\","
           "\"details\":[\"ERROR\",\"BadCertificateUntrusted\"]}");
+    // The time has its three digits, whatever they are.
+    const auto even =
+        controller::parse_execution_log_record("9\t2017-10-17\t14:54:12\t070\tSERVER\t0005\tRun");
+    REQUIRE(even);
+    JsonLine second;
+    admin::append_entry(second, *even);
+    CHECK(second.document().find("\"2017-10-17T14:54:12.070\"") != std::string::npos);
 }
 
 TEST_CASE("nothing in an execution log changes what a terminal does")

@@ -100,7 +100,11 @@ as op 0 admin log "$url" --code 5 --count 10
 timeout 60 "$busbar" --json --user op --password-file password --trust admin log "$url" --follow \
     --category AUTH --count 1 --duration 50 > followed 2>&1 &
 follower=$!
+timeout 60 "$busbar" --json --user op --password-file password --trust admin log "$url" --follow \
+    --duration 50 > whole 2>&1 &
+whole=$!
 await grep -q -s AUTH followed
+await grep -q -s AUTH whole
 before=$(wc -l < followed)
 as chief 0 read "$url" i=2259
 has_more() { [ "$(wc -l < followed)" -gt "$before" ]; }
@@ -145,6 +149,14 @@ first=$(sed -n '2s/^ *\([0-9]*\) .*/\1/p' out)
 before=$(wc -l < followed)
 as chief 0 read "$url" i=2259
 await has_more
+# No record was missed, also of those just before that.
+has_all() { grep -q "\"entry\":$(sed -n 's/.*"entry":\([0-9]*\).*/\1/p' followed | tail -n 1)," whole; }
+await has_all
+sed -n 's/^{"entry":\([0-9]*\),.*/\1/p' whole |
+    awk 'NR > 1 && $1 != 0 && $1 != last + 1 { exit 1 } { last = $1 }' ||
+    fail "records were missed: $(cat whole)"
+kill -INT "$whole"
+wait "$whole"
 kill -INT "$follower"
 wait "$follower"
 code=$?

@@ -21,6 +21,8 @@ namespace log {
 namespace {
 
 constexpr std::size_t most_entries = 1'000'000;
+/// How often --follow looks for what is new.
+constexpr std::chrono::seconds follow_period{1};
 
 controller::ExecutionLogFilter filter_of(const LogChoice& choice)
 {
@@ -47,6 +49,22 @@ void tell_damage(Context& context, std::size_t lines)
         context.err.line("busbar: " + std::to_string(lines) +
                          (lines == 1 ? " line is" : " lines are") +
                          " damaged: see all with --save FOLDER");
+    }
+}
+
+void tell_missing(Context& context, std::size_t records)
+{
+    if (records == 0) {
+        return;
+    }
+    if (context.options.is_json) {
+        JsonLine json;
+        json.open_object().member("missing", static_cast<std::int64_t>(records));
+        context.out.line(json.close_object().document());
+    } else {
+        context.err.line("busbar: " + std::to_string(records) +
+                         (records == 1 ? " entry was" : " entries were") +
+                         " removed before they could be shown: the log was cleared");
     }
 }
 
@@ -106,21 +124,21 @@ Exit follow(Context& context, Connection& connection, RemoteLog& log,
             const AdminArguments& arguments)
 {
     using Clock = std::chrono::steady_clock;
-    constexpr std::chrono::seconds pause{1};
     const auto filter = filter_of(arguments.log);
     const auto contents = log.last(filter, arguments.log.count);
     print_title(context);
     print_entries(context, contents.entries);
     tell_damage(context, contents.damaged);
     Stream stream{context, connection, arguments.end};
-    auto next = Clock::now() + pause;
+    auto next = Clock::now() + follow_period;
     stream.run([&] {
         if (Clock::now() < next || connection.client().state() != client::ClientState::Ready) {
             return;
         }
-        next = Clock::now() + pause;
+        next = Clock::now() + follow_period;
         try {
-            log.fetch_new([&](const std::string& text) {
+            log.fetch_new([&](const std::string& text, std::size_t missing) {
+                tell_missing(context, missing);
                 const auto fresh = controller::read_execution_log(text, filter, most_entries);
                 print_entries(context, fresh.entries);
                 tell_damage(context, fresh.damaged);
@@ -179,12 +197,18 @@ void remove_unless_read(RemoteLog& log, const NamedChild& file)
     }
 }
 
-Exit clear(Context& context, RemoteLog& log, const AdminArguments& arguments)
+Exit clear(Context& context, Connection& connection, RemoteLog& log,
+           const AdminArguments& arguments)
 {
     make_sure(context, arguments,
               "remove all " + std::to_string(log.files().size()) + " files of the execution log?");
+    const std::vector<NamedChild> files = log.complete_files();
+    // Clients that follow the log read the last records of the file that is complete now.
+    if (!connection.blocking().run_for(2 * follow_period)) {
+        throw Interrupted{};
+    }
     std::size_t removed = 0;
-    for (const NamedChild& file : log.complete_files()) {
+    for (const NamedChild& file : files) {
         remove_unless_read(log, file);
         ++removed;
     }
@@ -195,7 +219,7 @@ Exit run(Context& context, Connection& connection, const AdminArguments& argumen
 {
     RemoteLog log{connection};
     if (arguments.log.is_cleared) {
-        return clear(context, log, arguments);
+        return clear(context, connection, log, arguments);
     }
     if (!arguments.log.folder.empty()) {
         return save(context, log, arguments);

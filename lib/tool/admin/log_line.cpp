@@ -105,11 +105,14 @@ std::string log_line(const controller::ExecutionLogEntry& entry, std::size_t col
 
 void append_entry(JsonLine& json, const controller::ExecutionLogEntry& entry)
 {
-    constexpr std::size_t to_milliseconds = 23; // "2017-10-17T14:52:50.878"
+    const auto columns = controller::execution_log_columns(entry);
+    std::string time = columns[1]; // "2017/10/17/14:52:50.878"
+    time[4] = time[7] = '-';
+    time[10] = 'T';
     json.open_object().member("entry", std::int64_t{entry.serial_number});
-    json.member("time", to_string(entry.time).substr(0, to_milliseconds));
+    json.member("time", time);
     json.member("category", entry.code->category);
-    json.member("code", controller::execution_log_columns(entry)[3]);
+    json.member("code", columns[3]);
     json.member("name", entry.code->name).key("details");
     append_details(json, entry.details);
     json.close_object();

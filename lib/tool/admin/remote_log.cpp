@@ -39,6 +39,21 @@ std::string whole_lines(std::string text)
     return text;
 }
 
+/// Serial numbers of the first and the last record; nothing if there is none.
+std::optional<std::pair<std::uint16_t, std::uint16_t>> ends_of(std::string_view lines)
+{
+    std::optional<std::pair<std::uint16_t, std::uint16_t>> ends;
+    while (!lines.empty()) {
+        std::string_view line = lines.substr(0, lines.find('\n'));
+        lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+        line = line.ends_with('\r') ? line.substr(0, line.size() - 1) : line;
+        if (const auto entry = controller::parse_execution_log_record(line)) {
+            ends = {ends ? ends->first : entry->serial_number, entry->serial_number};
+        }
+    }
+    return ends;
+}
+
 Failure no_log(Connection& connection)
 {
     const EndpointDescription* const endpoint = connection.client().endpoint();
@@ -113,6 +128,7 @@ controller::ExecutionLogContents RemoteLog::last_of(const std::vector<NamedChild
     controller::ExecutionLogContents all;
     newest_full_ = newest_full(files);
     offset_ = 0;
+    serial_number_.reset();
     // Start at the end, because the last entries are wanted.
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
         if (all.entries.size() >= count) {
@@ -120,6 +136,9 @@ controller::ExecutionLogContents RemoteLog::last_of(const std::vector<NamedChild
             break;
         }
         const std::string text = whole_lines(fetch_if_there(*file));
+        if (const auto ends = serial_number_ ? std::nullopt : ends_of(text)) {
+            serial_number_ = ends->second;
+        }
         offset_ = is_current_log(file->name) ? text.size() : offset_;
         auto part = controller::read_execution_log(text, filter, count - all.entries.size());
         all.entries.insert(all.entries.begin(), std::make_move_iterator(part.entries.begin()),
@@ -143,13 +162,13 @@ controller::ExecutionLogContents RemoteLog::last(const controller::ExecutionLogF
     }
 }
 
-void RemoteLog::fetch_new(const std::function<void(const std::string&)>& show)
+void RemoteLog::fetch_new(const Show& show)
 {
     for (const NamedChild& file : files()) {
         if (is_current_log(file.name)) {
             fetch_new_of_current(file, show);
         } else if (file.name > newest_full_) {
-            show(whole_lines(fetch_if_there(file, offset_)));
+            pass(whole_lines(fetch_if_there(file, offset_)), show);
             newest_full_ = file.name;
             offset_ = 0;
             is_shorter_ = false;
@@ -157,8 +176,7 @@ void RemoteLog::fetch_new(const std::function<void(const std::string&)>& show)
     }
 }
 
-void RemoteLog::fetch_new_of_current(const NamedChild& file,
-                                     const std::function<void(const std::string&)>& show)
+void RemoteLog::fetch_new_of_current(const NamedChild& file, const Show& show)
 {
     const auto size = file_property(connection_, file.id, "Size").value_or<std::uint64_t>(offset_);
     // The file was cleared and started again, or became full, which the next list shows.
@@ -172,7 +190,22 @@ void RemoteLog::fetch_new_of_current(const NamedChild& file,
     offset_ = size < offset_ ? 0 : offset_;
     const std::string text = whole_lines(fetch_if_there(file, offset_));
     offset_ += text.size();
-    show(text);
+    pass(text, show);
+}
+
+void RemoteLog::pass(const std::string& text, const Show& show)
+{
+    std::size_t missing = 0;
+    if (const auto ends = ends_of(text)) {
+        // Numbers continue across files and restarts, 0 after 65,535 (W588, 7-1-6); a log that was
+        // cleared together with the controller's memory begins again.
+        constexpr std::uint16_t most = 0x7FFF;
+        const auto between = static_cast<std::uint16_t>(
+            ends->first - serial_number_.value_or(ends->first - 1U) - 1U);
+        missing = between <= most ? between : 0;
+        serial_number_ = ends->second;
+    }
+    show(text, missing);
 }
 
 } // namespace busbar::tool::admin

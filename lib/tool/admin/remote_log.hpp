@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,11 @@ public:
     /// Returns the last matching entries, at most `count`.
     [[nodiscard]] controller::ExecutionLogContents
     last(const controller::ExecutionLogFilter& filter, std::size_t count);
-    /// Fetches whole lines that were added since last(), or since the previous call, file by file.
-    void fetch_new(const std::function<void(const std::string&)>& show);
+    /// Called with whole lines, and with the number of records that are missing before them: their
+    /// file was removed before it was fetched.
+    using Show = std::function<void(const std::string& text, std::size_t missing)>;
+    /// Fetches what was added since last(), or since the previous call, file by file.
+    void fetch_new(const Show& show);
 
 private:
     /// The same; nothing if the file was removed after it was listed.
@@ -38,8 +42,8 @@ private:
     [[nodiscard]] controller::ExecutionLogContents
     last_of(const std::vector<NamedChild>& files, const controller::ExecutionLogFilter& filter,
             std::size_t count);
-    void fetch_new_of_current(const NamedChild& file,
-                              const std::function<void(const std::string&)>& show);
+    void fetch_new_of_current(const NamedChild& file, const Show& show);
+    void pass(const std::string& text, const Show& show);
 
     Connection& connection_;
     NodeId folder_;
@@ -48,6 +52,8 @@ private:
     std::uint64_t offset_{0};
     /// True if that file has become shorter.
     bool is_shorter_{false};
+    /// Of the last record so far.
+    std::optional<std::uint16_t> serial_number_;
 };
 
 } // namespace busbar::tool::admin

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <memory>
 
 #include "user.hpp"
 
@@ -99,20 +100,20 @@ Types Connection::types_of(const std::vector<DataValue>& values,
             owners.push_back(i < variables.size() ? variables[i] : NodeId{});
         }
     }
-    bool is_done = structures.empty();
-    if (!is_done) {
+    const auto is_done = std::make_shared<bool>(structures.empty());
+    if (!*is_done) {
         types_->learn_values(std::move(structures), std::move(owners),
-                             [&is_done] { is_done = true; });
+                             [is_done] { *is_done = true; });
     }
-    wait_until([&is_done] { return is_done; });
+    wait_until([&is_done] { return *is_done; });
     return types_->types();
 }
 
 Types Connection::types_of(const std::vector<NodeId>& data_types)
 {
-    bool is_done = false;
-    types_->learn(data_types, [&is_done] { is_done = true; });
-    wait_until([&is_done] { return is_done; });
+    const auto is_done = std::make_shared<bool>(false);
+    types_->learn(data_types, [is_done] { *is_done = true; });
+    wait_until([&is_done] { return *is_done; });
     return types_->types();
 }
 

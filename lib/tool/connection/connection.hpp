@@ -43,14 +43,15 @@ public:
     {
         return value(client_->call<Response>(std::move(request)), what);
     }
-    /// Starts something that calls `done` with a T later, and waits for that.
+    /// Starts something that calls `done` with a T later, and waits for that. After Interrupted
+    /// `done` may still be called, at the latest when the connection is closed.
     template <typename T, typename Start>
     [[nodiscard]] T wait_for(Start&& start)
     {
-        std::optional<T> answer;
-        start([&answer](T result) { answer = std::move(result); });
-        wait_until([&answer] { return answer.has_value(); });
-        return *std::move(answer);
+        const auto answer = std::make_shared<std::optional<T>>();
+        start([answer](T result) { *answer = std::move(result); });
+        wait_until([&answer] { return answer->has_value(); });
+        return **std::move(answer);
     }
     /// The types of the server's structures, those of `values` among them as far as the server
     /// describes them.

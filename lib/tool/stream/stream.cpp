@@ -81,6 +81,12 @@ Stream::Stream(Context& context, Connection& connection, const StreamEnd& end,
     watch_connection();
 }
 
+Stream::~Stream()
+{
+    connection_->close();
+    connection_->client().on_state(nullptr); // a server that does not answer is still connected
+}
+
 void Stream::watch_connection()
 {
     connection_->client().on_state([this](client::ClientState state, StatusCode why) {

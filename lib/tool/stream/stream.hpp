@@ -61,7 +61,7 @@ public:
     Stream(const Stream&) = delete;
     Stream& operator=(const Stream&) = delete;
     /// Closes the connection, so that no handler is called later.
-    ~Stream() { connection_->close(); }
+    ~Stream();
 
     void push(std::function<void()> work) { work_.push_back(std::move(work)); }
     /// Counts one value or event more; false if StreamEnd does not allow more.
