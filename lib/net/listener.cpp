@@ -46,19 +46,35 @@ private:
     std::shared_ptr<Listener> listener_;
 };
 
-Result<std::uint16_t> Listener::open(std::string_view address, std::uint16_t port)
+Result<std::uint16_t> Listener::reserve(std::string_view address, std::uint16_t port)
 {
+    place_ = std::string{address} + ":" + std::to_string(port);
     auto error = bind(address, port);
-    if (!error) {
+    const auto bound = error ? tcp::endpoint{} : acceptor_.local_endpoint(error);
+    if (error) {
+        return cannot_listen(error);
+    }
+    return bound.port();
+}
+
+Result<void> Listener::listen()
+{
+    std::error_code error;
+    if (!is_listening_) {
         acceptor_.listen(asio::socket_base::max_listen_connections, error);
     }
     if (error) {
-        busbar::detail::write_safely(*log_, LogLevel::Error, "net",
-                                     "cannot listen on " + std::string{address} + ":" +
-                                         std::to_string(port) + ": " + error.message());
-        return fail(status::Bad_CommunicationError);
+        return cannot_listen(error);
     }
-    return acceptor_.local_endpoint(error).port();
+    is_listening_ = true;
+    return {};
+}
+
+Unexpected<StatusCode> Listener::cannot_listen(std::error_code error) const
+{
+    busbar::detail::write_safely(*log_, LogLevel::Error, "net",
+                                 "cannot listen on " + place_ + ": " + error.message());
+    return fail(status::Bad_CommunicationError);
 }
 
 std::error_code Listener::bind(std::string_view address, std::uint16_t port)

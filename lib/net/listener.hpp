@@ -29,7 +29,16 @@ public:
 
     /// Opens the port: "" means every address of the machine, IPv4 and IPv6; port 0 any free one.
     /// Returns the port, or Bad_CommunicationError with the reason in the log.
-    [[nodiscard]] Result<std::uint16_t> open(std::string_view address, std::uint16_t port);
+    [[nodiscard]] Result<std::uint16_t> open(std::string_view address, std::uint16_t port)
+    {
+        return reserve(address, port).and_then([this](std::uint16_t reserved) {
+            return listen().transform([reserved] { return reserved; });
+        });
+    }
+    /// The same, but peers are refused until listen().
+    [[nodiscard]] Result<std::uint16_t> reserve(std::string_view address, std::uint16_t port);
+    /// Does nothing if it listens already.
+    [[nodiscard]] Result<void> listen();
     /// Calls `handler` for each peer until close().
     void start(Handler handler);
     void close();
@@ -46,10 +55,13 @@ private:
     /// comes and goes.
     void back_off(std::error_code error);
     void tell(std::error_code error);
+    [[nodiscard]] Unexpected<StatusCode> cannot_listen(std::error_code error) const;
     void recover();
 
     asio::ip::tcp::acceptor acceptor_;
     asio::steady_timer pause_;
+    std::string place_; // for people
+    bool is_listening_{false};
     std::error_code trouble_;
     std::chrono::milliseconds next_pause_{0};
     /// The time when trouble was last logged, and whether its end must still be logged.

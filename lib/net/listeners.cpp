@@ -4,18 +4,42 @@
 
 namespace busbar::net::detail {
 
+Result<std::uint16_t> Listeners::reserve(std::string_view address, std::uint16_t port,
+                                         std::uint32_t number)
+{
+    const auto listener = std::make_shared<Listener>(executor_, *log_);
+    const auto bound = listener->reserve(address, port);
+    if (bound) {
+        ports_.push_back({*bound, number, listener});
+    }
+    return bound;
+}
+
 Result<std::uint16_t> Listeners::add(std::string_view address, std::uint16_t port,
                                      std::uint32_t number)
 {
-    const auto listener = std::make_shared<Listener>(executor_, *log_);
-    const auto bound = listener->open(address, port);
-    if (bound) {
-        ports_.push_back({*bound, number, listener});
-        if (handler_) {
-            start(ports_.back());
-        }
+    const auto bound = reserve(address, port, number);
+    if (!bound) {
+        return bound;
+    }
+    if (const auto listens = ports_.back().listener->listen(); !listens) {
+        ports_.pop_back();
+        return fail(listens.error());
+    }
+    if (handler_) {
+        start(ports_.back());
     }
     return bound;
+}
+
+Result<void> Listeners::listen()
+{
+    for (const Port& port : ports_) {
+        if (const auto listens = port.listener->listen(); !listens) {
+            return listens;
+        }
+    }
+    return {};
 }
 
 void Listeners::start(Handler handler)

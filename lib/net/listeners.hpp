@@ -24,6 +24,11 @@ public:
     /// See Listener::open. After start() peers are accepted at once.
     [[nodiscard]] Result<std::uint16_t> add(std::string_view address, std::uint16_t port,
                                             std::uint32_t listener);
+    /// See Listener::reserve; before start().
+    [[nodiscard]] Result<std::uint16_t> reserve(std::string_view address, std::uint16_t port,
+                                                std::uint32_t listener);
+    /// Listens on all ports that were reserved.
+    [[nodiscard]] Result<void> listen();
     /// Calls `handler` for each peer until close().
     void start(Handler handler);
     /// Closes the ports with this number, if there are any.

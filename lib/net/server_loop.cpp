@@ -38,6 +38,17 @@ Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t
     return impl_->listeners.add(address, port, listener);
 }
 
+Result<std::uint16_t> ServerLoop::reserve(std::string_view address, std::uint16_t port,
+                                          std::uint32_t listener)
+{
+    return impl_->listeners.reserve(address, port, listener);
+}
+
+Result<void> ServerLoop::listen_on_reserved()
+{
+    return impl_->listeners.listen();
+}
+
 void ServerLoop::stop_listening(std::uint16_t port)
 {
     impl_->listeners.remove(port);

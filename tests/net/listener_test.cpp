@@ -304,4 +304,42 @@ TEST_CASE("SIGHUP calls the handler each time", "[net]")
     CHECK(calls == 2);
 }
 
+TEST_CASE("a port that is reserved refuses peers until it listens", "[net]")
+{
+    net::StderrLog log{LogLevel::Error};
+    net::ServerLoop loop{log};
+    const auto port = loop.reserve("127.0.0.1", 0);
+    REQUIRE(port);
+    const auto connects = [&] {
+        asio::io_context context;
+        tcp::socket peer{context};
+        std::error_code error;
+        peer.connect({asio::ip::make_address("127.0.0.1"), *port}, error);
+        return error;
+    };
+    CHECK(connects() == asio::error::connection_refused);
+    REQUIRE(loop.listen_on_reserved());
+    CHECK_FALSE(connects());
+    // It stays as it is, and nobody else gets the port.
+    CHECK(loop.listen_on_reserved());
+    NullLog silence;
+    net::ServerLoop other{silence};
+    CHECK_FALSE(other.reserve("127.0.0.1", *port));
+    CHECK_FALSE(other.listen("127.0.0.1", *port));
+}
+
+TEST_CASE("of two programs that have reserved one port the first that listens gets it", "[net]")
+{
+    NullLog silence;
+    net::ServerLoop first{silence};
+    net::ServerLoop second{silence};
+    const auto port = first.reserve("127.0.0.1", 0);
+    REQUIRE(port);
+    if (!second.reserve("127.0.0.1", *port)) {
+        return; // a system that tells apart at once
+    }
+    CHECK(first.listen_on_reserved());
+    CHECK_FALSE(second.listen_on_reserved());
+}
+
 } // namespace listener_test

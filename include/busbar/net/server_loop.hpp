@@ -55,6 +55,14 @@ public:
     /// come by this listener, see Connection::came_by.
     [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port,
                                                std::uint32_t listener = 0);
+    /// Does as listen() does, but peers are refused until listen_on_reserved(): a program that
+    /// needs a while for its server reserves the port first, and no peer waits for an answer. Call
+    /// it before run().
+    [[nodiscard]] Result<std::uint16_t> reserve(std::string_view address, std::uint16_t port,
+                                                std::uint32_t listener = 0);
+    /// Listens on all ports that were reserved, right before run(). Bad_CommunicationError, with
+    /// the reason in the log, if another program was faster.
+    [[nodiscard]] Result<void> listen_on_reserved();
     /// Closes the port that listen() returned, at all its addresses; connections stay. Called like
     /// listen().
     void stop_listening(std::uint16_t port);

@@ -82,6 +82,7 @@ RunningController::RunningController(Configuration configuration, Beginning begi
     current_->finish();
     clients_.use(current_->clients());
     identity_ = current_->config().server.identity;
+    expect(listening_.listen()); // now that there is a server that answers
     register_with_discovery_server(current_->config());
 }
 

@@ -64,6 +64,12 @@ Configured<void> Listening::begin()
     return open(told_).transform([this](std::uint16_t port) { now_.port = port; });
 }
 
+Configured<void> Listening::listen()
+{
+    is_reserving_ = false;
+    return loop_->listen_on_reserved() ? Configured<void>{} : cannot_listen(told_.front());
+}
+
 Configured<void> Listening::begin_elsewhere(Listeners last)
 {
     now_.elsewhere = std::move(last);
@@ -172,8 +178,9 @@ Configured<std::uint16_t> Listening::open(std::span<const FurtherListener> liste
 {
     std::vector<std::uint16_t> ports;
     for (const FurtherListener& each : listeners) {
-        const auto port =
-            loop_->listen(each.address, each.port, static_cast<std::uint32_t>(each.use));
+        const auto number = static_cast<std::uint32_t>(each.use);
+        const auto port = is_reserving_ ? loop_->reserve(each.address, each.port, number)
+                                        : loop_->listen(each.address, each.port, number);
         if (!port) {
             std::ranges::for_each(ports, [this](auto open) { loop_->stop_listening(open); });
             return cannot_listen(each);

@@ -33,6 +33,8 @@ public:
 
     /// Opens all of them, or none.
     [[nodiscard]] Configured<void> begin();
+    /// Lets clients connect: until then their connections are refused.
+    [[nodiscard]] Configured<void> listen();
     /// Opens substitutes after begin() has failed: those used `last`, if any. If these cannot be
     /// opened either, listens for administrators at this machine only, and the server is halted.
     [[nodiscard]] Configured<void> begin_elsewhere(Listeners last);
@@ -80,6 +82,7 @@ private:
     net::ServerLoop* loop_;
     Listeners told_;
     Place now_;
+    bool is_reserving_{true}; // until listen()
     /// State before go_to() or go_as_told(), until stay() or go_back().
     struct Left {
         Listeners told;

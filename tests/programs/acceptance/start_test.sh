@@ -15,6 +15,31 @@ cp good.toml controller.toml
 press 17 > good.st
 cp good.st press.st
 
+# A client that comes while the models are read, here from somebody slow, is refused at once instead
+# of waiting for an answer; and the controller can be ended meanwhile.
+run 0 cert create
+is_client=yes
+mkfifo slow.xml
+sed -e 's/^\[server\]/&\nnodesets = ["slow.xml"]/' -e 's/"pki"/"slow-pki"/' -e 's/"state"/"slow-state"/' \
+    -e 's/"medium"/"slow-medium"/' good.toml > slow.toml
+for end in kill read; do
+    "$controller" --config slow.toml > slow 2>&1 < /dev/null &
+    slow=$!
+    exec 3> slow.xml # returns once it is read
+    as chief 3 read "opc.tcp://127.0.0.1:$port" i=2259
+    says 'refused'
+    if [ $end = kill ]; then
+        kill $slow
+        wait $slow || fail "it ends with $?"
+    else
+        cat "$here/cell.xml" >&3
+    fi
+    exec 3>&-
+done
+await grep -q '^ready' slow
+kill $slow
+wait $slow || fail "it ends with $?"
+
 begin pki --config controller.toml
 value Speed 17
 
