@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
 
 #include <busbar/server/running_server.hpp>
+#include <busbar/types/filter.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
 
@@ -274,6 +276,58 @@ struct Subscribed : Taken {
             REQUIRE(name(each.status_code) == "Good");
         }
     }
+    /// With an item for the events of the server.
+    static void subscribe_to_events(TestClient& client)
+    {
+        CreateSubscriptionRequest subscription;
+        subscription.requested_publishing_interval = 100;
+        subscription.requested_lifetime_count = 300;
+        subscription.requested_max_keep_alive_count = 10;
+        subscription.publishing_enabled = true;
+        const auto made = client.call<CreateSubscriptionResponse>(subscription);
+        REQUIRE(made);
+        EventFilter filter;
+        SimpleAttributeOperand& type = filter.select_clauses.emplace_back();
+        type.type_definition_id = NodeId{0, id::BaseEventType};
+        type.browse_path = {QualifiedName{0, "EventType"}};
+        type.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        CreateMonitoredItemsRequest request;
+        request.subscription_id = made->subscription_id;
+        MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
+        item.item_to_monitor.node_id = NodeId{0, id::Server};
+        item.item_to_monitor.attribute_id = static_cast<std::uint32_t>(AttributeId::EventNotifier);
+        item.monitoring_mode = MonitoringMode::Reporting;
+        item.requested_parameters.queue_size = 10;
+        item.requested_parameters.filter = ExtensionObject::from(filter);
+        const auto items = client.call<CreateMonitoredItemsResponse>(request);
+        REQUIRE(items);
+        REQUIRE(name(items->results[0].status_code) == "Good");
+    }
+    /// The number of audit events that come.
+    std::size_t events(TestClient& client)
+    {
+        using namespace std::chrono_literals;
+        client.send(PublishRequest{});
+        for (int i = 0; i < 20; ++i) {
+            complete();
+            advance(100ms);
+            client.run();
+        }
+        std::size_t count = 0;
+        while (!client.messages.empty()) { // also answers to earlier requests
+            const auto response = client.take<PublishResponse>(client.messages.front().request_id);
+            REQUIRE(response);
+            for (const auto& data : response->notification_message.notification_data) {
+                const auto* const list = data.get_if<EventNotificationList>();
+                REQUIRE(list != nullptr);
+                count += static_cast<std::size_t>(std::count_if(
+                    list->events.begin(), list->events.end(), [](const EventFieldList& event) {
+                        return event.event_fields[0] == Variant{NodeId{0, id::AuditEventType}};
+                    }));
+            }
+        }
+        return count;
+    }
     /// The values that the next notifications bring.
     std::vector<DataValue> publish(TestClient& client)
     {
@@ -323,6 +377,32 @@ TEST_CASE_METHOD(Subscribed, "right taken: between the creation of an item and w
             CHECK(each.value.is_null());
         }
     }
+}
+
+TEST_CASE_METHOD(Subscribed, "right taken: between the creation of an item and an audit event",
+                 "[attack]")
+{
+    auto pat = log_in_with("SecurityAdmin");
+    subscribe_to_events(pat);
+    const auto raise = [&] {
+        server::Event event;
+        event.event_type = NodeId{0, id::AuditEventType};
+        server.raise_event(std::move(event));
+    };
+    raise();
+    CHECK(events(pat) == 1);
+    raise();
+    complete(); // it waits for its publication
+    take("SecurityAdmin");
+    CHECK(events(pat) == 0);
+    raise();
+    CHECK(events(pat) == 0);
+    CHECK(events(pat) == 0);
+    REQUIRE(roles.add_identity("SecurityAdmin", rule()));
+    server::RunningServer{server}.roles_changed();
+    CHECK(events(pat) == 0);
+    raise();
+    CHECK(events(pat) + events(pat) == 1);
 }
 
 } // namespace right_taken_test

@@ -146,7 +146,7 @@ void EventItem::deliver(const RaisedEvent& event)
     if (!filter_.matches(event, reader)) {
         return;
     }
-    if (!queue_.push(filter_.select(event, reader), filter_.has_guards())) {
+    if (!queue_.push(filter_.select(event, reader), event.type(), filter_.has_guards())) {
         queue_overflow();
     }
     notify();
@@ -238,8 +238,8 @@ void EventItem::user_changed(const ItemContext& context)
         // The new user must not see events that the previous one was allowed to see.
         clear();
         subscription().ready(Kind::Event).remove(*this);
-    } else if (queue_.discard_guarded()) {
-        queue_overflow(); // their fields were selected for the previous user
+    } else if (queue_.discard_guarded([this](auto type) { return may_know_of(type); })) {
+        queue_overflow(); // they were selected for the previous user
         notify();
     }
 }

@@ -30,7 +30,7 @@ bool EventItemQueue::set_capacity(std::uint32_t capacity, bool discards_oldest)
     return !loses;
 }
 
-bool EventItemQueue::push(Fields fields, bool is_guarded)
+bool EventItemQueue::push(Fields fields, model::NodeIndex type, bool is_guarded)
 {
     const std::size_t bytes = bytes_of(fields);
     const bool is_full = event_count() == capacity_;
@@ -46,7 +46,7 @@ bool EventItemQueue::push(Fields fields, bool is_guarded)
     const bool is_behind =
         !is_full || discards_oldest_ || entries_.empty() || !entries_.back().is_overflow;
     entries_.insert(is_behind ? entries_.end() : entries_.end() - 1,
-                    Entry{std::move(fields), bytes, false, is_guarded});
+                    Entry{std::move(fields), bytes, false, is_guarded, type});
     undo.keep();
     return !is_full;
 }
@@ -61,13 +61,14 @@ void EventItemQueue::discard()
     entries_.erase(found);
 }
 
-bool EventItemQueue::discard_guarded()
+bool EventItemQueue::discard_guarded(FunctionRef<bool(model::NodeIndex type)> may_know_of)
 {
-    const std::size_t discarded = std::erase_if(entries_, [this](const Entry& entry) {
-        if (entry.is_guarded) {
+    const std::size_t discarded = std::erase_if(entries_, [&](const Entry& entry) {
+        const bool is_hidden = entry.is_guarded || (!entry.is_overflow && !may_know_of(entry.type));
+        if (is_hidden) {
             account_->release(entry.bytes);
         }
-        return entry.is_guarded;
+        return is_hidden;
     });
     return discarded != 0;
 }
@@ -85,7 +86,7 @@ void EventItemQueue::push_overflow(Fields fields)
     }
     busbar::detail::Undo undo{[&] { account_->release(bytes); }};
     entries_.insert(discards_oldest_ ? entries_.begin() : entries_.end(),
-                    Entry{std::move(fields), bytes, true, false});
+                    Entry{std::move(fields), bytes, true, false, model::no_node});
     undo.keep();
     ++overflow_count_;
 }

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <deque>
 
+#include <busbar/core/function_ref.hpp>
 #include <busbar/core/types.hpp>
+#include <busbar/model/node.hpp>
 
 #include "server/subscription/value_queue.hpp"
 
@@ -27,11 +29,13 @@ public:
 
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     /// Queues an event, if necessary in place of the oldest or of the newest. Returns false if one
-    /// was lost, which may be this one, if it cannot be paid for. `is_guarded`: not every user may
-    /// read all of its fields.
-    [[nodiscard]] bool push(Fields fields, bool is_guarded = false);
-    /// Discards the events with such fields, for another user; false if there are none.
-    [[nodiscard]] bool discard_guarded();
+    /// was lost, which may be this one, if it cannot be paid for. `type` is the type of the event;
+    /// `is_guarded`: not every user may read all of its fields.
+    [[nodiscard]] bool push(Fields fields, model::NodeIndex type = model::no_node,
+                            bool is_guarded = false);
+    /// Discards, for another user, the events with such fields and those of types that the user may
+    /// not know of; false if there are none.
+    [[nodiscard]] bool discard_guarded(FunctionRef<bool(model::NodeIndex type)> may_know_of);
     /// Returns true if a loss needs a new overflow event, since there is none at this place yet.
     [[nodiscard]] bool wants_overflow() const;
     /// Puts the overflow event in its place: in front if the oldest are discarded, else at the end.
@@ -47,6 +51,7 @@ private:
         std::size_t bytes{0};
         bool is_overflow{false};
         bool is_guarded{false};
+        model::NodeIndex type{model::no_node};
     };
     [[nodiscard]] std::size_t event_count() const { return entries_.size() - overflow_count_; }
     /// Discards the event that must make room for another.
