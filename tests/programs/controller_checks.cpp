@@ -136,8 +136,14 @@ void ControllerSimulation::check()
         }
         return;
     }
+    const bool is_stored = std::ranges::any_of(report->pending_changes, [](const auto& each) {
+        return each.find("it is stored all the same") != std::string::npos;
+    });
     for (Expectation& each : right) {
         learn(each, *report);
+        if (!is_stored) {
+            each.stored.reset();
+        }
     }
     expected_.clear();
     for (const Expectation& each : right) {
@@ -163,6 +169,10 @@ void ControllerSimulation::adopt(const ControllerReport& report)
         }
     }
     std::erase_if(all.users, [&](const auto& each) { return !report.users.contains(each.first); });
+    for (const std::string& name : report.users) {
+        all.users.try_emplace(name); // damaged by one bit, it is another name
+    }
+    touched_.clear();
     all.trusted.clear();
     for (const crypto::Certificate& each : ControllerSite::strangers()) {
         if (report.trusted.contains(each.thumbprint_text())) {
@@ -181,6 +191,7 @@ void ControllerSimulation::adopt(const ControllerReport& report)
         }
     }
     all.doubtful.clear();
+    all.stored.reset();
 }
 
 void ControllerSimulation::learn(Expectation& expected, const ControllerReport& report) const

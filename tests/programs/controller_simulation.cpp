@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <utility>
 
 namespace busbar::test {
 
@@ -17,6 +18,7 @@ std::string Expectation::setting(const std::string& name) const
 void Expectation::take_program(const MachineText& next)
 {
     program = next;
+    stored.reset();
     std::erase_if(retained, [&](const auto& each) { return !next.variables.contains(each.first); });
     for (const std::string& name : next.variables) {
         if (is_retained(name)) {
@@ -27,8 +29,12 @@ void Expectation::take_program(const MachineText& next)
 
 bool operator==(const Expectation& a, const Expectation& b)
 {
-    return a.online == b.online && a.is_online_unknown == b.is_online_unknown &&
-           a.users == b.users && a.trusted == b.trusted && a.closed_roles == b.closed_roles &&
+    const auto stored_text = [](const Expectation& all) {
+        return all.stored ? std::optional{all.stored->program.text} : std::nullopt;
+    };
+    return stored_text(a) == stored_text(b) && a.online == b.online &&
+           a.is_online_unknown == b.is_online_unknown && a.users == b.users &&
+           a.trusted == b.trusted && a.closed_roles == b.closed_roles &&
            a.program.text == b.program.text && a.is_received == b.is_received &&
            a.retained == b.retained && a.file == b.file && a.ports == b.ports &&
            a.is_port_unknown == b.is_port_unknown && a.doubtful == b.doubtful;
@@ -171,6 +177,14 @@ void ControllerSimulation::start()
     is_kept_ = false;
     if (controller_->start() != ForkedController::Start::Serves) {
         return violation("it does not start: " + controller_->why_not());
+    }
+    const std::size_t count = expected_.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        if (const auto stored = std::exchange(expected_[i].stored, std::nullopt)) {
+            expected_.push_back(expected_[i]);
+            expected_.back().is_received = stored->is_received;
+            expected_.back().take_program(stored->program);
+        }
     }
     for (Expectation& each : expected_) {
         read_files(each);

@@ -32,6 +32,13 @@ struct Expectation {
     std::set<std::string> closed_roles;
     MachineText program;
     bool is_received{false};
+    /// What the next start begins with instead: it was refused after it was stored, and media did
+    /// not let it be taken back, as the status says.
+    struct Stored {
+        MachineText program;
+        bool is_received{false};
+    };
+    std::optional<Stored> stored;
     /// Values of RETAIN variables; nothing: any.
     std::map<std::string, std::optional<std::int64_t>> retained;
     /// What the configuration's file says of settings.
@@ -92,6 +99,9 @@ private:
     void change_trust();
     void send_program();
     void restore_program();
+    /// What becomes of the expectation by a program that takes place after the answer.
+    void follow_program(Outcome outcome, const std::string& what, const MachineText& next,
+                        bool is_received);
     void write_value();
     void restart();
     void reload();

@@ -57,8 +57,8 @@ TEST_CASE("a controller that is killed after every step has what was acknowledge
     }
     // What is to be seen was there to be seen.
     CAPTURE(first, count);
-    CHECK(counts.starts > 8 * count);
     if (count >= sequences_of_round) {
+        CHECK(counts.starts > 8 * count);
         CHECK(counts.done > 2 * count);
         CHECK(counts.refused > 0);
         CHECK(counts.faults > 0);

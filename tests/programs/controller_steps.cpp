@@ -224,11 +224,8 @@ void ControllerSimulation::send_program()
     if (outcome == Outcome::Done && verb == "download ") {
         wait_for_effect(before);
     }
-    if ((is_failing_ || !site_.occupied().empty()) && outcome == Outcome::Done &&
-        verb == "download ") {
-        // It takes place after the answer, and may be refused then, as the status says; also
-        // because another port, of which the file has told, is taken since.
-        outcome = Outcome::Unknown;
+    if (verb == "download ") {
+        return follow_program(outcome, verb + name, next, true);
     }
     follow(outcome, verb + name, [&](Expectation& all) {
         all.is_received = true;
@@ -243,16 +240,28 @@ void ControllerSimulation::restore_program()
     if (outcome == Outcome::Done) {
         wait_for_effect(before);
     }
-    if (!site_.occupied().empty() && outcome == Outcome::Done) {
-        return perhaps([&](Expectation& all) {
-            all.is_received = false;
-            all.take_program(site_.program);
-        });
+    follow_program(outcome, "restore the program", site_.program, false);
+}
+
+/// It may be refused after the answer, as the status says, while media fail, and where another
+/// port, of which the file has told, is taken since.
+void ControllerSimulation::follow_program(Outcome outcome, const std::string& what,
+                                          const MachineText& next, bool is_received)
+{
+    const bool is_sure = !is_failing_ && site_.occupied().empty();
+    follow(outcome == Outcome::Done && !is_sure ? Outcome::Unknown : outcome, what,
+           [&](Expectation& all) {
+               all.is_received = is_received;
+               all.take_program(next);
+           });
+    if (!is_failing_ || outcome == Outcome::Refused) {
+        return;
     }
-    follow(outcome, "restore the program", [&](Expectation& all) {
-        all.is_received = false;
-        all.take_program(site_.program);
-    });
+    for (Expectation& each : expected_) {
+        if (each.program.text != next.text || each.is_received != is_received) {
+            each.stored = Expectation::Stored{next, is_received};
+        }
+    }
 }
 
 void ControllerSimulation::write_value()
@@ -337,7 +346,12 @@ void ControllerSimulation::move_listener()
     }
     const std::string other = site_.other_port();
     const bool is_known = std::ranges::none_of(expected_, &Expectation::is_port_unknown);
-    const bool is_taken = is_known && chance_.one_in(3) && site_.occupy(other);
+    // It has kept where it listens, and listens there or where the file says.
+    bool is_taken = is_known && chance_.one_in(3) && !is_failing_ && site_.occupy(other);
+    if (is_taken && !controller_->is_running()) {
+        site_.release();
+        is_taken = false;
+    }
     site_.settings["port"] = other;
     site_.write_configuration();
     note("the file names the port " + other + (is_taken ? ", which is taken" : ""));

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -47,6 +48,7 @@ void redirect(const std::string& log)
     ::dup2(in, STDIN_FILENO);
     ::dup2(out, STDOUT_FILENO);
     ::dup2(out, STDERR_FILENO);
+    std::setvbuf(stdout, nullptr, _IOLBF, 0); // the log has all lines before the power goes
 }
 
 /// In the process of its own, which ends with it. Nothing of the test is destroyed there.

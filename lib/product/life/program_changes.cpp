@@ -149,6 +149,7 @@ void RunningController::edited_online(const std::string& name)
 {
     log_.write(LogLevel::Info, "controller", "edited online: " + name);
     pending_.done(PendingChanges::By::Download);
+    refused_program_.reset();
     keep();
 }
 
@@ -200,6 +201,7 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         }
         if (change.step == Step::Download) {
             check_download(next.config, "");
+            save_retained(); // the next program begins with these values, or is refused now
         } else if (!may_edit) {
             return Unexpected{may_edit.error()};
         }
@@ -207,10 +209,11 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         const auto known = texts.find(current_->sources().received_place());
         auto before = known != texts.end() ? std::optional{*known->second} : std::nullopt;
         expect(current_->keep_program(change.document));
+        refused_program_.reset();
         if (change.step == Step::Download) {
             download_soon(change, std::move(next), std::move(before));
         } else if (const auto edited = current_->edit(next, change.prepared); !edited) {
-            expect(current_->keep_program(before));
+            refuse_program({.why = text(edited.error()), .before = std::move(before)});
             return Unexpected{edited.error()};
         } else {
             edited_online(next.config.machine.program_name);
@@ -242,13 +245,43 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
                       name] { log_.write(LogLevel::Info, "controller", "downloaded: " + name); },
              .refused =
                  [this, name, before](const ConfigError& error) {
-                     pending_.ask(PendingChanges::By::Download,
-                                  name + " was sent and refused: " + error.what());
-                     expect(current_->keep_program(before));
+                     refuse_program({.why = name + " was sent and refused: " + error.what(),
+                                     .before = before,
+                                     .was_accepted = true});
                  },
              .leaves_out = change.leaves_out},
             std::move(unchanged));
     });
+}
+
+void RunningController::refuse_program(RefusedProgram refused)
+{
+    refused_program_ = std::move(refused);
+    if (!put_back()) {
+        log_.write(LogLevel::Error, "controller", pending_.reason(PendingChanges::By::Download));
+    }
+}
+
+Configured<void> RunningController::put_back()
+{
+    if (!refused_program_) {
+        return {};
+    }
+    const auto done = current_->keep_program(refused_program_->before);
+    std::string why;
+    if (!done) {
+        why = refused_program_->why +
+              "; it is stored all the same, and a start tries it again, "
+              "until it can be replaced: " +
+              text(done.error());
+    } else if (refused_program_->was_accepted) {
+        why = refused_program_->why;
+    }
+    pending_.ask(PendingChanges::By::Download, std::move(why));
+    if (done) {
+        refused_program_.reset();
+    }
+    return done;
 }
 
 void RunningController::read_again_with_labels(const SourceFiles::Prepared& labels)

@@ -210,9 +210,25 @@ void RunningController::keep()
     if (!listening_.is_elsewhere()) {
         now.listeners = listening_.told();
     }
-    if (const auto kept = kept_->keep(now); !kept) {
+    const auto kept = kept_->keep(now);
+    const std::string why_not = kept ? std::string{} : text(kept.error());
+    const std::string before = std::exchange(why_not_kept_, why_not);
+    if (!kept && why_not != before) {
         log_.write(LogLevel::Warning, "controller",
-                   "what runs cannot be kept for the next start: " + text(kept.error()));
+                   "what runs cannot be kept for the next start: " + why_not);
+    } else if (kept && !before.empty()) {
+        log_.write(LogLevel::Info, "controller", "what runs is kept for the next start");
+    }
+}
+
+void RunningController::store_again()
+{
+    if (starts_again_ || looks_until_restart_ > 0) {
+        return; // the present files count, not what runs
+    }
+    static_cast<void>(put_back());
+    if (!why_not_kept_.empty()) {
+        keep();
     }
 }
 
@@ -373,6 +389,7 @@ bool RunningController::run()
         loop_.post([this] {
             listen_as_told();
             restart_replaced();
+            store_again();
         });
         return listening_period;
     }};
@@ -384,6 +401,7 @@ bool RunningController::run()
         loop_.run(current_->server());
     }
     drop_next();
+    store_again();
     current_->halt();
     if (field_labels_) {
         field_labels_->stop();

@@ -232,6 +232,20 @@ private:
     [[nodiscard]] std::function<Configured<void>()> restart_check();
     /// Stores what is running as the last good state.
     void keep();
+    /// Stores what the medium did not accept before.
+    void store_again();
+    /// A program that was stored and then refused.
+    struct RefusedProgram {
+        std::string why;
+        /// The document to store instead; nothing if there was none.
+        std::optional<std::string> before;
+        /// True if the requester was told otherwise before, so that the status must tell.
+        bool was_accepted{false};
+    };
+    /// Stores the document of before a refused program, if there is one. The pending change tells
+    /// if that fails.
+    [[nodiscard]] Configured<void> put_back();
+    void refuse_program(RefusedProgram refused);
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();
     void start();
@@ -264,6 +278,10 @@ private:
     int looks_until_restart_{0};
     std::optional<storage::FolderStorage> kept_folder_;
     std::optional<TakenOverFiles> kept_;
+    /// The reason why the running state is not stored; empty if it is.
+    std::string why_not_kept_;
+    /// Set until the document of before is stored.
+    std::optional<RefusedProgram> refused_program_;
     CurrentValidator clients_;
     PendingChanges pending_;
     /// Identity of the current generation, for the discovery server.

@@ -216,6 +216,7 @@ void RunningController::succeed(Successor& next)
     pending_.done(PendingChanges::By::Start);
     pending_.done(PendingChanges::By::Reload);
     pending_.done(PendingChanges::By::Download);
+    refused_program_.reset();
     standing_ = std::move(next.standing);
     if (labels_ && labels_->is_other(current_->config())) {
         download_labels(current_->config(), [this](const Problem* why_not) {

@@ -127,15 +127,21 @@ Configured<void> TakenOverFiles::keep_part(std::string_view name, std::string te
 
 Configured<void> TakenOverFiles::keep(const TakenOver& all)
 {
-    return keep_part(files_name, text_of(all.files))
-        .and_then([&] { return keep_part(project_name, all.project); })
-        .and_then([&] {
-            return all.settings ? keep_part(settings_name, *all.settings) : Configured<void>{};
-        })
-        .and_then([&] {
-            return all.listeners.empty() ? Configured<void>{}
-                                         : keep_part(listeners_name, text_of(all.listeners));
-        });
+    Configured<void> done;
+    const auto keep_one = [&](std::string_view name, std::string text) {
+        if (auto kept = keep_part(name, std::move(text)); !kept && done) {
+            done = std::move(kept);
+        }
+    };
+    keep_one(files_name, text_of(all.files));
+    keep_one(project_name, all.project);
+    if (all.settings) {
+        keep_one(settings_name, *all.settings);
+    }
+    if (!all.listeners.empty()) {
+        keep_one(listeners_name, text_of(all.listeners));
+    }
+    return done;
 }
 
 void TakenOverFiles::forget_settings()

@@ -37,7 +37,8 @@ public:
     /// `storage` must outlive this object.
     explicit TakenOverFiles(Storage& storage) : storage_{&storage} {}
 
-    /// Stores the state. Fails with a problem of the Storage; then the previous copy stays.
+    /// Stores the state. Fails with the first problem of the Storage; the previous copy of a part
+    /// that could not be stored stays.
     [[nodiscard]] Configured<void> keep(const TakenOver& all);
     /// Removes the settings, because they were dropped on purpose and must not return.
     void forget_settings();
