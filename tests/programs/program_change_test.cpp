@@ -8,12 +8,15 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 
+#include "product/machine/program_file.hpp"
+
 namespace program_change_test {
 
 // What differs between two programs.
 
 using namespace busbar;
 using namespace busbar::product;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -33,6 +36,22 @@ std::string compared(const std::string& file, const std::string& controller)
         all += each.what + ": " + each.file + " | " + each.controller + "\n";
     }
     return all;
+}
+
+/// Of a text whose declarations may be left out.
+controller::Program lenient_program(const std::string& text)
+{
+    auto read = read_program(text, "press.st", {.unserved = controller::Unserved::LeaveOut});
+    INFO((read ? "" : busbar::text(read.error())));
+    REQUIRE(read);
+    return (*read)->program();
+}
+
+/// What is refused of the next program, which leaves out more; empty if it does not.
+std::string left_out(const std::string& before, const std::string& next)
+{
+    const auto checked = check_left_out(lenient_program(before), lenient_program(next), "press.st");
+    return checked ? "" : busbar::text(checked.error());
 }
 
 std::string global(const std::string& declarations)
@@ -97,6 +116,21 @@ TEST_CASE("program change: tasks and instances are told by name, and take a down
     CHECK(refusal([](auto& p) { p.instances[0].task = "Slow"; }) ==
           "instances (Press): was different" + end);
     CHECK(refusal([](auto& p) { std::swap(p.tasks[0], p.tasks[1]); }) == "");
+}
+
+TEST_CASE("program change: what is left out now names the declaration that is new among others")
+{
+    const std::string before = global("a : INT;\nb : TON;\n5x : INT;");
+    CHECK(left_out(before, before) == "");
+    CHECK(left_out(before, global("5x : INT;\nb : TON;\nc : INT;")) == "");
+    CHECK_THAT(left_out(before, global("a : TON;\nb : TON;\n5x : INT;")),
+               StartsWith("press.st:2:1: variables[0] (a): "));
+    // They have no names.
+    CHECK_THAT(left_out(before, global("7y : INT;\nb : TON;\n5x : INT;")),
+               StartsWith("press.st:2:1: text: found '7y'"));
+    CHECK_THAT(left_out(before, global("5x : INT;\nb : TON;\n7y : INT;")),
+               StartsWith("press.st:4:1: text: found '7y'"));
+    CHECK(left_out(before, global("b : TON;\n7y : INT;")) == "");
 }
 
 } // namespace program_change_test

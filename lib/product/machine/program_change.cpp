@@ -218,16 +218,35 @@ Configured<void> check_left_out(const controller::Program& before, const control
         return std::to_string(static_cast<int>(one.kind)) +
                controller::fold_name(one.declared.name);
     };
+    const auto reason_of = [&](const controller::LeftOut& one) {
+        return key_of(one) + " " + one.problem.text;
+    };
     std::unordered_multiset<std::string> known;
+    std::unordered_multiset<std::string> known_reasons;
     for (const controller::LeftOut& each : before.left_out) {
         known.insert(key_of(each));
+        known_reasons.insert(reason_of(each));
     }
+    const auto take = [](std::unordered_multiset<std::string>& all, const std::string& one) {
+        const auto found = all.find(one);
+        if (found == all.end()) {
+            return false;
+        }
+        all.erase(found);
+        return true;
+    };
+    // Several can have the same name, or none: those with a reason that is known are not new.
+    std::vector<const controller::LeftOut*> others;
     for (const controller::LeftOut& each : next.left_out) {
-        const auto found = known.find(key_of(each));
-        if (found != known.end()) {
-            known.erase(found);
-        } else if (each.kind != Kind::Unit) {
-            return Unexpected{in_file(each.problem, file)};
+        if (take(known_reasons, reason_of(each))) {
+            take(known, key_of(each));
+        } else {
+            others.push_back(&each);
+        }
+    }
+    for (const controller::LeftOut* each : others) {
+        if (each->kind != Kind::Unit && !take(known, key_of(*each))) {
+            return Unexpected{in_file(each->problem, file)};
         }
     }
     return {};
