@@ -146,7 +146,9 @@ std::string Admission::read_certificates(DateTime now)
         return std::to_string(list.trusted.size()) + " trusted certificates and " +
                std::to_string(list.issuers.size()) + " issuers";
     };
-    std::string text = trusts_all_clients_ ? "every client is trusted" : count(client_store_);
+    std::string text = trusts_all_clients_   ? "every client is trusted"
+                       : has_client_folders_ ? count(client_store_)
+                                             : "no client needs a certificate";
     return config_.certified ? text + ", of users " + count(user_store_) : text;
 }
 

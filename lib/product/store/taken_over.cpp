@@ -166,7 +166,9 @@ Configured<void> TakenOverFiles::keep_copy(std::string_view file)
         known_.erase(std::string{file});
     };
     const auto bytes = read_file(*storage_, file, max_part_size);
-    if (!bytes && bytes.error() == StorageError::NotFound) {
+    // At a first start the folder is not there yet.
+    if (!bytes &&
+        (bytes.error() == StorageError::NotFound || bytes.error() == StorageError::Away)) {
         remove();
         return {};
     }
