@@ -67,9 +67,10 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
     keep_lists();
     if (config.users.has_setup && !users_->has_administrator()) {
         if (!manages_certificates(config)) {
-            throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
-                                                "trusts all clients, expected certificates that "
-                                                "decide"};
+            throw ConfigError{"[users]: setup",
+                              "requires an [[endpoint]] with a policy other than None, and clients "
+                              "that are trusted one by one: remove trust_all_clients of "
+                              "[certificates]"};
         }
         waits_for_port_ = !config.machine.is_used;
         if (!waits_for_port_) { // otherwise no client could use the code to log in
