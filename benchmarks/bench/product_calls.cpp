@@ -15,6 +15,8 @@ using namespace std::chrono_literals;
 
 /// What follows a command, such as a program that takes over, is the command's too.
 constexpr std::chrono::milliseconds aftermath{500};
+/// The server restarts two seconds after it was asked to, and refuses other commands until then.
+constexpr std::chrono::milliseconds restart_time{2'500};
 
 struct ProductCommand {
     std::string_view name;
@@ -72,7 +74,8 @@ Result<HostileRow> play(Load& load, OwnController& controller, const ToolUser& t
             is_well = tool.run("SecurityAdmin", command.words);
         }
         ++(is_well ? row.answered : row.refused);
-        std::this_thread::sleep_for(aftermath);
+        const bool restarts = command.words.find("restart") != std::string_view::npos;
+        std::this_thread::sleep_for(aftermath + (restarts ? restart_time : 0ms));
         is_done = true;
     }};
     const auto read = client.read_while([&](double) { return !is_done; }, row);
