@@ -15,8 +15,8 @@ using namespace std::chrono_literals;
 
 /// What follows a command, such as a program that takes over, is the command's too.
 constexpr std::chrono::milliseconds aftermath{500};
-/// The server restarts two seconds after it was asked to, and refuses other commands until then.
-constexpr std::chrono::milliseconds restart_time{2'500};
+/// The server restarts some seconds after it was asked to, and refuses other commands until then.
+constexpr std::chrono::milliseconds restart_time{4'000};
 
 struct ProductCommand {
     std::string_view name;
