@@ -168,7 +168,7 @@ TEST_CASE(
         TakenOver all;
         all.files.emplace("press.toml", std::make_shared<const std::string>(text));
         all.settings = "{}";
-        all.project = text;
+        all.project = std::make_shared<const std::string>(text);
         all.listeners = {{"", 4'840, ListenerUse::Data}};
         return all;
     };
@@ -183,10 +183,11 @@ TEST_CASE(
             [&] {
                 const auto all = TakenOverFiles{storage}.read();
                 REQUIRE(all); // each part is of the first or of the second
-                CHECK((all->project == first.project || all->project == second.project));
+                CHECK((all->project_text() == first.project_text() ||
+                       all->project_text() == second.project_text()));
                 CHECK(all->files.size() == 1);
             });
-        CHECK(TakenOverFiles{storage}.read()->project == second.project);
+        CHECK(TakenOverFiles{storage}.read()->project_text() == second.project_text());
         return has_failed;
     });
 }

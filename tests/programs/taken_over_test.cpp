@@ -24,7 +24,7 @@ TakenOver everything()
     all.files.emplace("a b.toml", std::make_shared<const std::string>("x = 1\n\xFF"));
     all.files.emplace("press.st", std::make_shared<const std::string>(""));
     all.settings = "{}";
-    all.project = "busbar project 1\n";
+    all.project = std::make_shared<const std::string>("busbar project 1\n");
     all.listeners = {{"", 4'840, product::ListenerUse::Data},
                      {"fe80::1%eth0", 65'535, product::ListenerUse::Administration}};
     return all;
@@ -50,7 +50,7 @@ TEST_CASE("taken over: what is kept is read again")
     CHECK(*all->files.at("a b.toml") == "x = 1\n\xFF");
     CHECK(all->files.at("press.st")->empty());
     CHECK(all->settings == "{}");
-    CHECK(all->project == everything().project);
+    CHECK(all->project_text() == everything().project_text());
     CHECK(all->listeners == everything().listeners);
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("taken over: what there is nothing to say of stays as it was kept")
     const auto all = files.read();
     REQUIRE(all);
     CHECK(all->files.empty());
-    CHECK(all->project.empty());
+    CHECK(all->project == nullptr);
     CHECK(all->settings == "{}");
     CHECK(all->listeners.size() == 2);
 }
@@ -76,7 +76,7 @@ TEST_CASE("taken over: a part is written when it is another one, and only then")
     REQUIRE(storage.remove("taken-over/files"));
     REQUIRE(storage.remove("taken-over/project"));
     TakenOver changed = everything();
-    changed.project += "more";
+    changed.project = std::make_shared<const std::string>("busbar project 2\n");
     REQUIRE(files.keep(changed));
     CHECK_FALSE(storage.entry("taken-over/files"));
     CHECK(storage.entry("taken-over/project"));
@@ -92,7 +92,7 @@ TEST_CASE("taken over: a damaged part is not there")
     REQUIRE(all);
     CHECK(all->files.empty());
     CHECK(all->listeners.empty());
-    CHECK(all->project == everything().project);
+    CHECK(all->project_text() == everything().project_text());
 }
 
 TEST_CASE("taken over: a copy of a file is kept as long as there is one, and not if it is damaged")

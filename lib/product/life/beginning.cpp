@@ -63,8 +63,8 @@ RunningController::RunningController(Configuration configuration, Beginning begi
         labels_.emplace(config, clock_, threads_);
         labels_->tell_left_out(log_, config.labels.program_file);
     }
-    if (beginning.last && !beginning.last->project.empty()) {
-        expect(labels_check(reading.project, config, beginning.last->project)());
+    if (beginning.last && beginning.last->project != nullptr) {
+        expect(labels_check(reading.project, config, beginning.last->project_text())());
     }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
@@ -144,8 +144,8 @@ void RunningController::listen_as_told()
                  .read =
                      [this] {
                          const TakenOver now = current_->taken_over(); // nothing else is taken up
-                         return read(configuration_,
-                                     {SourceFiles{now.files}, now.project, !now.project.empty()});
+                         return read(configuration_, {SourceFiles{now.files}, now.project_text(),
+                                                      now.project != nullptr});
                      },
                  .done =
                      [this] {

@@ -322,7 +322,7 @@ TakenOver Generation::taken_over() const
         all.settings = administration::settings_document(settings_->list().changes(),
                                                          settings_->list().authors());
     }
-    all.project = project_document();
+    all.project = project_ != nullptr ? project_->shared_document() : nullptr;
     return all;
 }
 

@@ -170,7 +170,7 @@ Reading RunningController::reading_with(const ProgramChange& change) const
                 {.files = current_->sources().with_program(
                      change.document, current_->config().machine.program_file,
                      change.prepared ? change.prepared->files : SourceFiles::Prepared{}),
-                 .project = current_->taken_over().project});
+                 .project = current_->project_document()});
 }
 
 Configured<ProgramVerdict> RunningController::change_program(const ProgramChange& change)

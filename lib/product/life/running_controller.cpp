@@ -210,6 +210,7 @@ void RunningController::keep()
     if (!listening_.is_elsewhere()) {
         now.listeners = listening_.told();
     }
+    is_keeping_due_ = false;
     const auto kept = kept_->keep(now);
     const std::string why_not = kept ? std::string{} : text(kept.error());
     const std::string before = std::exchange(why_not_kept_, why_not);
@@ -221,13 +222,24 @@ void RunningController::keep()
     }
 }
 
+/// A project of some megabytes takes its time, and so does what has just been done.
+void RunningController::keep_soon()
+{
+    is_keeping_due_ = true;
+    loop_.post([this] {
+        if (is_keeping_due_) {
+            store_again();
+        }
+    });
+}
+
 void RunningController::store_again()
 {
     if (starts_again_ || looks_until_restart_ > 0) {
         return; // the present files count, not what runs
     }
     static_cast<void>(put_back());
-    if (!why_not_kept_.empty()) {
+    if (is_keeping_due_ || !why_not_kept_.empty()) {
         keep();
     }
 }

@@ -232,7 +232,9 @@ private:
     [[nodiscard]] std::function<Configured<void>()> restart_check();
     /// Stores what is running as the last good state.
     void keep();
-    /// Stores what the medium did not accept before.
+    /// Likewise, at the next turn of the thread of run().
+    void keep_soon();
+    /// Stores what the medium did not accept before, and what is to be kept soon.
     void store_again();
     /// A program that was stored and then refused.
     struct RefusedProgram {
@@ -278,6 +280,7 @@ private:
     int looks_until_restart_{0};
     std::optional<storage::FolderStorage> kept_folder_;
     std::optional<TakenOverFiles> kept_;
+    bool is_keeping_due_{false};
     /// The reason why the running state is not stored; empty if it is.
     std::string why_not_kept_;
     /// Set until the document of before is stored.

@@ -273,7 +273,8 @@ std::unique_ptr<RunningController> start_by(const Way& way, const Configuration&
                                             const std::string& refusal, const std::string& damage,
                                             Make make)
 {
-    Substitutes substitutes{.project = last.project, .takes_other_project = way.takes_project};
+    Substitutes substitutes{.project = last.project_text(),
+                            .takes_other_project = way.takes_project};
     if (way.takes_files) {
         substitutes.files =
             SourceFiles{way.takes_received ? last.files : with_received(last.files, folder)};
@@ -310,7 +311,7 @@ std::unique_ptr<RunningController> start(const Configuration& configuration, Run
     }
     try {
         return without_damaged(lists, [&](const std::string& damage) {
-            Substitutes substitutes{.project = last ? last->project : std::string{}};
+            Substitutes substitutes{.project = last ? last->project_text() : std::string{}};
             Reading reading = read(configuration, std::move(substitutes));
             if (last) {
                 check_left_out(reading.config, *last);

@@ -235,7 +235,7 @@ void RunningController::succeed(Successor& next)
     }
     clients_.use(current_->clients());
     renewed();
-    keep();
+    keep_soon();
     if (greets_) {
         leaving_.back()->print_statistics();
         current_->print_welcome();

@@ -52,6 +52,11 @@ public:
     [[nodiscard]] std::optional<StorageEntry::Version> version() const;
     /// Its file; empty if there is none.
     [[nodiscard]] const std::string& document() const;
+    /// The same file while nothing else is served; null if there is none.
+    [[nodiscard]] std::shared_ptr<const std::string> shared_document() const
+    {
+        return document().empty() ? nullptr : document_;
+    }
     /// Returns whether it is none, or that of `last`, the file of the project that was served
     /// before.
     [[nodiscard]] bool is_known(const std::string& last) const

@@ -11,8 +11,6 @@ namespace busbar::product {
 
 namespace {
 
-using controller::detail::checksum;
-
 constexpr std::size_t max_part_size = 256U << 20U;
 constexpr std::string_view files_name = "files";
 constexpr std::string_view settings_name = "settings";
@@ -105,36 +103,46 @@ std::optional<std::vector<FurtherListener>> listeners_in(std::string_view all)
 
 } // namespace
 
-Configured<void> TakenOverFiles::keep_part(std::string_view name, std::string text)
+Configured<void> TakenOverFiles::keep_part(std::string_view name, std::string_view text)
 {
-    const std::uint32_t sum = checksum(bytes_of(text));
+    std::string sum = controller::detail::checksum_text(text);
     if (const auto known = known_.find(name); known != known_.end() && known->second == sum) {
         return {};
     }
-    text = controller::detail::checksum_text(text) + "\n" + text;
+    std::string file;
+    file.reserve(sum.size() + 1 + text.size());
+    file.append(sum).append("\n").append(text);
     const std::string path = storage_path(folder, name);
     if (const auto made = storage_->make_folder(folder, FileAccess::Owner); !made) {
         return misconfigured(storage_->place(folder), std::string{busbar::text(made.error())},
                              status_of(made.error()));
     }
-    if (const auto kept = storage_->replace(path, bytes_of(text), FileAccess::Owner); !kept) {
+    if (const auto kept = storage_->replace(path, bytes_of(file), FileAccess::Owner); !kept) {
         return misconfigured(storage_->place(path), std::string{busbar::text(kept.error())},
                              status_of(kept.error()));
     }
-    known_.insert_or_assign(std::string{name}, sum);
+    known_.insert_or_assign(std::string{name}, std::move(sum));
     return {};
 }
 
 Configured<void> TakenOverFiles::keep(const TakenOver& all)
 {
     Configured<void> done;
-    const auto keep_one = [&](std::string_view name, std::string text) {
-        if (auto kept = keep_part(name, std::move(text)); !kept && done) {
+    const auto keep_one = [&](std::string_view name, std::string_view text) {
+        auto kept = keep_part(name, text);
+        const bool is_kept = kept.has_value();
+        if (!is_kept && done) {
             done = std::move(kept);
         }
+        return is_kept;
     };
     keep_one(files_name, text_of(all.files));
-    keep_one(project_name, all.project);
+    if (all.project == nullptr) {
+        keep_one(project_name, {});
+        kept_project_.reset();
+    } else if (all.project != kept_project_ && keep_one(project_name, *all.project)) {
+        kept_project_ = all.project;
+    }
     if (all.settings) {
         keep_one(settings_name, *all.settings);
     }
@@ -203,7 +211,7 @@ std::string TakenOverFiles::part(std::string_view name)
     if (!sum || *sum != controller::detail::checksum_text(rest)) {
         return {};
     }
-    known_.insert_or_assign(std::string{name}, checksum(bytes_of(rest)));
+    known_.insert_or_assign(std::string{name}, std::string{*sum});
     return std::string{rest};
 }
 
@@ -212,7 +220,9 @@ std::optional<TakenOver> TakenOverFiles::read()
     storage_->remove_unfinished(folder);
     TakenOver all;
     all.files = files_in(part(files_name)).value_or(SourceFiles::Texts{});
-    all.project = part(project_name);
+    if (std::string project = part(project_name); !project.empty()) {
+        all.project = std::make_shared<const std::string>(std::move(project));
+    }
     if (std::string settings = part(settings_name); !settings.empty()) {
         all.settings = std::move(settings);
     }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,10 +23,13 @@ struct TakenOver {
     SourceFiles::Texts files;
     /// Online changes as stored by Settings. If empty, keep the stored ones.
     std::optional<std::string> settings;
-    /// The file of the project of model mode; empty for none.
-    std::string project;
+    /// The file of the project of model mode; null for none.
+    std::shared_ptr<const std::string> project;
     /// The listeners; if empty, keep the stored ones.
     std::vector<FurtherListener> listeners;
+
+    /// Empty for no project.
+    [[nodiscard]] std::string project_text() const { return project ? *project : std::string{}; }
 };
 
 /// Stores the copy in the folder "taken-over" of a Storage. Replaces each part as a whole, and only
@@ -55,12 +59,14 @@ public:
     [[nodiscard]] std::optional<std::string> copy(std::string_view file);
 
 private:
-    [[nodiscard]] Configured<void> keep_part(std::string_view name, std::string text);
+    [[nodiscard]] Configured<void> keep_part(std::string_view name, std::string_view text);
     [[nodiscard]] std::string part(std::string_view name);
 
     Storage* storage_;
     /// Checksum of each part, as far as known.
-    std::map<std::string, std::uint32_t, std::less<>> known_;
+    std::map<std::string, std::string, std::less<>> known_;
+    /// The project that was stored last, which need not be looked at again.
+    std::shared_ptr<const std::string> kept_project_;
 };
 
 } // namespace busbar::product
