@@ -30,6 +30,10 @@ constexpr std::size_t max_command = 65'536;
 constexpr std::string_view restore_target = "_Card1RestoreCmdTargetOpcuaSPF";
 constexpr const char* restart_is_due =
     "it takes effect after a restart of the controller, which is due in a few seconds";
+constexpr const char* trusts_nobody =
+    ".\nThen it has a new certificate and trusts no client: with `setup = true` in its [users], "
+    "`busbar admin setup` makes the first account by the code that it shows; otherwise the "
+    "certificate of this user has to be trusted at the controller again";
 
 RemoteTransfer transfer_of(Connection& connection)
 {
@@ -220,7 +224,8 @@ Exit clear(Context& context, Connection& connection, const AdminArguments& argum
                   : "Clear the settings of the server, and the program that was sent to it?");
     send(context, transfer, clears_security ? "clear with security" : "clear", {},
          "clear all memory");
-    return report(context, "all memory was cleared; " + std::string{restart_is_due});
+    return report(context, "all memory was cleared; " + std::string{restart_is_due} +
+                               (clears_security ? trusts_nobody : ""));
 }
 
 } // namespace

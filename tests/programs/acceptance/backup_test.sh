@@ -156,6 +156,7 @@ says '95D00000'
 chief 0 admin mode "$url" program --yes
 one_step
 chief 0 admin clear "$url" --security --yes
+says 'trusts no client: .*`busbar admin setup`'
 await again 2
 run 4 --user chief --password-file password --trust admin status "$url"
 mv second/pki/rejected/certs/* second/pki/trusted/certs/
