@@ -112,7 +112,17 @@ void RejectedList::save(const Certificate& certificate, DateTime now, std::strin
     }
     const CertificateFolder& home = lists_->home(StoreList::Rejected, EntryKind::Certificate);
     const std::string file = store_file_name(certificate) + ".der";
-    if (!lists_->storage().replace(home.path_of(file), certificate.der(), FileAccess::Everyone)) {
+    const auto saved =
+        lists_->storage().replace(home.path_of(file), certificate.der(), FileAccess::Everyone);
+    if (!saved && saved.error() == StorageError::Closed) {
+        // It is not discarded for want of room, and a restart has an empty list for it.
+        log_->write(LogLevel::Warning, "certificate store",
+                    printable(certificate.subject()) + ", " + certificate.thumbprint_text() +
+                        ", is not saved in rejected: the lists were replaced, and count from the "
+                        "restart that is due; connect again after it");
+        return;
+    }
+    if (!saved) {
         tell(RecordKind::CertificateDiscarded, certificate, "cannot be saved in rejected");
         return;
     }

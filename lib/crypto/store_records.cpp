@@ -117,26 +117,36 @@ StoreRecords::KnownList StoreRecords::present(StoreList list)
     return present;
 }
 
-void StoreRecords::look(DateTime now)
+StoreRecords::Found StoreRecords::differences(DateTime now)
 {
-    std::array<KnownList, 4> gone;
-    std::array<KnownList, 4> come;
+    Found found;
     for (const StoreList list : looked_at) {
         const auto at = static_cast<std::size_t>(list);
         lists_->refresh(list, now);
-        KnownList there = present(list);
-        if (has_looked_) {
-            copy_missing(known(list), there, gone[at]);
-            copy_missing(there, known(list), come[at]);
-        }
-        known(list) = std::move(there);
+        found.present[at] = present(list);
+        copy_missing(known(list), found.present[at], found.gone[at]);
+        copy_missing(found.present[at], known(list), found.come[at]);
     }
-    has_looked_ = true;
-    tell_found(gone, come);
+    return found;
+}
+
+void StoreRecords::look(DateTime now)
+{
+    Found found = differences(now);
+    const auto is_empty = [](const KnownList& each) { return each.empty(); };
+    if (has_looked_ &&
+        !(std::ranges::all_of(found.gone, is_empty) && std::ranges::all_of(found.come, is_empty))) {
+        // A file that is moved between the readings of two lists is in both or in none.
+        found = differences(now);
+    }
+    known_ = std::move(found.present);
+    if (std::exchange(has_looked_, true)) {
+        tell_found(found.gone, found.come);
+    }
 }
 
 /// Reports a certificate that left one list and came into another as moved.
-void StoreRecords::tell_found(std::array<KnownList, 4>& gone, const std::array<KnownList, 4>& come)
+void StoreRecords::tell_found(KnownLists& gone, const KnownLists& come)
 {
     for (const StoreList to : looked_at) {
         for (const auto& each : come[static_cast<std::size_t>(to)]) {

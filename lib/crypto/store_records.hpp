@@ -43,20 +43,29 @@ private:
     /// Records by thumbprint.
     using KnownList = std::map<std::string, Known, std::less<>>;
 
+    using KnownLists = std::array<KnownList, 4>;
+    /// What one reading of the lists finds, and its differences from the known state.
+    struct Found {
+        KnownLists present;
+        KnownLists gone;
+        KnownLists come;
+    };
+
     [[nodiscard]] KnownList& known(StoreList list)
     {
         return known_[static_cast<std::size_t>(list)];
     }
     /// Returns the present entries, and known ones of files that cannot be read now.
     [[nodiscard]] KnownList present(StoreList list);
-    void tell_found(std::array<KnownList, 4>& gone, const std::array<KnownList, 4>& come);
+    [[nodiscard]] Found differences(DateTime now);
+    void tell_found(KnownLists& gone, const KnownLists& come);
     void tell(RecordKind of_certificate, const std::string& what, const FolderFile& file,
               StoreList list, std::string_view from = {}) const;
 
     StoreLists* lists_;
     LogSink* log_;
     /// Known entries by list; empty for lists that are not watched, and before the first look.
-    std::array<KnownList, 4> known_;
+    KnownLists known_;
     bool has_looked_{false};
 };
 

@@ -11,6 +11,7 @@
 #include <busbar/core/file_transaction.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/storage_folder.hpp>
+#include <busbar/core/storage_gate.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
@@ -89,6 +90,25 @@ public:
     bool fails_folders{false};
 };
 
+/// Somebody moves a file just before a folder is listed.
+class MovingStorage final : public StorageFolder {
+public:
+    explicit MovingStorage(Storage& storage) : StorageFolder{storage, ""} {}
+
+    Stored<StorageListing> list(std::string_view folder, std::size_t most) override
+    {
+        if (folder == before) {
+            before = {};
+            REQUIRE(StorageFolder::move(from, to, WhenThere::Replace));
+        }
+        return StorageFolder::list(folder, most);
+    }
+
+    std::string_view before;
+    std::string_view from;
+    std::string_view to;
+};
+
 } // namespace
 
 TEST_CASE_METHOD(RecordedStore, "records say of revocation lists what logs need", "[crypto][store]")
@@ -143,6 +163,42 @@ TEST_CASE_METHOD(RecordedStore, "a file that changes its folder is told as moved
     CHECK(look().empty()); // another file of the same list
     REQUIRE(storage.remove("trusted/one.cer"));
     CHECK(look() == Lines{"CertificateRemoved ListName=trusted DER"});
+}
+
+TEST_CASE_METHOD(RecordedStore, "a file that is moved while the lists are read is told as moved",
+                 "[crypto][store]")
+{
+    const Issued one = issue(authority("one"), key_number(1));
+    put("rejected/certs/one.der", one.certificate.der());
+    MovingStorage moving{storage};
+    CertificateStore looking{moving, {}, ear};
+    looking.tell_found_changes(now);
+    moving.before = "rejected/certs"; // the last one
+    moving.from = "rejected/certs/one.der";
+    moving.to = "issuers/certs/one.der";
+    looking.tell_found_changes(now);
+    looking.tell_found_changes(now);
+    CHECK(ear.records == Lines{"CertificateMoved ListName=issuers FromListName=rejected DER"});
+
+    ear.records.clear();
+    moving.before = "rejected/certs"; // after the list in which it was
+    moving.from = "issuers/certs/one.der";
+    moving.to = "rejected/certs/one.der";
+    looking.tell_found_changes(now);
+    looking.tell_found_changes(now);
+    CHECK(ear.records == Lines{"CertificateMoved ListName=rejected FromListName=issuers DER"});
+}
+
+TEST_CASE_METHOD(RecordedStore, "strangers are not discarded where the lists wait for a restart",
+                 "[crypto][store]")
+{
+    const Issued one = issue(authority("one"), key_number(1));
+    StorageGate gate{storage};
+    CertificateStore closed{gate, {}, ear};
+    gate.close();
+    closed.reject(one.certificate, now);
+    CHECK(ear.records.empty());
+    CHECK(closed.list(StoreList::Rejected).empty());
 }
 
 TEST_CASE_METHOD(RecordedStore, "what the store does itself is not told again as found",
