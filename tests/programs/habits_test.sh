@@ -231,6 +231,12 @@ run 0 help admin trust
 says 'busbar admin trust'
 run 2 help raed
 says 'did you mean'
+# A server behind the other arguments is not passed over for the one that is meant otherwise.
+for words in "mode run" "role grant chief Operator" "user add chief"; do
+    # shellcheck disable=SC2086 # they are words
+    run 2 admin $words opc.tcp://192.0.2.1:4840
+    says 'opc.tcp://192.0.2.1:4840: the server comes before the other arguments'
+done
 run 2 raed --help
 says 'did you mean `busbar read`'
 for program in "$busbar" "$controller"; do

@@ -1,10 +1,25 @@
 #include "commands.hpp"
 
 #include "tool/connection/server_trust.hpp"
+#include "tool/connection/url.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 
 namespace busbar::tool::admin {
+
+namespace {
+
+/// Throws Failure if the last word is a server, which would be another one than the command asks.
+/// Values of settings can be URLs.
+void refuse_late_url(const std::vector<std::string>& words, std::string_view word_names)
+{
+    if (!words.empty() && word_names.find("VALUE") == std::string_view::npos &&
+        words.back().find("://") != std::string::npos && is_url(words.back())) {
+        throw Failure{Exit::Usage, words.back() + ": the server comes before the other arguments"};
+    }
+}
+
+} // namespace
 
 Group::Group(CLI::App& parent, Run& run, const char* name, const char* text)
     : app_{name != nullptr ? parent.add_subcommand(name, text) : &parent}, run_{&run}
@@ -38,6 +53,7 @@ CLI::App* Group::add(const char* name, const char* text, const char* word_names,
                        names = std::string{word_names}] {
         *run = [arguments, words, action, endurance, names](Context& context) {
             take_url(arguments->words, context.options, words.value_or(0));
+            refuse_late_url(arguments->words, names);
             if (words && arguments->words.size() != *words) {
                 throw Failure{Exit::Usage,
                               std::to_string(arguments->words.size()) + " arguments instead of " +

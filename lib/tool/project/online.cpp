@@ -52,7 +52,7 @@ void send(Context& context, RemoteTransfer& transfer, const char* what, const st
                           std::string{what} + ": the server did not answer after all was sent, and "
                                               "whether it was done is not known",
                           "`busbar project status` tells what the server has, and `busbar project "
-                          "verify` whether it is this project"};
+                          "verify` whether it is this project; --timeout SECONDS waits longer"};
         }
         std::string reason = failure.reason;
         if (reason.empty()) {
