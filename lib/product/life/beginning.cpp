@@ -141,12 +141,7 @@ void RunningController::listen_as_told()
         expect(listening_.go_as_told());
         replace({.cause = Machine::Cause::Restart,
                  .handover = {.reason = "it can listen where it is told to"},
-                 .read =
-                     [this] {
-                         const TakenOver now = current_->taken_over(); // nothing else is taken up
-                         return read(configuration_, {SourceFiles{now.files}, now.project_text(),
-                                                      now.project != nullptr});
-                     },
+                 .read = [this] { return reading_of_last(); }, // nothing else is taken up
                  .done =
                      [this] {
                          listening_.stay();
@@ -242,7 +237,13 @@ Requests RunningController::requests()
                     looks_until_restart_ = 2; // the client is answered first
                 });
             },
-        .may_restart = [this] { return restart_check(); },
+        .may_restart =
+            [this] {
+                // One that is out comes back with what it ran with last.
+                return is_out()
+                           ? std::function<Configured<void>()>{[] { return Configured<void>{}; }}
+                           : restart_check();
+            },
         .may_update = [this]() -> Configured<void> {
             try {
                 static_cast<void>(reading_for_restart());

@@ -143,15 +143,60 @@ void RunningController::try_to(FunctionRef<void()> change)
     }
 }
 
+namespace {
+
+net::Handover handover_of(const administration::RestartWish& wish)
+{
+    return {.reason = wish.reason, .delay = wish.delay, .return_time = wish.return_time};
+}
+
+} // namespace
+
 void RunningController::restart(const administration::RestartWish& wish)
 {
     replace_soon([this, wish] {
         replace({.cause = Machine::Cause::Restart,
-                 .handover = {.reason = wish.reason,
-                              .delay = wish.delay,
-                              .return_time = wish.return_time},
-                 .read = [this] { return read(configuration_, as_known()); }});
+                 .handover = handover_of(wish),
+                 .read = [this] { return read(configuration_, as_known()); },
+                 .refused =
+                     [this, wish](const ConfigError& error) {
+                         if (is_out()) {
+                             restart_with_last(wish, error.what());
+                         }
+                     }});
     });
+}
+
+/// As at a start: otherwise a server that is out would be lost to administrators who are not there.
+void RunningController::restart_with_last(const administration::RestartWish& wish, std::string why)
+{
+    replace_soon([this, wish, refusal = std::move(why)] {
+        replace({.cause = Machine::Cause::Restart,
+                 .handover = handover_of(wish),
+                 .read = [this] { return reading_of_last(); },
+                 .done =
+                     [this, refusal] {
+                         const std::string text =
+                             refusal + "; it goes on with what it ran with last";
+                         log_.write(LogLevel::Error, "controller", text);
+                         pending_.ask(PendingChanges::By::Start, text);
+                         if (machine_) {
+                             machine_->refuse_configuration(refusal);
+                         }
+                     }});
+    });
+}
+
+bool RunningController::is_out() const
+{
+    return machine_ ? !machine_->why_out().empty() : is_shut_down_;
+}
+
+Reading RunningController::reading_of_last()
+{
+    const TakenOver now = current_->taken_over();
+    return read(configuration_,
+                {SourceFiles{now.files}, now.project_text(), now.project != nullptr});
 }
 
 Substitutes RunningController::as_known() const

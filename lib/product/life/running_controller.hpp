@@ -140,6 +140,9 @@ private:
     void changed(Machine::Change change);
     /// Restarts soon; only logs the reason if nothing can replace the server.
     void restart(const administration::RestartWish& wish);
+    void restart_with_last(const administration::RestartWish& wish, std::string why);
+    /// True while the server serves administrators only, who can have it restarted.
+    [[nodiscard]] bool is_out() const;
     /// Describes a replacement of the current generation.
     struct Replacement {
         Machine::Cause cause;
@@ -226,6 +229,8 @@ private:
     [[nodiscard]] std::function<Configured<void>()>
     labels_check(std::shared_ptr<const KeptProject> project, const ControllerConfig& next,
                  std::string last) const;
+    /// Reads what is served now. Throws ConfigError.
+    [[nodiscard]] Reading reading_of_last();
     /// Reads what restart() would take up; its labels are not checked. Throws ConfigError.
     [[nodiscard]] Reading reading_for_restart();
     /// Returns a check of what restart() would take up, for any thread.

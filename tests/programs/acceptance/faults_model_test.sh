@@ -65,4 +65,29 @@ logged 'cannot listen.*192.0.2.77' || fail "the log does not say so"
 chief 0 project status "$url"
 step_ends
 shut_down
+
+# A server that was stopped comes back although the project that waits for it cannot be served.
+rm -rf project pki
+run 0 project set line.busbar "listener 1.address" 127.0.0.1
+run 0 project map line.busbar "ns=1;i=104" Line.W
+begin pki --config module.toml --project project
+one_step
+chief 0 project write "$url" line.busbar --yes
+chief 0 project update "$url" --yes
+await in_use
+run 0 project map line.busbar "ns=1;i=104" Line.S
+chief 0 project write "$url" line.busbar --yes
+chief 1 project restart "$url" --yes --seconds 0 # while it serves clients
+says 'Line.S of ns=1;i=104'
+chief 0 project stop "$url" --yes --seconds 0
+is_stopped() { reaches admin status "$url" && grep -q 'operating status: *Shutdown$' out; }
+await is_stopped
+chief 0 project restart "$url" --yes --seconds 0
+is_back() { reaches admin status "$url" && grep -q 'operating status: *Running$' out; }
+await is_back
+says '^Pending changes: .*Line.S of ns=1;i=104.*goes on with what it ran with last'
+chief 0 read --value "$url" "$(cell 104)"
+says '^5$'
+step_ends
+shut_down
 finish
