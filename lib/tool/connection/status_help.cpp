@@ -50,7 +50,9 @@ constexpr std::array connection{
     Row{status::Bad_TooManySessions,
         {"the server has no session left", "close other clients, or try again in a minute"}},
     Row{status::Bad_NoCommunication,
-        {"the server does not reach its device", "check the device and its cable"}},
+        {"the server does not reach its device",
+         "check the device and its cable; LastError below /Objects/Module of a controller with "
+         "an information model names a label that cannot be used"}},
     Row{status::Bad_RequestInterrupted, {"it was interrupted", ""}},
 };
 
@@ -132,7 +134,10 @@ constexpr std::array nodes{
     Row{status::Bad_NotExecutable, {"the method may not be called now", ""}},
     Row{status::Bad_ArgumentsMissing, {"the method wants more arguments", ""}},
     Row{status::Bad_TooManyArguments, {"the method wants fewer arguments", ""}},
-    Row{status::Bad_InvalidArgument, {"an argument is not what the method wants", ""}},
+    Row{status::Bad_InvalidArgument,
+        {"the server refuses an argument and does not say which",
+         "`busbar browse METHOD` shows the method's arguments; administrators of a "
+         "busbar-controller get the reason over an encrypted channel"}},
     Row{status::Bad_ServiceUnsupported, {"the server does not offer this service", ""}},
     Row{status::Bad_NotSupported, {"the server does not support this", ""}},
     Row{status::Bad_NotImplemented, {"the server does not support this", ""}},

@@ -8,7 +8,7 @@ controller=$1 busbar=$2
 # refused WHY: the last command was, for this reason, and for nothing that says less.
 refused() {
     says "$1"
-    says_not 'an argument is not what the method wants'
+    says_not 'refuses an argument and does not say which'
     says_not 'the value is too large or too small'
 }
 # add NAME: a user.
