@@ -56,6 +56,7 @@ day "A machine builder's day" machine
 grep -q '^12$' machine/out || fail "a value that was written is gone"
 if [ -d "$nodesets" ]; then
     day "An integrator's day" line
+    grep -q '^1200$' line/out || fail "the Method of PackML does not set the speed"
     tail -n 1 line/out | grep -q "^900$" || fail "the label is not the one of the PLC, which began anew"
 else
     echo "without node-opcua-nodesets: the integrator's day is left out"
