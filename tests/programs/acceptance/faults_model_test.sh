@@ -78,7 +78,7 @@ await in_use
 run 0 project map line.busbar "ns=1;i=104" Line.S
 chief 0 project write "$url" line.busbar --yes
 chief 1 project restart "$url" --yes --seconds 0 # while it serves clients
-says 'Line.S of ns=1;i=104'
+says 'Line\.S of'
 chief 0 project stop "$url" --yes --seconds 0
 is_stopped() { reaches admin status "$url" && grep -q 'operating status: *Shutdown$' out; }
 await is_stopped
