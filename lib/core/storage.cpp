@@ -30,7 +30,7 @@ std::string_view text(StorageError error)
         "it is too large",
         "there is no space left",
         "it is protected",
-        "the medium is missing",
+        "the folder or its medium is missing",
         "the name is not a valid file name",
         "the medium failed",
         "no further changes are accepted before a restart",

@@ -31,6 +31,18 @@ std::string quoted(const std::string& text)
     return field + "\"";
 }
 
+/// The reports of a table that the command has made of its arguments, with the node as their place.
+controller::ModelReports reports_of(const controller::ModelReports& reports,
+                                    const std::string& node)
+{
+    controller::ModelReports result;
+    for (controller::ModelReport each : reports.list()) {
+        each.where = safe(node);
+        result.add(std::move(each));
+    }
+    return result;
+}
+
 /// Parses a line of the table with these columns; a node is a NodeId or a path from the Root.
 Mapping mapping_of(Context& context, const ModelSet& models, const std::string& node,
                    const std::string& columns, const std::string& fields)
@@ -41,7 +53,7 @@ Mapping mapping_of(Context& context, const ModelSet& models, const std::string& 
                                                      models.space());
     if (read.reports.has_errors() ||
         (read.mapping.variables.empty() && read.mapping.methods.empty())) {
-        print_reports(context, read.reports);
+        print_reports(context, reports_of(read.reports, node));
         throw Failure{
             Exit::Failed, safe(node) + ": not mapped",
             "`busbar project tree` lists the nodes, `busbar project csv --all` the parts"};
