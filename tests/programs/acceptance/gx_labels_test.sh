@@ -42,7 +42,7 @@ run 0 project check line.busbar --program "$collection/gxworks_japanese.csv" --e
 run 1 project check line.busbar --program "$collection/gxworks3_unicode.csv"
 says 'M320 .*the PLC has no label of this name'
 run 1 project check line.busbar --program "$collection/gxworks_japanese.csv" --encoding utf-8
-says 'csv:1:2: found a byte'
+says 'csv:1:2: found a'
 run 2 project check line.busbar --program "$collection/gxworks_japanese.csv" --encoding latin
 says 'expected utf-8, utf-16'
 finish
