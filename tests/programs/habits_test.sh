@@ -231,7 +231,7 @@ run 0 help admin trust
 says 'busbar admin trust'
 run 2 help raed
 says 'did you mean'
-# A server behind the other arguments is not passed over for the one that is meant otherwise.
+# A server after the other arguments is not passed over for another one.
 for words in "mode run" "role grant chief Operator" "user add chief"; do
     # shellcheck disable=SC2086 # they are words
     run 2 admin $words opc.tcp://192.0.2.1:4840

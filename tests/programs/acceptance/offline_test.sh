@@ -149,7 +149,7 @@ done
 entry model 9.5: targets and arrays
 refused i=2258 'M302'
 refused "ns=1;i=1001" 'M209\|M504\|no Variable'
-last="project map"; says_not 'line 2' # of a table that nobody has written
+last="project map"; says_not 'line 2' # of a table of the command's own
 refused "ns=1;i=21" 'M307' '[0]'
 refused "ns=1;i=30" 'M319' Handle
 refused /Objects/1:Cell/1:Nothing2 'not mapped'
