@@ -198,6 +198,25 @@ TEST_CASE("a peer that refuses the same kind of request again and again is not a
     CHECK(peer.last.values[1].status == StatusCode{status::Bad_NotSupported});
 }
 
+TEST_CASE("the same ranges are asked for by another kind of request that the peer may have")
+{
+    Peer peer;
+    REQUIRE(peer.plan.read(Ranges{word(1), word(10), word(20)}, {}));
+    const auto as_a_list = peer.plan.next_request();
+    REQUIRE(as_a_list);
+    auto without_lists = rules();
+    without_lists[0].read.max_listed = 0;
+    peer.plan.change_rules(without_lists, 1, {});
+    peer.plan.plan_again(as_a_list->id, {});
+    const auto as_blocks = peer.plan.next_request();
+    REQUIRE(as_blocks);
+    CHECK(as_blocks->ranges == as_a_list->ranges);
+    peer.plan.plan_again(as_blocks->id, {});
+    const auto result = peer.plan.next_result();
+    REQUIRE(result);
+    CHECK(result->values[2].status == StatusCode{status::Bad_NotSupported});
+}
+
 TEST_CASE("what waits is planned again when less is known to be taken")
 {
     Peer peer;

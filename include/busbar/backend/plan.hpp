@@ -48,6 +48,8 @@ struct PlanShare {
     std::uint32_t max_listed{0};
     /// Units in one word: 16 for bits that such a request has as the words that they are in.
     std::uint32_t units_per_word{1};
+
+    friend bool operator==(const PlanShare&, const PlanShare&) = default;
 };
 
 /// The limits of requests for an area.
@@ -66,6 +68,8 @@ struct PlanRule {
     PlanShare read{};
     /// Several ranges in one write.
     PlanShare write{};
+
+    friend bool operator==(const PlanRule&, const PlanRule&) = default;
 };
 
 /// The configuration of a RequestPlan. Every limit is finite.
@@ -210,8 +214,8 @@ public:
     /// own code for that.
     void refuse(std::uint64_t request, StatusCode status, TimePoint now, std::uint16_t code = 0);
     /// The peer does not have requests of this kind, and nothing was read or written. The addresses
-    /// are asked for again by the rules of the last change_rules(); they are refused with
-    /// Bad_NotSupported if those say the same.
+    /// are asked for again by the rules of the last change_rules(), as the same request, too; they
+    /// are refused with Bad_NotSupported if the rules are those that it was planned by.
     void plan_again(std::uint64_t request, TimePoint now);
     /// The request has no answer, such as Bad_Timeout, or failed for a reason that is not in it,
     /// such as a lock. All its addresses have this status.

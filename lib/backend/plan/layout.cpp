@@ -171,12 +171,15 @@ const PlanRule* PlanRules::find(std::uint32_t area) const
 
 void PlanRules::change(std::span<const PlanRule> rules)
 {
+    bool is_changed = false;
     for (const PlanRule& rule : rules) {
         const auto known = std::ranges::find(rules_, rule.area, &PlanRule::area);
-        if (known != rules_.end()) {
+        if (known != rules_.end() && *known != rule) {
             *known = rule;
+            is_changed = true;
         }
     }
+    version_ += is_changed ? 1 : 0;
 }
 
 bool is_possible(const PlanAddress& address, const PlanRule* rule)

@@ -46,9 +46,12 @@ public:
     [[nodiscard]] const PlanRule* find(std::uint32_t area) const;
     /// Replaces the rules of these areas.
     void change(std::span<const PlanRule> rules);
+    /// Counts the changes that made another rule of one.
+    [[nodiscard]] std::uint64_t version() const { return version_; }
 
 private:
     std::vector<PlanRule> rules_;
+    std::uint64_t version_{0};
 };
 
 /// True if a request can have it: it has a width and an end, and an area with a `rule`.

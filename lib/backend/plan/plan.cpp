@@ -172,12 +172,11 @@ void RequestPlan::plan_again(std::uint64_t request, TimePoint now)
         return;
     }
     PlanBatch& batch = impl_->batches.at(sent->batch);
-    const std::vector<PlanAddress> before = sent->job.ranges;
-    auto jobs = impl_->lay_out_again(batch, sent->job, now);
-    if (jobs.front().ranges == before) {
+    if (sent->rules == impl_->rules.version()) {
         batch.set_status(sent->job, status::Bad_NotSupported);
         impl_->settle(batch, *sent, false, now);
     } else {
+        auto jobs = impl_->lay_out_again(batch, std::move(sent->job), now);
         batch.waiting.insert(batch.waiting.begin(), std::make_move_iterator(jobs.begin()),
                              std::make_move_iterator(jobs.end()));
         impl_->give_turn(sent->batch, batch);

@@ -119,7 +119,7 @@ PlanRequest RequestPlan::Impl::send(std::uint64_t number, PlanBatch& batch)
     ++counters.requests;
     counters.isolating += job.division == no_division ? 0 : 1;
     ++batch.under_way;
-    sent.emplace(request.id, PlanSent{number, request.is_write, std::move(job)});
+    sent.emplace(request.id, PlanSent{number, request.is_write, std::move(job), rules.version()});
     return request;
 }
 

@@ -63,6 +63,8 @@ struct PlanSent {
     std::uint64_t batch{0};
     bool is_write{false};
     PlanJob job{};
+    /// PlanRules::version() at that time.
+    std::uint64_t rules{0};
 };
 
 [[nodiscard]] inline std::size_t words_of(const PlanResult& result)
