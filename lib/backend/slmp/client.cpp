@@ -126,7 +126,6 @@ void SlmpClient::Impl::take_frame(const SlmpHead& head, std::span<const std::byt
     silent = 0;
     ++counters.answers;
     end(request, status::Good, std::move(*answer), now - request->sent);
-    start_waiting(now);
 }
 
 void SlmpClient::Impl::refuse_frame(std::vector<SlmpRequest>::iterator request)
@@ -165,6 +164,8 @@ void SlmpClient::Impl::take_stream(std::span<const std::byte> in, TimePoint now)
         rest = rest.subspan((*head)->size);
     }
     input.erase(input.begin(), input.end() - static_cast<std::ptrdiff_t>(rest.size()));
+    // Not before: what is in the input already is no answer to a request that is not sent yet.
+    start_waiting(now);
 }
 
 void SlmpClient::Impl::take_datagram(std::span<const std::byte> in, TimePoint now)
@@ -172,6 +173,7 @@ void SlmpClient::Impl::take_datagram(std::span<const std::byte> in, TimePoint no
     const auto head = read_slmp_head(in);
     if (head && *head && (*head)->size == in.size() && in.size() <= options.max_response) {
         take_frame(**head, in, now);
+        start_waiting(now);
     } else {
         ++counters.unexpected;
     }
