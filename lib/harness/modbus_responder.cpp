@@ -43,9 +43,11 @@ void spoil(Bytes& frame, ModbusFaultKind kind)
     constexpr std::size_t protocol = 2;
     constexpr std::size_t length = 4;
     constexpr std::byte one{1};
+    constexpr std::byte far_off{0x80};
     switch (kind) {
     case ModbusFaultKind::WrongTransaction:
-        frame[1] ^= one;
+        // Not one that another request may have: nobody could tell these two apart.
+        frame[0] ^= far_off;
         break;
     case ModbusFaultKind::WrongUnit:
         frame[backend::modbus_header_size - 1] ^= one;

@@ -34,9 +34,14 @@ struct SlmpPlcOptions {
     bool has_labels{true};
     /// It has RegisterMonitor and ReadMonitor.
     bool has_monitor{true};
+    /// It has RandomRead and RandomWrite.
+    bool has_random{true};
+    /// It has BlockRead and BlockWrite, which built-in ports of Q and L refuse.
+    bool has_blocks{true};
     /// One BlockWrite may have blocks of words and of bits; no known PLC takes that.
     bool takes_mixed_blocks{false};
-    /// It answers as FX5 does: C052 for words and C051 for bits, C056 and C05C for devices.
+    /// It answers as FX5 does: C052 for words and C051 for bits, C056 and C05C for devices; and
+    /// over TCP only the last of several requests.
     bool is_fx5{false};
     /// It may be written to in RUN.
     bool is_written_in_run{true};
@@ -54,6 +59,8 @@ struct SlmpPlcOptions {
     std::size_t max_random{192};
     /// Bits of a random write in the short form; half of it in the long one.
     std::size_t max_random_bits{188};
+    /// Blocks of a block read or write in the short form; half of it in the long one.
+    std::size_t max_blocks{120};
 };
 
 /// A mishap of an answer.
@@ -115,7 +122,8 @@ public:
     void set_latency(Duration latency);
     /// A new connection: nothing waits any more, and the port is locked again.
     void reconnect();
-    /// Sets RUN or STOP, which remote control changes, too.
+    /// Sets RUN or STOP, which remote control changes, too. SD203 has it as PLCs do, if there are
+    /// such devices.
     void set_running(bool is_running);
     /// RUN or STOP.
     [[nodiscard]] bool is_running() const;

@@ -8,32 +8,21 @@
 #include <vector>
 
 #include "backend/slmp/frame_queue.hpp"
-#include "harness/slmp/plc_memory.hpp"
+#include "harness/slmp/plc_service.hpp"
 
 namespace busbar::harness {
 
 namespace {
 
 using backend::SlmpAnswer;
-using backend::SlmpBlock;
 using backend::SlmpCommand;
 using backend::SlmpHead;
 using backend::SlmpOperation;
-using detail::PlcMemory;
-using Access = PlcMemory::Access;
+using detail::PlcMishap;
+using detail::SharedPlc;
+using Access = detail::PlcMemory::Access;
 
 constexpr std::uint16_t done = 0;
-constexpr std::uint16_t not_in_run = 0x0055;
-constexpr std::uint16_t too_many_words = 0xC051;
-constexpr std::uint16_t too_many_bits = 0xC052;
-constexpr std::uint16_t too_many_random_bits = 0xC053;
-constexpr std::uint16_t too_many_random = 0xC054;
-constexpr std::uint16_t unknown_command = 0xC059;
-constexpr std::uint16_t wrong_device = 0xC05B;
-constexpr std::uint16_t wrong_content = 0xC05C;
-constexpr std::uint16_t no_monitor = 0xC05D;
-constexpr std::uint16_t locked_port = 0xC201;
-constexpr std::uint16_t wrong_password = 0xC810;
 /// A longer request is not one that a PLC has room for.
 constexpr std::size_t max_request = 16'384;
 
@@ -42,285 +31,31 @@ struct Waiting {
     std::vector<std::byte> frame{};
 };
 
-struct Mishap {
-    SlmpMishap kind{SlmpMishap::None};
-    std::size_t count{0};
-    std::uint16_t end_code{0};
-};
-
-bool is_write(SlmpCommand command)
-{
-    using enum SlmpCommand;
-    return command == BatchWrite || command == RandomWrite || command == BlockWrite ||
-           command == LabelArrayWrite || command == LabelRandomWrite;
-}
-
-bool is_label(SlmpCommand command)
-{
-    using enum SlmpCommand;
-    return command == LabelArrayRead || command == LabelArrayWrite || command == LabelRandomRead ||
-           command == LabelRandomWrite;
-}
-
-std::size_t points_of(const std::vector<SlmpBlock>& blocks)
-{
-    std::size_t points = 0;
-    for (const SlmpBlock& block : blocks) {
-        points += block.points;
-    }
-    return points;
-}
-
-/// What the connections to a PLC share.
-struct SharedPlc {
-    SlmpPlcOptions options;
-    PlcMemory memory{};
-    detail::PlcLabels labels{};
-    std::deque<Mishap> mishaps{};
-    std::uint64_t served{0};
-    bool is_running{true};
-};
-
 } // namespace
 
 struct SlmpResponder::Impl {
-    explicit Impl(std::shared_ptr<SharedPlc> its_plc) : plc{std::move(its_plc)}
-    {
-        is_locked = !plc->options.password.empty();
-    }
+    explicit Impl(std::shared_ptr<SharedPlc> its_plc) : plc{std::move(its_plc)}, service{*plc} {}
 
     void take(std::span<const std::byte> frame, TimePoint now);
     void serve(std::span<const std::byte> frame);
     void send(const SlmpHead& head, const SlmpOperation& operation, const SlmpAnswer& answer,
-              const Mishap& mishap);
-    [[nodiscard]] Mishap next_mishap();
-
-    [[nodiscard]] std::uint16_t serve(const SlmpOperation& operation, SlmpAnswer& answer);
-    [[nodiscard]] std::uint16_t check(const SlmpOperation& operation) const;
-    [[nodiscard]] std::uint16_t check_size(const SlmpOperation& operation) const;
-    [[nodiscard]] std::uint16_t read(const SlmpOperation& operation, SlmpAnswer& answer) const;
-    [[nodiscard]] std::uint16_t write(const SlmpOperation& operation);
-    [[nodiscard]] std::uint16_t control(const SlmpOperation& operation);
-    [[nodiscard]] std::uint16_t end_code_of(Access access) const;
+              const PlcMishap& mishap);
+    [[nodiscard]] PlcMishap next_mishap();
 
     std::shared_ptr<SharedPlc> plc;
-    std::optional<SlmpOperation> monitor{};
+    detail::PlcService service;
     std::deque<Waiting> waiting{};
     std::vector<std::byte> input{};
     backend::detail::SlmpFrameQueue output{};
-    bool is_locked{false};
     bool is_closed{false};
 };
 
-std::uint16_t SlmpResponder::Impl::end_code_of(Access access) const
-{
-    switch (access) {
-    case Access::Done:
-        return done;
-    case Access::UnknownDevice:
-        return plc->options.is_fx5 ? wrong_content : wrong_device;
-    case Access::OutOfRange:
-        return plc->options.is_fx5 ? 0xC056 : 0x4031;
-    case Access::NotInBits:
-        break;
-    }
-    return wrong_content;
-}
-
-std::uint16_t SlmpResponder::Impl::check_size(const SlmpOperation& operation) const
-{
-    using enum SlmpCommand;
-    const std::size_t random = operation.blocks.size() + operation.more_blocks.size();
-    const std::size_t divisor = operation.has_long_form ? 2 : 1;
-    switch (operation.command) {
-    case BatchRead:
-    case BatchWrite: {
-        const std::size_t points = operation.blocks[0].points;
-        const bool fits = points > 0 && points <= (operation.is_bits ? plc->options.max_bits
-                                                                     : plc->options.max_words);
-        // FX5 has these two the other way round.
-        return fits                                       ? done
-               : operation.is_bits != plc->options.is_fx5 ? too_many_bits
-                                                          : too_many_words;
-    }
-    case RandomRead:
-    case RegisterMonitor:
-        return random > 0 && random <= plc->options.max_random / divisor ? done : too_many_random;
-    case RandomWrite:
-        if (operation.is_bits) {
-            return random <= plc->options.max_random_bits / divisor ? done : too_many_random_bits;
-        }
-        return 12 * operation.blocks.size() + 14 * operation.more_blocks.size() <=
-                       2 * plc->options.max_words / divisor
-                   ? done
-                   : too_many_random;
-    case BlockRead:
-        return points_of(operation.blocks) + points_of(operation.more_blocks) <=
-                       plc->options.max_words
-                   ? done
-                   : too_many_words;
-    case BlockWrite:
-        return points_of(operation.blocks) + points_of(operation.more_blocks) + 9 * random <=
-                       plc->options.max_words
-                   ? done
-                   : too_many_words;
-    default:
-        return done;
-    }
-}
-
-std::uint16_t SlmpResponder::Impl::check(const SlmpOperation& operation) const
-{
-    using enum SlmpCommand;
-    if (is_locked && operation.command != Unlock && operation.command != Lock) {
-        return locked_port;
-    }
-    const bool is_monitor =
-        operation.command == RegisterMonitor || operation.command == ReadMonitor;
-    if ((operation.has_long_form && !plc->options.takes_long_form) ||
-        (is_label(operation.command) && !plc->options.has_labels) ||
-        (is_monitor && !plc->options.has_monitor) ||
-        (operation.command == TypeName && !plc->options.has_type_name)) {
-        return unknown_command;
-    }
-    if (is_write(operation.command) && plc->is_running && !plc->options.is_written_in_run) {
-        return not_in_run;
-    }
-    if (operation.command == BlockWrite && !operation.blocks.empty() &&
-        !operation.more_blocks.empty() && !plc->options.takes_mixed_blocks) {
-        return wrong_device;
-    }
-    return check_size(operation);
-}
-
-std::uint16_t SlmpResponder::Impl::read(const SlmpOperation& operation, SlmpAnswer& answer) const
-{
-    const bool is_listed = operation.command == SlmpCommand::RandomRead;
-    for (const auto* const blocks : {&operation.blocks, &operation.more_blocks}) {
-        const std::size_t words = is_listed && blocks == &operation.more_blocks ? 2 : 1;
-        for (const SlmpBlock& block : *blocks) {
-            const std::size_t begin = answer.words.size();
-            answer.words.resize(begin + block.points * words);
-            const auto values = std::span{answer.words}.subspan(begin);
-            if (const auto end_code =
-                    plc->memory.refusal(block.device, values.size(), operation.is_bits);
-                end_code != done) {
-                return end_code;
-            }
-            const Access access = operation.is_bits ? plc->memory.read_bits(block.device, values)
-                                                    : plc->memory.read_words(block.device, values);
-            if (access != Access::Done) {
-                return end_code_of(access);
-            }
-        }
-    }
-    return done;
-}
-
-std::uint16_t SlmpResponder::Impl::write(const SlmpOperation& operation)
-{
-    const bool is_listed = operation.command == SlmpCommand::RandomWrite;
-    // First without an effect: a request is written as a whole or not at all.
-    for (const bool has_effect : {false, true}) {
-        std::span<const std::uint16_t> rest{operation.words};
-        for (const auto* const blocks : {&operation.blocks, &operation.more_blocks}) {
-            const std::size_t words = is_listed && blocks == &operation.more_blocks ? 2 : 1;
-            for (const SlmpBlock& block : *blocks) {
-                const auto values = rest.first(block.points * words);
-                rest = rest.subspan(values.size());
-                if (const auto end_code =
-                        plc->memory.refusal(block.device, values.size(), operation.is_bits);
-                    end_code != done) {
-                    return end_code;
-                }
-                const Access access =
-                    !has_effect ? plc->memory.check(block.device, values.size(), operation.is_bits)
-                    : operation.is_bits ? plc->memory.write_bits(block.device, values)
-                                        : plc->memory.write_words(block.device, values);
-                if (access != Access::Done) {
-                    return end_code_of(access);
-                }
-            }
-        }
-    }
-    return done;
-}
-
-std::uint16_t SlmpResponder::Impl::control(const SlmpOperation& operation)
-{
-    switch (operation.command) {
-    case SlmpCommand::Unlock:
-        if (!plc->options.password.empty() && operation.text != plc->options.password) {
-            return wrong_password;
-        }
-        is_locked = false;
-        return done;
-    case SlmpCommand::Lock:
-        is_locked = !plc->options.password.empty();
-        return done;
-    case SlmpCommand::RemoteRun:
-        plc->is_running = true;
-        return done;
-    case SlmpCommand::RemoteStop:
-    case SlmpCommand::RemotePause:
-        plc->is_running = false;
-        return done;
-    case SlmpCommand::RemoteLatchClear:
-    case SlmpCommand::RemoteReset:
-        return plc->is_running ? std::uint16_t{0x4013} : done;
-    default:
-        return done;
-    }
-}
-
-std::uint16_t SlmpResponder::Impl::serve(const SlmpOperation& operation, SlmpAnswer& answer)
-{
-    using enum SlmpCommand;
-    if (const std::uint16_t refused = check(operation); refused != done) {
-        return refused;
-    }
-    switch (operation.command) {
-    case BatchRead:
-    case RandomRead:
-    case BlockRead:
-        return read(operation, answer);
-    case BatchWrite:
-    case RandomWrite:
-    case BlockWrite:
-        return write(operation);
-    case RegisterMonitor: {
-        SlmpOperation registered = operation;
-        registered.command = RandomRead;
-        const std::uint16_t end_code = read(registered, answer);
-        answer.words.clear();
-        monitor = end_code == done ? std::optional{std::move(registered)} : std::nullopt;
-        return end_code;
-    }
-    case ReadMonitor:
-        return monitor ? read(*monitor, answer) : no_monitor;
-    case LabelArrayRead:
-    case LabelArrayWrite:
-    case LabelRandomRead:
-    case LabelRandomWrite:
-        return plc->labels.serve(operation, answer);
-    case TypeName:
-        answer.text = plc->options.type_name;
-        answer.model = plc->options.model;
-        return done;
-    case SelfTest:
-        answer.text = operation.text;
-        return done;
-    default:
-        return control(operation);
-    }
-}
-
-Mishap SlmpResponder::Impl::next_mishap()
+PlcMishap SlmpResponder::Impl::next_mishap()
 {
     if (plc->mishaps.empty()) {
         return {};
     }
-    const Mishap mishap = plc->mishaps.front();
+    const PlcMishap mishap = plc->mishaps.front();
     if (--plc->mishaps.front().count == 0) {
         plc->mishaps.pop_front();
     }
@@ -335,18 +70,18 @@ void SlmpResponder::Impl::serve(std::span<const std::byte> frame)
         return;
     }
     ++plc->served;
-    const Mishap mishap = next_mishap();
+    const PlcMishap mishap = next_mishap();
     const auto operation = backend::decode_slmp_request(*body);
     SlmpOperation known = operation ? *operation : SlmpOperation{};
     SlmpAnswer answer;
     answer.end_code = !operation                           ? operation.error()
                       : mishap.kind == SlmpMishap::Refused ? mishap.end_code
-                                                           : serve(known, answer);
+                                                           : service.serve(known, answer);
     if (answer.end_code != done) {
         answer.error = {(*head)->station, body->command, body->subcommand};
     } else if (known.command == SlmpCommand::ReadMonitor) {
-        known.blocks = monitor->blocks;
-        known.more_blocks = monitor->more_blocks;
+        known.blocks = service.monitor()->blocks;
+        known.more_blocks = service.monitor()->more_blocks;
     } else if (known.command == SlmpCommand::RemoteReset) {
         // A PLC that resets itself does not answer.
         is_closed = true;
@@ -356,7 +91,7 @@ void SlmpResponder::Impl::serve(std::span<const std::byte> frame)
 }
 
 void SlmpResponder::Impl::send(const SlmpHead& request, const SlmpOperation& operation,
-                               const SlmpAnswer& answer, const Mishap& mishap)
+                               const SlmpAnswer& answer, const PlcMishap& mishap)
 {
     SlmpHead head = request;
     if (mishap.kind == SlmpMishap::WrongSerial) {
@@ -393,6 +128,10 @@ void SlmpResponder::Impl::take(std::span<const std::byte> frame, TimePoint now)
     const bool has_answer =
         !(*head)->is_response &&
         (plc->options.takes_4e || (*head)->frame == backend::SlmpFrame::Frame3E);
+    if (has_answer && plc->options.is_fx5 && !plc->options.is_datagram) {
+        // Of requests before the first answer, only the last one has one (measured on FX5U).
+        waiting.clear();
+    }
     if (has_answer && waiting.size() < std::max<std::size_t>(plc->options.max_waiting, 1)) {
         waiting.push_back({now + plc->options.latency, {frame.begin(), frame.end()}});
     }
@@ -417,7 +156,11 @@ SlmpResponder::~SlmpResponder() = default;
 
 bool SlmpResponder::add_devices(std::string_view kind, std::uint32_t count)
 {
-    return impl_->plc->memory.add(kind, count);
+    const bool is_added = impl_->plc->memory.add(kind, count);
+    if (!impl_->plc->is_running) {
+        impl_->plc->set_mode(SharedPlc::stop);
+    }
+    return is_added;
 }
 
 bool SlmpResponder::set(std::string_view text, std::uint16_t value, std::uint32_t word)
@@ -504,12 +247,12 @@ void SlmpResponder::reconnect()
     impl_->input.clear();
     impl_->output.clear();
     impl_->is_closed = false;
-    impl_->is_locked = !impl_->plc->options.password.empty();
+    impl_->service.reconnect();
 }
 
 void SlmpResponder::set_running(bool is_running)
 {
-    impl_->plc->is_running = is_running;
+    impl_->plc->set_mode(is_running ? SharedPlc::run : SharedPlc::stop);
 }
 
 bool SlmpResponder::is_running() const
