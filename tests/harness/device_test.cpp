@@ -149,7 +149,9 @@ TEST_CASE("a PLC that takes connections only to close them is asked less and les
     ModbusPlant plant;
     Duration pause{0};
     for (int i = 0; i < 12; ++i) {
-        plant.line.connect(plant.responder);
+        REQUIRE(plant.line.device.wants_connection(plant.line.now));
+        plant.line.device.connecting(plant.line.now);
+        plant.line.device.connected(plant.line.now);
         plant.line.cut("it closed the connection");
         pause = plant.line.device.next_deadline() - plant.line.now;
         plant.line.now = plant.line.device.next_deadline();
@@ -217,7 +219,7 @@ TEST_CASE("a PLC that knows no frame 4E is asked in 3E the next time")
     plc.reconnect();
     line.connect(plc);
     REQUIRE(line.device.state() == DeviceState::Online);
-    CHECK(line.device.identity() == "R08CPU");
+    CHECK(line.device.identity().product == "R08CPU");
     CHECK(line.read(addresses_of(points)) == std::vector<StatusCode>(2, good));
     CHECK(line.device.plan_counters().requests == 1);
     CHECK(line.words == std::vector<std::uint16_t>{0x1234, 0x5678, 0x5678});
@@ -239,7 +241,7 @@ TEST_CASE("a PLC's name is shown without what cannot be shown")
     const std::vector<DevicePoint> points{slmp_point("D7")};
     Line<SlmpResponder> line{{.name = "mixer"}, make_slmp_protocol({}, points)};
     line.connect(plc);
-    CHECK(line.device.identity() == "R08CPU");
+    CHECK(line.device.identity().product == "R08CPU");
 }
 
 TEST_CASE("a PLC that refuses the long form is asked in the short one")

@@ -195,7 +195,7 @@ TEST_CASE("a PLC is asked by datagrams, and one that is lost is late only", "[ne
         net::DeviceLoop loop{log};
         loop.add(device);
         REQUIRE(come(loop, device, DeviceState::Online));
-        CHECK(device.identity() == "R08CPU");
+        CHECK(device.identity().product == "R08CPU");
         CHECK(read(loop, device, point) == std::pair{StatusCode{}, std::uint16_t{42}});
     }
     udp::socket ends{context, udp::v4()};

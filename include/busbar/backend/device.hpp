@@ -29,6 +29,9 @@ struct DeviceAnswer {
         Refused,
         /// There is no answer, or a reason that is not in the request: RequestPlan::fail.
         Failed,
+        /// The PLC does not have requests of this kind, and has done nothing: the protocol's plan()
+        /// is another one by now, and RequestPlan::plan_again.
+        Unknown,
     };
 
     /// Its kind.
@@ -37,10 +40,32 @@ struct DeviceAnswer {
     std::uint64_t request{0};
     /// Good for Done.
     StatusCode status;
+    /// Refused: the protocol's own code, which DeviceProtocol::text_of() knows.
+    std::uint16_t code{0};
     /// Done, of a read: the words of all ranges.
     std::vector<std::uint16_t> words{};
     /// Time from sending to the answer; 0 if there is none.
     Duration round_trip{0};
+};
+
+/// The description that a PLC gives of itself, as far as its protocol has it.
+struct DeviceIdentity {
+    /// Its maker.
+    std::string vendor{};
+    /// Its type.
+    std::string product{};
+    /// Its version.
+    std::string revision{};
+
+    friend bool operator==(const DeviceIdentity&, const DeviceIdentity&) = default;
+};
+
+/// The mode that a PLC says to be in.
+enum class DeviceMode : std::uint8_t {
+    Unknown, // the protocol does not say, or the PLC does not
+    Run,
+    Stop,
+    Pause,
 };
 
 /// One connection to a PLC in its protocol: an engine without a socket, for one thread.
@@ -73,8 +98,8 @@ public:
     [[nodiscard]] virtual bool is_closed() const = 0;
     /// The reason, as a sentence without a full stop; empty if the other side closed it.
     [[nodiscard]] virtual std::string reason() const = 0;
-    /// Returns the name that the PLC gives itself; empty if it was not asked or does not say.
-    [[nodiscard]] virtual std::string identity() const { return {}; }
+    /// Returns what the PLC says of itself; empty if it was not asked or does not say.
+    [[nodiscard]] virtual DeviceIdentity identity() const { return {}; }
 };
 
 /// A protocol with its settings for one PLC.
@@ -85,8 +110,20 @@ public:
     DeviceProtocol& operator=(const DeviceProtocol&) = delete;
     virtual ~DeviceProtocol() = default;
 
-    /// The rules and limits of the plan.
+    /// The rules and limits of the plan, by what is known of the PLC.
     [[nodiscard]] virtual PlanConfig plan() const = 0;
+    /// Returns another number than before once plan() may be another one.
+    [[nodiscard]] virtual std::uint64_t plan_version() const { return 0; }
+    /// Returns the text of DeviceAnswer::code for people, such as "exception 2 (...)".
+    [[nodiscard]] virtual std::string text_of(std::uint16_t /*code*/) const { return {}; }
+    /// The place in which the PLC has its mode; nothing if the protocol knows of none. The plan has
+    /// a rule for its area.
+    [[nodiscard]] virtual std::optional<PlanAddress> mode_place() const { return std::nullopt; }
+    /// Reads the mode from the words of that place.
+    [[nodiscard]] virtual DeviceMode mode_of(std::span<const std::uint16_t> /*words*/) const
+    {
+        return DeviceMode::Unknown;
+    }
     /// Creates the line for a new connection.
     [[nodiscard]] virtual std::unique_ptr<DeviceLine> connect(TimePoint now) = 0;
 };
@@ -162,8 +199,14 @@ public:
     [[nodiscard]] DeviceState state() const;
     /// The reason for not being Online, for people; empty while it is.
     [[nodiscard]] const std::string& trouble() const;
-    /// Returns the name that the PLC gave itself when it was last Online.
-    [[nodiscard]] const std::string& identity() const;
+    /// Returns what the PLC said of itself when it was last Online, without what cannot be shown.
+    [[nodiscard]] const DeviceIdentity& identity() const;
+    /// The same in one line: "Maker Type 1.0"; empty if it said nothing.
+    [[nodiscard]] std::string identity_text() const;
+    /// The protocol, whose mode_place() can be read like any address.
+    [[nodiscard]] const DeviceProtocol& protocol() const;
+    /// The last refusal in words; empty if there was none with a code.
+    [[nodiscard]] const std::string& last_refusal() const;
     /// The work so far.
     [[nodiscard]] const DeviceCounters& counters() const;
     /// The work of its plan so far.

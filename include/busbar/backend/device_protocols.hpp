@@ -29,6 +29,9 @@ struct ModbusProtocolOptions {
     std::uint16_t max_read{max_modbus_read_registers};
     /// Registers that a request writes, likewise.
     std::uint16_t max_write{max_modbus_write_registers};
+    /// Asks for the device's identification (function 43/14) on each connection, before all else. A
+    /// device that does not answer this, or closes the connection, is not asked again.
+    bool asks_identity{true};
 };
 
 /// Reads a point's address (modbus_address.hpp). Bits of holding registers are written by function

@@ -68,19 +68,36 @@ enum class WhenAway : std::uint8_t {
     LastValue,
 };
 
+/// The answer of a Variable while its PLC is not in RUN, as far as the PLC says so.
+enum class WhenStopped : std::uint8_t {
+    /// The value with Uncertain_LastUsableValue: the program does not renew it.
+    Uncertain,
+    /// The value as in RUN.
+    Good,
+    /// Bad_OutOfService without a value.
+    Bad,
+};
+
 /// The configuration of a DeviceSource.
 struct DeviceSourceOptions {
     /// After which a batch ends with Bad_Timeout for what has no answer yet.
     std::chrono::milliseconds timeout{5'000};
     /// For all points.
     WhenAway when_away{WhenAway::Bad};
+    /// Likewise. The PLC's mode is read with each batch of values, in the same request if there is
+    /// place in it.
+    WhenStopped when_stopped{WhenStopped::Uncertain};
 };
 
 /// The state of a device as values of Variables, see DeviceSource::status_handle.
 enum class DeviceFact : std::uint8_t {
     State,          // UInt32: DeviceState
     Trouble,        // String: the reason for not being Online
-    Identity,       // String: what the PLC calls itself
+    Identity,       // String: what the PLC calls itself, in one line
+    Vendor,         // String: its maker
+    Product,        // String: its type
+    Revision,       // String: its version
+    Mode,           // UInt32: DeviceMode
     ConnectedSince, // DateTime, null while it is not Online
     Connections,    // UInt64, and so on, from DeviceCounters
     Requests,
@@ -90,10 +107,11 @@ enum class DeviceFact : std::uint8_t {
     RoundTrip,      // Double: milliseconds of the last answer
     WorstRoundTrip, // Double: milliseconds
     ReadTime,       // Double: milliseconds from the last batch of samples to its last answer
+    LastRefusal,    // String: the PLC's last reason for refusing a request
 };
 
 /// Number of DeviceFacts.
-inline constexpr std::size_t device_facts = 12;
+inline constexpr std::size_t device_facts = 17;
 /// BrowseName of a fact's Variable: "RoundTrip".
 [[nodiscard]] BUSBAR_API const char* name_of(DeviceFact fact);
 
@@ -102,8 +120,8 @@ inline constexpr std::size_t device_facts = 12;
 /// is on the server's thread, where the device's driver is, too.
 ///
 /// A Read with a maxAge is answered from the last values if all of these are young enough (Part 4,
-/// 5.11.2.2). A Write is answered by what the PLC said: several writes stay in order and none is
-/// left out.
+/// 5.11.2.2), and nothing has been written or has failed since. A Write is answered by what the PLC
+/// said: several writes stay in order and none is left out.
 class BUSBAR_API DeviceSource final : public server::DataSource {
 public:
     /// The handle of points[i] is i. `now` returns the time that the device's driver has, too.

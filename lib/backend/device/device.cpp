@@ -1,6 +1,7 @@
 #include <busbar/backend/device.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
@@ -21,16 +22,29 @@ std::uint64_t hash_of(std::string_view text, std::uint64_t attempt)
     return hash ^ (hash >> 32U);
 }
 
+/// The characters of a name that can be shown; a PLC may send any bytes.
+std::string shown(std::string_view text)
+{
+    constexpr std::size_t enough = 128;
+    std::string all;
+    std::ranges::copy_if(text.substr(0, enough), std::back_inserter(all),
+                         [](char each) { return each >= ' ' && each <= '~'; });
+    return all;
+}
+
 } // namespace
 
 struct Device::Impl {
     Impl(DeviceConfig c, std::unique_ptr<DeviceProtocol> p, LogSink& l)
-        : config{std::move(c)}, protocol{std::move(p)}, log{&l}, plan{protocol->plan()}
+        : config{std::move(c)}, protocol{std::move(p)}, log{&l}, plan{protocol->plan()},
+          plan_version{protocol->plan_version()}
     {
     }
 
     void send(TimePoint now);
     void take_answers(TimePoint now);
+    void learn_rules(TimePoint now);
+    void refuse(const DeviceAnswer& answer, TimePoint now);
     void step(TimePoint now);
     void end(const std::string& reason, TimePoint now);
     void tell(LogLevel level, const std::string& text)
@@ -38,6 +52,7 @@ struct Device::Impl {
         log->write(level, "backend", config.name + ": " + text);
     }
     [[nodiscard]] Duration pause() const;
+    [[nodiscard]] std::string identity_text() const;
     void changed()
     {
         if (on_change) {
@@ -49,12 +64,14 @@ struct Device::Impl {
     std::unique_ptr<DeviceProtocol> protocol;
     LogSink* log;
     RequestPlan plan;
+    std::uint64_t plan_version{0};
     std::unique_ptr<DeviceLine> line;
     DeviceState state{DeviceState::Waiting};
     std::string trouble{"not connected yet"};
     /// Reasons that were told since the PLC last answered.
     std::vector<std::string> told;
-    std::string identity;
+    DeviceIdentity identity;
+    std::string last_refusal;
     DeviceCounters counters;
     std::function<void()> on_change;
     std::function<void()> on_output;
@@ -81,6 +98,16 @@ Duration Device::Impl::pause() const
            whole / 4 * static_cast<Duration::rep>(hash_of(config.name, failures) % 1'000) / 1'000;
 }
 
+std::string Device::Impl::identity_text() const
+{
+    std::string all;
+    for (const std::string* const part :
+         {&identity.vendor, &identity.product, &identity.revision}) {
+        all += (all.empty() || part->empty() ? "" : " ") + *part;
+    }
+    return all;
+}
+
 void Device::Impl::send(TimePoint now)
 {
     while (state == DeviceState::Online && !line->is_closed()) {
@@ -95,9 +122,29 @@ void Device::Impl::send(TimePoint now)
     }
 }
 
+/// The protocol knows more of its PLC.
+void Device::Impl::learn_rules(TimePoint now)
+{
+    if (const auto version = protocol->plan_version();
+        std::exchange(plan_version, version) != version) {
+        const PlanConfig learned = protocol->plan();
+        plan.change_rules(learned.rules, learned.max_under_way, now);
+    }
+}
+
+void Device::Impl::refuse(const DeviceAnswer& answer, TimePoint now)
+{
+    ++counters.refusals;
+    if (answer.code != 0) {
+        last_refusal = protocol->text_of(answer.code);
+    }
+    plan.refuse(answer.request, answer.status, now, answer.code);
+}
+
 void Device::Impl::take_answers(TimePoint now)
 {
     while (const auto answer = line->next_answer()) {
+        learn_rules(now);
         if (answer->kind == DeviceAnswer::Kind::Failed) {
             ++counters.failures;
             plan.fail(answer->request, answer->status);
@@ -107,8 +154,9 @@ void Device::Impl::take_answers(TimePoint now)
         counters.round_trip = answer->round_trip;
         counters.worst_round_trip = std::max(counters.worst_round_trip, answer->round_trip);
         if (answer->kind == DeviceAnswer::Kind::Refused) {
-            ++counters.refusals;
-            plan.refuse(answer->request, answer->status, now);
+            refuse(*answer, now);
+        } else if (answer->kind == DeviceAnswer::Kind::Unknown) {
+            plan.plan_again(answer->request, now);
         } else {
             plan.answer(answer->request, answer->words, now);
         }
@@ -125,11 +173,14 @@ void Device::Impl::step(TimePoint now)
         state = DeviceState::Online;
         ++counters.connections;
         trouble.clear();
-        identity = line->identity();
+        const DeviceIdentity said = line->identity();
+        identity = {shown(said.vendor), shown(said.product), shown(said.revision)};
+        learn_rules(now);
         plan.forget_refusals();
         if (!std::exchange(is_connection_told, true)) {
+            const std::string name = identity_text();
             tell(LogLevel::Info, "connected to " + config.host + ":" + std::to_string(config.port) +
-                                     (identity.empty() ? "" : ", " + identity));
+                                     (name.empty() ? "" : ", " + name));
         }
     }
     if (line->has_answered() && !std::exchange(has_answered, true)) {
@@ -231,9 +282,24 @@ const std::string& Device::trouble() const
     return impl_->trouble;
 }
 
-const std::string& Device::identity() const
+const DeviceIdentity& Device::identity() const
 {
     return impl_->identity;
+}
+
+std::string Device::identity_text() const
+{
+    return impl_->identity_text();
+}
+
+const DeviceProtocol& Device::protocol() const
+{
+    return *impl_->protocol;
+}
+
+const std::string& Device::last_refusal() const
+{
+    return impl_->last_refusal;
 }
 
 const DeviceCounters& Device::counters() const

@@ -22,8 +22,9 @@ double milliseconds_of(Duration time)
 const char* name_of(DeviceFact fact)
 {
     static constexpr const char* names[device_facts] = {
-        "State",   "Trouble",  "Identity", "ConnectedSince", "Connections",    "Requests",
-        "Answers", "Refusals", "Failures", "RoundTrip",      "WorstRoundTrip", "ReadTime"};
+        "State",    "Trouble",        "Identity",       "Vendor",   "Product",    "Revision",
+        "Mode",     "ConnectedSince", "Connections",    "Requests", "Answers",    "Refusals",
+        "Failures", "RoundTrip",      "WorstRoundTrip", "ReadTime", "LastRefusal"};
     return names[static_cast<std::size_t>(fact)];
 }
 
@@ -34,12 +35,16 @@ struct DeviceSource::Impl {
         std::variant<server::ReadBatch, server::WriteBatch> batch;
         std::vector<std::size_t> items;
         TimePoint begun;
+        /// The plan's batch ends with the PLC's mode.
+        bool has_mode{false};
     };
     /// The last value of a point; its time is null until there is one.
     struct Last {
         DataValue value;
         TimePoint read{};
         bool is_known{false};
+        /// It was read, and nothing has been written or has failed since.
+        bool is_fresh{false};
     };
 
     Impl(DeviceSource& o, Device& d, std::vector<DevicePoint> p, const WallClock& c,
@@ -53,6 +58,11 @@ struct DeviceSource::Impl {
     void answer_at_once(server::ReadBatch& batch) const;
     void answer(const server::ReadItem& item, server::ReadSlot& slot) const;
     void answer_away(std::size_t point, StatusCode status, server::ReadSlot& slot) const;
+    void take_mode(const Waiting& waiting, const PlanResult& result);
+    [[nodiscard]] bool is_stopped() const
+    {
+        return mode == DeviceMode::Stop || mode == DeviceMode::Pause;
+    }
     void finish(const PlanResult& result);
     void finish(server::ReadBatch& batch, const Waiting& waiting, const PlanResult& result);
     void finish(server::WriteBatch& batch, const Waiting& waiting, const PlanResult& result);
@@ -68,6 +78,7 @@ struct DeviceSource::Impl {
     std::unordered_map<std::uint64_t, Waiting> waiting;
     DateTime connected_since{};
     Duration read_time{0};
+    DeviceMode mode{DeviceMode::Unknown};
 };
 
 /// Part 4, 5.11.2.2: a maxAge of 0 asks for a new value.
@@ -80,7 +91,7 @@ bool DeviceSource::Impl::is_young(const server::ReadBatch& batch) const
     const TimePoint oldest = now() - batch.max_age();
     return std::ranges::all_of(batch.items(), [&](const server::ReadItem& item) {
         const auto point = static_cast<std::size_t>(item.handle);
-        return item.handle >= points.size() || (last[point].is_known && last[point].read >= oldest);
+        return item.handle >= points.size() || (last[point].is_fresh && last[point].read >= oldest);
     });
 }
 
@@ -111,31 +122,55 @@ void DeviceSource::Impl::answer_away(std::size_t point, StatusCode status,
     slot.source_timestamp = before.value.source_timestamp;
 }
 
+void DeviceSource::Impl::take_mode(const Waiting& waiting, const PlanResult& result)
+{
+    if (waiting.has_mode) {
+        const PlanValue& read = result.values.back();
+        mode = read.status.is_bad() ? DeviceMode::Unknown
+                                    : device->protocol().mode_of(result.words_of(read));
+    }
+}
+
 void DeviceSource::Impl::finish(server::ReadBatch& batch, const Waiting& waiting,
                                 const PlanResult& result)
 {
+    take_mode(waiting, result);
     const DateTime time = clock->now();
     const TimePoint moment = now();
+    const StatusCode status = is_stopped() && options.when_stopped == WhenStopped::Uncertain
+                                  ? StatusCode{status::Uncertain_LastUsableValue}
+                                  : StatusCode{};
     if (batch.is_sample()) {
         read_time = moment - waiting.begun;
     }
     const auto slots = batch.results();
     for (std::size_t i = 0; i < waiting.items.size(); ++i) {
         server::ReadSlot& slot = slots[waiting.items[i]];
-        const auto point = static_cast<std::size_t>(batch.items()[waiting.items[i]].handle);
+        const server::ReadItem& item = batch.items()[waiting.items[i]];
+        if (item.handle >= points.size()) {
+            answer(item, slot); // the mode itself
+            continue;
+        }
+        const auto point = static_cast<std::size_t>(item.handle);
         const PlanValue& read = result.values[i];
         auto value = read.status.is_bad() ? Result<Variant>{fail(read.status)}
                                           : read_point(points[point], result.words_of(read));
+        Last& now_last = last[point];
         if (!value) {
+            now_last.is_fresh = false;
             answer_away(point, value.error(), slot);
             continue;
         }
-        Last& now_last = last[point];
         now_last.value = DataValue{*std::move(value)};
         now_last.value.source_timestamp = time;
+        now_last.value.status = status;
         now_last.read = moment;
-        now_last.is_known = true;
+        now_last.is_known = now_last.is_fresh = true;
         slot = DataValue{now_last.value};
+        if (is_stopped() && options.when_stopped == WhenStopped::Bad) {
+            answer_away(point, status::Bad_OutOfService, slot);
+            now_last.is_fresh = false;
+        }
     }
     batch.complete();
 }
@@ -146,8 +181,16 @@ void DeviceSource::Impl::finish(server::WriteBatch& batch, const Waiting& waitin
     const auto statuses = batch.results();
     for (std::size_t i = 0; i < waiting.items.size(); ++i) {
         statuses[waiting.items[i]] = result.values[i].status;
-        // What was read before is not the value any more.
-        last[static_cast<std::size_t>(batch.items()[waiting.items[i]].handle)].is_known = false;
+        const server::WriteItem& item = batch.items()[waiting.items[i]];
+        Last& before = last[static_cast<std::size_t>(item.handle)];
+        // What was read before is not the value any more. What was written is, until it is read:
+        // the PLC's program may make another one of it.
+        before.is_fresh = false;
+        if (result.values[i].status.is_good()) {
+            before.value = DataValue{item.data->value};
+            before.value.source_timestamp = clock->now();
+            before.is_known = true;
+        }
     }
     batch.complete();
 }
@@ -170,6 +213,7 @@ void DeviceSource::Impl::look()
         connected_since = clock->now();
     } else if (!is_online) {
         connected_since = {};
+        mode = DeviceMode::Unknown;
     }
     while (const auto result = device->next_result()) {
         finish(*result);
@@ -203,7 +247,15 @@ Variant DeviceSource::fact(DeviceFact fact) const
     case DeviceFact::Trouble:
         return Variant{String{device.trouble()}};
     case DeviceFact::Identity:
-        return Variant{String{device.identity()}};
+        return Variant{String{device.identity_text()}};
+    case DeviceFact::Vendor:
+        return Variant{String{device.identity().vendor}};
+    case DeviceFact::Product:
+        return Variant{String{device.identity().product}};
+    case DeviceFact::Revision:
+        return Variant{String{device.identity().revision}};
+    case DeviceFact::Mode:
+        return Variant{static_cast<std::uint32_t>(impl_->mode)};
     case DeviceFact::ConnectedSince:
         return Variant{impl_->connected_since};
     case DeviceFact::Connections:
@@ -222,6 +274,8 @@ Variant DeviceSource::fact(DeviceFact fact) const
         return Variant{milliseconds_of(counters.worst_round_trip)};
     case DeviceFact::ReadTime:
         return Variant{milliseconds_of(impl_->read_time)};
+    case DeviceFact::LastRefusal:
+        return Variant{String{device.last_refusal()}};
     }
     return {};
 }
@@ -240,21 +294,32 @@ void DeviceSource::read(server::ReadBatch batch)
     Impl::Waiting waiting{std::move(batch), {}, impl.now()};
     auto& kept = std::get<server::ReadBatch>(waiting.batch);
     const bool is_young = impl.is_young(kept);
+    const auto mode_place = impl.device->protocol().mode_place();
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (is_young || items[i].handle >= impl.points.size()) {
+        const bool is_mode = items[i].handle == status_handle(DeviceFact::Mode) && mode_place;
+        if (!is_mode && (is_young || items[i].handle >= impl.points.size())) {
             impl.answer(items[i], slots[i]);
             continue;
         }
         waiting.items.push_back(i);
-        addresses.push_back(impl.points[static_cast<std::size_t>(items[i].handle)].address);
+        addresses.push_back(
+            is_mode ? *mode_place : impl.points[static_cast<std::size_t>(items[i].handle)].address);
     }
     if (addresses.empty()) {
         kept.complete();
         return;
     }
+    waiting.has_mode = mode_place.has_value();
+    if (mode_place) {
+        addresses.push_back(*mode_place);
+    }
     const auto begun = impl.device->read(addresses, waiting.begun);
     if (!begun) {
         for (const std::size_t i : waiting.items) {
+            if (items[i].handle >= impl.points.size()) {
+                impl.answer(items[i], slots[i]);
+                continue;
+            }
             impl.answer_away(static_cast<std::size_t>(items[i].handle), begun.error(), slots[i]);
         }
         kept.complete();

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <deque>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -72,11 +74,21 @@ ModbusRequest request_of(const PlanRequest& request)
     return made;
 }
 
+/// Function 23, which writes and reads registers in one request, is not used: many devices do not
+/// have it, and the plan has no write whose place a read waits for.
 class ModbusLine final : public DeviceLine {
 public:
-    explicit ModbusLine(const ModbusClientOptions& options) : client_{options} {}
+    /// `may_ask` says whether to ask for the identification, and must outlive the object.
+    ModbusLine(const ModbusProtocolOptions& options, bool& may_ask, TimePoint now);
+    ModbusLine(const ModbusLine&) = delete;
+    ModbusLine& operator=(const ModbusLine&) = delete;
+    ~ModbusLine() override
+    {
+        // It closed the connection instead of answering.
+        may_ask_ = may_ask_ && !asked_;
+    }
 
-    [[nodiscard]] bool is_ready() const override { return true; }
+    [[nodiscard]] bool is_ready() const override { return !asked_; }
     [[nodiscard]] bool has_answered() const override { return client_.counters().answers > 0; }
     Result<void> send(const PlanRequest& request, TimePoint now) override
     {
@@ -91,54 +103,112 @@ public:
     [[nodiscard]] std::optional<DeviceAnswer> next_answer() override;
     Result<void> feed(std::span<const std::byte> in, TimePoint now) override
     {
-        return client_.feed(in, now);
+        auto fed = client_.feed(in, now);
+        look();
+        return fed;
     }
     [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
     void consume(std::size_t size) override { client_.consume(size); }
     [[nodiscard]] TimePoint next_deadline() const override { return client_.next_deadline(); }
-    void handle_deadline(TimePoint now) override { client_.handle_deadline(now); }
+    void handle_deadline(TimePoint now) override
+    {
+        client_.handle_deadline(now);
+        look();
+    }
     [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
     [[nodiscard]] std::string reason() const override { return reason_; }
+    [[nodiscard]] DeviceIdentity identity() const override { return identity_; }
 
 private:
+    /// Takes what has come from the client.
+    void look();
+    void take_identity(const ModbusEvent& event);
+    [[nodiscard]] static DeviceAnswer answer_of(ModbusEvent& event, std::uint64_t request);
+
     ModbusClient client_;
+    bool& may_ask_;
+    /// The request for the identification, as long as it has no answer.
+    std::optional<std::uint64_t> asked_;
+    DeviceIdentity identity_;
+    std::deque<DeviceAnswer> answers_;
     /// The plan's number of a request by the client's.
     std::map<std::uint64_t, std::uint64_t> requests_;
     std::string reason_;
 };
 
-std::optional<DeviceAnswer> ModbusLine::next_answer()
+ModbusLine::ModbusLine(const ModbusProtocolOptions& options, bool& may_ask, TimePoint now)
+    : client_{options.client}, may_ask_{may_ask}
+{
+    if (may_ask) {
+        ModbusRequest request;
+        request.function = ModbusFunction::ReadDeviceIdentification;
+        // A broadcast has no answer.
+        if (const auto sent = client_.send(request, options.unit, now)) {
+            asked_ = *sent;
+        }
+    }
+}
+
+void ModbusLine::take_identity(const ModbusEvent& event)
+{
+    asked_.reset();
+    may_ask_ = event.status != StatusCode{status::Bad_Timeout};
+    for (const auto& object : event.answer.identification.objects) {
+        std::string* const parts[] = {&identity_.vendor, &identity_.product, &identity_.revision};
+        if (object.id < std::size(parts)) {
+            *parts[object.id] = object.value;
+        }
+    }
+}
+
+DeviceAnswer ModbusLine::answer_of(ModbusEvent& event, std::uint64_t request)
+{
+    DeviceAnswer answer;
+    answer.request = request;
+    answer.status = event.status;
+    answer.round_trip = event.round_trip;
+    const auto& exception = event.answer.exception;
+    if (!event.status.is_bad()) {
+        answer.kind = DeviceAnswer::Kind::Done;
+        answer.words = std::move(event.answer.values);
+    } else if (exception) {
+        answer.code = static_cast<std::uint16_t>(*exception);
+        answer.kind =
+            is_refusal(*exception) ? DeviceAnswer::Kind::Refused : DeviceAnswer::Kind::Failed;
+    }
+    return answer;
+}
+
+void ModbusLine::look()
 {
     while (auto event = client_.next_event()) {
         if (event->kind == ModbusEvent::Kind::Closed) {
             reason_ = std::move(event->reason);
             continue;
         }
-        const auto request = requests_.find(event->id);
-        if (request == requests_.end()) {
-            continue;
+        if (event->id == asked_) {
+            take_identity(*event);
+        } else if (const auto request = requests_.extract(event->id); !request.empty()) {
+            answers_.push_back(answer_of(*event, request.mapped()));
         }
-        DeviceAnswer answer;
-        answer.request = request->second;
-        requests_.erase(request);
-        answer.status = event->status;
-        answer.round_trip = event->round_trip;
-        const auto& exception = event->answer.exception;
-        if (!event->status.is_bad()) {
-            answer.kind = DeviceAnswer::Kind::Done;
-            answer.words = std::move(event->answer.values);
-        } else if (exception && is_refusal(*exception)) {
-            answer.kind = DeviceAnswer::Kind::Refused;
-        }
-        return answer;
     }
-    return std::nullopt;
+}
+
+std::optional<DeviceAnswer> ModbusLine::next_answer()
+{
+    look();
+    if (answers_.empty()) {
+        return std::nullopt;
+    }
+    DeviceAnswer first = std::move(answers_.front());
+    answers_.pop_front();
+    return first;
 }
 
 class ModbusProtocol final : public DeviceProtocol {
 public:
     ModbusProtocol(const ModbusProtocolOptions& options, std::span<const DevicePoint> points)
-        : options_{options}
+        : options_{options}, may_ask_{options.asks_identity}
     {
         for (const DevicePoint& point : points) {
             areas_.insert(point.address.area);
@@ -160,13 +230,18 @@ public:
         }
         return config;
     }
-    [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint /*now*/) override
+    [[nodiscard]] std::string text_of(std::uint16_t code) const override
     {
-        return std::make_unique<ModbusLine>(options_.client);
+        return busbar::backend::text_of(static_cast<ModbusException>(code));
+    }
+    [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint now) override
+    {
+        return std::make_unique<ModbusLine>(options_, may_ask_, now);
     }
 
 private:
     ModbusProtocolOptions options_;
+    bool may_ask_;
     std::set<std::uint32_t> areas_;
 };
 

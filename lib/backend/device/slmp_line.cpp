@@ -73,7 +73,7 @@ void SlmpLine::look()
             answered(*std::move(event));
             continue;
         }
-        identity_ = shown(event->answer.text);
+        identity_.product = shown(event->answer.text);
         is_ready_ = !event->status.is_bad();
         if (!is_ready_) {
             client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E

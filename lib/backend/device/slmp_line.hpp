@@ -36,7 +36,7 @@ public:
     void handle_deadline(TimePoint now) override;
     [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
     [[nodiscard]] std::string reason() const override { return reason_; }
-    [[nodiscard]] std::string identity() const override { return identity_; }
+    [[nodiscard]] DeviceIdentity identity() const override { return identity_; }
 
     /// Sends an operation; errors of SlmpClient::send().
     [[nodiscard]] Result<std::uint64_t> ask(SlmpOperation operation, TimePoint now);
@@ -59,7 +59,7 @@ private:
     std::uint64_t asked_{0};
     bool is_ready_{false};
     bool has_answered_{false};
-    std::string identity_;
+    DeviceIdentity identity_;
     std::string reason_;
 };
 

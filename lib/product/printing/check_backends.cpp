@@ -108,7 +108,7 @@ void print_text(const Asked& asked)
                     asked.device.trouble().c_str());
         return;
     }
-    const std::string identity = asked.device.identity();
+    const std::string identity = asked.device.identity_text();
     std::printf("%s: %s at %s%s: %zu of %zu variables read in %.1f ms by %llu requests\n",
                 config.name.c_str(), config.protocol_name(), place_of(config).c_str(),
                 identity.empty() ? "" : (", " + printable(identity)).c_str(),
@@ -136,7 +136,7 @@ void write_json(detail::JsonWriter& json, const Asked& asked)
         json.end_object();
         return;
     }
-    add_member(json, "identity", asked.device.identity());
+    add_member(json, "identity", asked.device.identity_text());
     add_member(json, "requests", asked.device.plan_counters().requests);
     json.name("milliseconds");
     json.word(std::to_string(asked.read_ms));
