@@ -94,7 +94,7 @@ class LabelsLine final : public detail::SlmpLine {
 public:
     using Answered = std::function<void(SlmpEvent&)>;
 
-    LabelsLine(const SlmpClientOptions& options, detail::SlmpFindings& findings, TimePoint now,
+    LabelsLine(const SlmpProtocolOptions& options, detail::SlmpFindings& findings, TimePoint now,
                LabelsLine*& present, Answered answered)
         : SlmpLine{options, findings, now}, present_{present}, answered_{std::move(answered)}
     {
@@ -131,9 +131,8 @@ struct SlmpLabels::Impl {
         [[nodiscard]] PlanConfig plan() const override { return {}; }
         [[nodiscard]] std::unique_ptr<DeviceLine> connect(TimePoint now) override
         {
-            SlmpClientOptions client = impl_.options.protocol.client;
-            client.frame = impl_.findings.frame;
-            return std::make_unique<LabelsLine>(client, impl_.findings, now, impl_.line,
+            return std::make_unique<LabelsLine>(impl_.options.protocol, impl_.findings, now,
+                                                impl_.line,
                                                 [this](SlmpEvent& event) { impl_.take(event); });
         }
 
@@ -142,8 +141,7 @@ struct SlmpLabels::Impl {
     };
 
     Impl(SlmpLabelsOptions o, const WallClock& c, TimePoint (*n)(), LogSink& log)
-        : options{std::move(o)}, clock{&c}, now{n}, findings{options.protocol.client.frame,
-                                                             options.protocol.finds_frame, true},
+        : options{std::move(o)}, clock{&c}, now{n}, findings{detail::findings_of(options.protocol)},
           device{options.device, std::make_unique<Protocol>(*this), log}
     {
         device.on_change([this] { look(); });

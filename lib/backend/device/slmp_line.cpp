@@ -1,35 +1,34 @@
 #include "slmp_line.hpp"
 
-#include <algorithm>
-#include <iterator>
-#include <string_view>
 #include <utility>
 
+#include <busbar/backend/slmp_end_code.hpp>
 #include <busbar/core/status_codes.hpp>
 
 namespace busbar::backend::detail {
 
 namespace {
 
-/// The characters of a name that can be shown; a PLC may send any bytes.
-std::string shown(std::string_view text)
+constexpr std::uint16_t locked = 0xC201;
+
+SlmpClientOptions client_of(const SlmpProtocolOptions& options, const SlmpFindings& findings)
 {
-    std::string all;
-    std::ranges::copy_if(text, std::back_inserter(all),
-                         [](char each) { return each >= ' ' && each <= '~'; });
-    return all;
+    SlmpClientOptions client = options.client;
+    client.frame = findings.frame;
+    return client;
 }
 
 } // namespace
 
-SlmpLine::SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now)
-    : frame_{options.frame}, client_{options}, findings_{findings}, now_{now}
+SlmpLine::SlmpLine(const SlmpProtocolOptions& options, SlmpFindings& findings, TimePoint now)
+    : options_{options}, frame_{findings.frame}, client_{client_of(options, findings)},
+      findings_{findings}, now_{now}
 {
-    SlmpOperation question;
-    question.command = SlmpCommand::TypeName;
-    const auto sent = client_.send(std::move(question), now);
-    asked_ = sent ? *sent : 0;
-    is_ready_ = !sent;
+    if (options.password.empty()) {
+        ask_first(SlmpCommand::TypeName, {});
+    } else {
+        ask_first(SlmpCommand::Unlock, options.password);
+    }
 }
 
 SlmpLine::~SlmpLine()
@@ -37,6 +36,19 @@ SlmpLine::~SlmpLine()
     // No answer to the first request: the other frame has its turn.
     if (findings_.may_change && !has_answered_) {
         findings_.frame = frame_ == SlmpFrame::Frame4E ? SlmpFrame::Frame3E : SlmpFrame::Frame4E;
+    }
+}
+
+void SlmpLine::ask_first(SlmpCommand command, std::string text)
+{
+    SlmpOperation question;
+    question.command = command_ = command;
+    question.text = std::move(text);
+    const auto sent = client_.send(std::move(question), now_);
+    if (sent) {
+        asked_ = *sent;
+    } else {
+        client_.close(sent.error(), "the first request cannot be sent");
     }
 }
 
@@ -61,6 +73,32 @@ Result<std::uint64_t> SlmpLine::ask(SlmpOperation operation, TimePoint now)
     return client_.send(std::move(operation), now);
 }
 
+void SlmpLine::take_first(const SlmpEvent& event)
+{
+    const std::uint16_t code = event.answer.end_code;
+    if (event.status.is_bad()) {
+        client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E
+                                               ? "it has no answer to a frame 4E"
+                                               : "it has no answer to a frame 3E");
+        return;
+    }
+    if (command_ == SlmpCommand::Unlock && code == 0) {
+        ask_first(SlmpCommand::TypeName, {});
+        return;
+    }
+    // A wrong password again and again locks the port for a while; the device's pauses grow, as
+    // nothing was answered on this connection.
+    std::string trouble = command_ == SlmpCommand::Unlock || code == locked
+                              ? slmp_end_code_text(code)
+                              : findings_.learn(event.answer.text, code);
+    if (!trouble.empty()) {
+        client_.close(status::Bad_ConfigurationError, std::move(trouble));
+        return;
+    }
+    identity_.product = event.answer.text;
+    is_ready_ = true;
+}
+
 void SlmpLine::look()
 {
     while (auto event = client_.next_event()) {
@@ -69,16 +107,10 @@ void SlmpLine::look()
             continue;
         }
         has_answered_ = has_answered_ || !event->status.is_bad();
-        if (event->id != asked_) {
+        if (event->id == asked_) {
+            take_first(*event);
+        } else {
             answered(*std::move(event));
-            continue;
-        }
-        identity_.product = shown(event->answer.text);
-        is_ready_ = !event->status.is_bad();
-        if (!is_ready_) {
-            client_.close(status::Bad_Timeout, frame_ == SlmpFrame::Frame4E
-                                                   ? "it has no answer to a frame 4E"
-                                                   : "it has no answer to a frame 3E");
         }
     }
 }

@@ -7,28 +7,20 @@
 #include <busbar/backend/device.hpp>
 #include <busbar/backend/slmp_client.hpp>
 
+#include "slmp_family.hpp"
+
 namespace busbar::backend::detail {
 
-/// The results of asking a PLC, which outlive a connection; the next one may be to another PLC.
-struct SlmpFindings {
-    /// The frame that the next connection begins with.
-    SlmpFrame frame{SlmpFrame::Frame4E};
-    /// The other frame is tried where this one has no answer.
-    bool may_change{true};
-    /// The form of requests.
-    bool has_long_form{true};
-};
-
-/// A connection to a PLC by SLMP. It begins with the question for the type's name, which also finds
-/// out whether the PLC knows the frame.
+/// A connection to a PLC by SLMP. It begins with the remote password, if there is one, and with the
+/// question for the type's name, which also finds out whether the PLC knows the frame.
 class SlmpLine : public DeviceLine {
 public:
-    /// `findings` must outlive the object.
-    SlmpLine(SlmpClientOptions options, SlmpFindings& findings, TimePoint now);
+    /// `options` and `findings` must outlive the object.
+    SlmpLine(const SlmpProtocolOptions& options, SlmpFindings& findings, TimePoint now);
     ~SlmpLine() override;
 
     [[nodiscard]] bool is_ready() const override { return is_ready_; }
-    [[nodiscard]] bool has_answered() const override { return has_answered_; }
+    [[nodiscard]] bool has_answered() const override { return is_ready_ && has_answered_; }
     Result<void> feed(std::span<const std::byte> in, TimePoint now) override;
     [[nodiscard]] std::span<const std::byte> output() const override { return client_.output(); }
     void consume(std::size_t size) override { client_.consume(size); }
@@ -49,14 +41,21 @@ protected:
     [[nodiscard]] SlmpFindings& findings() { return findings_; }
     /// The time of the last call.
     [[nodiscard]] TimePoint now() const { return now_; }
+    void set_now(TimePoint now) { now_ = now; }
 
 private:
+    void ask_first(SlmpCommand command, std::string text);
+    /// Takes the answer to a request that the connection begins with.
+    void take_first(const SlmpEvent& event);
+
+    const SlmpProtocolOptions& options_;
     SlmpFrame frame_;
     SlmpClient client_;
     SlmpFindings& findings_;
     TimePoint now_;
-    /// The request for the type's name.
+    /// The request that the connection begins with, and its command.
     std::uint64_t asked_{0};
+    SlmpCommand command_{SlmpCommand::TypeName};
     bool is_ready_{false};
     bool has_answered_{false};
     DeviceIdentity identity_;

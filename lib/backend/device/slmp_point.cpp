@@ -9,6 +9,7 @@
 
 #include "core/ascii_case.hpp"
 #include "slmp_area.hpp"
+#include "slmp_request.hpp"
 
 namespace busbar::backend {
 
@@ -111,6 +112,12 @@ Configured<DevicePoint> parse_slmp_point(std::string_view text, const SlmpProtoc
         return Unexpected{address.error()};
     }
     const SlmpUnit unit = unit_of(address->device.code);
+    if (options.family == SlmpFamily::Auto && detail::is_io({area_of(address->device), 0, 1}) &&
+        address->device.number > 7) {
+        return refused(2, "found \"" + std::string{text.substr(1, end - 1)} +
+                              "\" of X or Y, which is octal for FX5 and hexadecimal for others: "
+                              "expected the PLC's family to be set");
+    }
     DevicePoint point;
     point.address.area = area_of(address->device);
     point.address.offset = address->device.number;
