@@ -22,6 +22,7 @@ constexpr const char* usage =
     "  --listen HOST:PORT    default 127.0.0.1:0, a free port, which is printed\n"
     "  --udp                 SLMP over UDP instead of TCP\n"
     "  --plc iqr|q|fx5       family of the PLC with SLMP; q is a built-in port\n"
+    "  --password TEXT       remote password that opens the port of a PLC with SLMP\n"
     "  --frame 3e|4e         3e: 4E frames of SLMP have no answer; 4e (default): both have\n"
     "  --units 1,2           units behind a Modbus gateway; default: every unit is this PLC\n"
     "  --connections COUNT   more are closed at once; default 64\n"
@@ -71,6 +72,7 @@ struct Options {
     bool is_udp{false};
     bool is_3e_only{false};
     Family family{Family::IqR};
+    std::string password{};
     std::string host{"127.0.0.1"};
     std::uint16_t port{0};
     std::size_t max_connections{64};
@@ -122,6 +124,8 @@ void take(Options& options, const std::string& option, std::string value)
         options.host = has_brackets ? value.substr(1, colon - 2) : value.substr(0, colon);
     } else if (option == "--plc") {
         options.family = static_cast<Family>(choice(value, {"iqr", "q", "fx5"}, option));
+    } else if (option == "--password") {
+        options.password = std::move(value);
     } else if (option == "--frame") {
         options.is_3e_only = choice(value, {"3e", "4e"}, option) == 0;
     } else if (option == "--units") {
@@ -178,9 +182,9 @@ Options options_of(const std::vector<std::string>& arguments)
 class Program {
 public:
     explicit Program(const Options& options)
-        : options_{options}, plc_{options.is_slmp
-                                      ? slmp_plc(options.family, options.is_3e_only, options.is_udp)
-                                      : modbus_plc(options.units)}
+        : options_{options}, plc_{options.is_slmp ? slmp_plc(options.family, options.is_3e_only,
+                                                             options.is_udp, options.password)
+                                                  : modbus_plc(options.units)}
     {
         for (const std::string& command : options.commands) {
             if (const std::string answer = execute(command); answer != "ok") {

@@ -170,7 +170,8 @@ std::unique_ptr<Plc> modbus_plc(std::vector<std::uint8_t> units)
     return std::make_unique<ModbusPlc>(std::move(units));
 }
 
-std::unique_ptr<Plc> slmp_plc(Family family, bool is_3e_only, bool is_datagram)
+std::unique_ptr<Plc> slmp_plc(Family family, bool is_3e_only, bool is_datagram,
+                              std::string password)
 {
     harness::SlmpPlcOptions options;
     options.is_datagram = is_datagram;
@@ -184,6 +185,8 @@ std::unique_ptr<Plc> slmp_plc(Family family, bool is_3e_only, bool is_datagram)
     options.is_fx5 = family == Family::Fx5;
     options.has_monitor = family != Family::Fx5;
     options.has_type_name = family != Family::Q;
+    options.has_blocks = family != Family::Q;
+    options.password = std::move(password);
     return std::make_unique<SlmpPlc>(options);
 }
 

@@ -55,6 +55,7 @@ public:
 /// The families of PLCs with SLMP, which differ in what they take.
 enum class Family : std::uint8_t { IqR, Q, Fx5 };
 /// A PLC with SLMP. `is_3e_only`: it does not answer 4E frames.
-[[nodiscard]] std::unique_ptr<Plc> slmp_plc(Family family, bool is_3e_only, bool is_datagram);
+[[nodiscard]] std::unique_ptr<Plc> slmp_plc(Family family, bool is_3e_only, bool is_datagram,
+                                            std::string password);
 
 } // namespace plc_responder

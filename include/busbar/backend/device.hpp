@@ -56,6 +56,8 @@ struct DeviceIdentity {
     std::string product{};
     /// Its version.
     std::string revision{};
+    /// The family of PLCs that it is of, as the protocol calls it, if that makes a difference.
+    std::string family{};
 
     friend bool operator==(const DeviceIdentity&, const DeviceIdentity&) = default;
 };
@@ -67,6 +69,9 @@ enum class DeviceMode : std::uint8_t {
     Stop,
     Pause,
 };
+
+/// Returns "unknown", "RUN", "STOP" or "PAUSE".
+[[nodiscard]] BUSBAR_API const char* name_of(DeviceMode mode);
 
 /// One connection to a PLC in its protocol: an engine without a socket, for one thread.
 class BUSBAR_API DeviceLine {
@@ -156,6 +161,8 @@ enum class DeviceState : std::uint8_t {
 
 /// Counts the work of a Device since its construction.
 struct DeviceCounters {
+    /// Connections that were begun.
+    std::uint64_t attempts{0};
     /// Connections on which requests could be sent.
     std::uint64_t connections{0};
     /// Requests with an answer, a refusal included.

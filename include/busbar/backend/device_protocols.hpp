@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -84,6 +85,10 @@ struct SlmpProtocolOptions {
     std::string password{};
 };
 
+/// Returns the name of a family in configurations: "auto", "iq-r", "q", "q-module", "fx5".
+[[nodiscard]] BUSBAR_API const char* name_of(SlmpFamily family);
+/// Returns the family with this name.
+[[nodiscard]] BUSBAR_API std::optional<SlmpFamily> find_slmp_family(std::string_view name);
 /// The options of a family.
 [[nodiscard]] BUSBAR_API SlmpProtocolOptions slmp_options(SlmpFamily family);
 

@@ -97,6 +97,7 @@ enum class DeviceFact : std::uint8_t {
     Vendor,         // String: its maker
     Product,        // String: its type
     Revision,       // String: its version
+    Family,         // String: the family of PLCs that it is of
     Mode,           // UInt32: DeviceMode
     ConnectedSince, // DateTime, null while it is not Online
     Connections,    // UInt64, and so on, from DeviceCounters
@@ -111,7 +112,7 @@ enum class DeviceFact : std::uint8_t {
 };
 
 /// Number of DeviceFacts.
-inline constexpr std::size_t device_facts = 17;
+inline constexpr std::size_t device_facts = 18;
 /// BrowseName of a fact's Variable: "RoundTrip".
 [[nodiscard]] BUSBAR_API const char* name_of(DeviceFact fact);
 

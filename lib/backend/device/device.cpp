@@ -1,6 +1,7 @@
 #include <busbar/backend/device.hpp>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -33,6 +34,12 @@ std::string shown(std::string_view text)
 }
 
 } // namespace
+
+const char* name_of(DeviceMode mode)
+{
+    static constexpr std::array<const char*, 4> names{"unknown", "RUN", "STOP", "PAUSE"};
+    return names[static_cast<std::size_t>(mode)];
+}
 
 struct Device::Impl {
     Impl(DeviceConfig c, std::unique_ptr<DeviceProtocol> p, LogSink& l)
@@ -174,7 +181,7 @@ void Device::Impl::step(TimePoint now)
         ++counters.connections;
         trouble.clear();
         const DeviceIdentity said = line->identity();
-        identity = {shown(said.vendor), shown(said.product), shown(said.revision)};
+        identity = {shown(said.vendor), shown(said.product), shown(said.revision), said.family};
         learn_rules(now);
         plan.forget_refusals();
         if (!std::exchange(is_connection_told, true)) {
@@ -325,6 +332,7 @@ bool Device::wants_connection(TimePoint now) const
 void Device::connecting(TimePoint now)
 {
     impl_->state = DeviceState::Connecting;
+    ++impl_->counters.attempts;
     impl_->until = now + impl_->config.connect_timeout;
 }
 

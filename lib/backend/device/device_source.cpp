@@ -22,9 +22,9 @@ double milliseconds_of(Duration time)
 const char* name_of(DeviceFact fact)
 {
     static constexpr const char* names[device_facts] = {
-        "State",    "Trouble",        "Identity",       "Vendor",   "Product",    "Revision",
-        "Mode",     "ConnectedSince", "Connections",    "Requests", "Answers",    "Refusals",
-        "Failures", "RoundTrip",      "WorstRoundTrip", "ReadTime", "LastRefusal"};
+        "State",    "Trouble",  "Identity",       "Vendor",         "Product",  "Revision",
+        "Family",   "Mode",     "ConnectedSince", "Connections",    "Requests", "Answers",
+        "Refusals", "Failures", "RoundTrip",      "WorstRoundTrip", "ReadTime", "LastRefusal"};
     return names[static_cast<std::size_t>(fact)];
 }
 
@@ -254,6 +254,8 @@ Variant DeviceSource::fact(DeviceFact fact) const
         return Variant{String{device.identity().product}};
     case DeviceFact::Revision:
         return Variant{String{device.identity().revision}};
+    case DeviceFact::Family:
+        return Variant{String{device.identity().family}};
     case DeviceFact::Mode:
         return Variant{static_cast<std::uint32_t>(impl_->mode)};
     case DeviceFact::ConnectedSince:

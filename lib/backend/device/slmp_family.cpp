@@ -1,5 +1,7 @@
 #include "slmp_family.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include <busbar/backend/slmp_end_code.hpp>
@@ -7,6 +9,9 @@
 namespace busbar::backend {
 
 namespace {
+
+/// In the order of SlmpFamily.
+constexpr std::array<const char*, 5> family_names{"auto", "iq-r", "q", "q-module", "fx5"};
 
 /// The family of a type's name: "R08CPU", "L16HCPU" (iQ-L), "Q03UDECPU", "L02CPU", "FX5U-32MT/DS".
 /// Auto if it is none of these. A port that refuses to tell the name is a built-in one of Q or L.
@@ -30,6 +35,19 @@ SlmpFamily family_of(std::string_view name, std::uint16_t end_code)
 }
 
 } // namespace
+
+const char* name_of(SlmpFamily family)
+{
+    return family_names[static_cast<std::size_t>(family)];
+}
+
+std::optional<SlmpFamily> find_slmp_family(std::string_view name)
+{
+    const auto* const found = std::ranges::find(family_names, name);
+    return found == family_names.end()
+               ? std::nullopt
+               : std::optional{static_cast<SlmpFamily>(found - family_names.begin())};
+}
 
 SlmpProtocolOptions slmp_options(SlmpFamily family)
 {
@@ -56,7 +74,7 @@ std::string SlmpFindings::learn(std::string_view type_name, std::uint16_t end_co
         (found == SlmpFamily::Fx5) != is_octal) {
         return "it is another family than configured, in which X and Y are " +
                std::string{is_octal ? "hexadecimal" : "octal"} + ": set family = \"" +
-               (is_octal ? "auto" : "fx5") + "\"";
+               name_of(found) + "\"";
     }
     if (std::exchange(name, type_name) == type_name && version > 0) {
         return {};

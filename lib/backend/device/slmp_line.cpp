@@ -96,6 +96,7 @@ void SlmpLine::take_first(const SlmpEvent& event)
         return;
     }
     identity_.product = event.answer.text;
+    identity_.family = name_of(findings_.family);
     is_ready_ = true;
 }
 

@@ -164,7 +164,7 @@ void SlmpClient::Impl::take_stream(std::span<const std::byte> in, TimePoint now)
         rest = rest.subspan((*head)->size);
     }
     input.erase(input.begin(), input.end() - static_cast<std::ptrdiff_t>(rest.size()));
-    // Not before: what is in the input already is no answer to a request that is not sent yet.
+    // Not before: what is in the input already cannot answer a request that is not sent yet.
     start_waiting(now);
 }
 

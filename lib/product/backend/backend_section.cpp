@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -269,31 +270,72 @@ ModbusProtocolOptions read_modbus(const TomlTable& table)
     options.max_gap = whole(table, "max_gap", options.max_gap, 0, 125);
     options.max_read = whole(table, "max_read", options.max_read, 1, 125);
     options.max_write = whole(table, "max_write", options.max_write, 1, 123);
+    options.asks_identity = table.flag("identify", options.asks_identity);
     return options;
 }
 
-/// Sets the options in which families of PLCs differ (SH-080956ENG, and the manuals of their
-/// Ethernet ports).
-void take_family(const TomlTable& table, SlmpProtocolOptions& options)
+backend::SlmpFamily read_family(const TomlTable& table)
 {
+    using backend::SlmpFamily;
     const std::string family = table.text("family", "iq-r");
-    if (family == "q" || family == "l") {
-        options.notation.has_long_form = false;
-        options.finds_frame = true;
-    } else if (family == "fx5") {
-        options.notation.is_octal = true;
-        options.notation.has_long_form = false;
-        options.client.frame = backend::SlmpFrame::Frame3E;
-        options.client.timer = 0;
-    } else if (family != "iq-r") {
-        table.fail("family", "\"iq-r\", \"q\", \"l\" or \"fx5\"");
+    for (const auto& [name, value] :
+         {std::pair{"l", SlmpFamily::Q}, {"l-module", SlmpFamily::QModule}}) {
+        if (family == name) {
+            return value;
+        }
     }
+    const auto known = backend::find_slmp_family(family);
+    if (!known) {
+        table.fail("family",
+                   "\"auto\", \"iq-r\", \"q\", \"l\", \"q-module\", \"l-module\" or \"fx5\"");
+    }
+    return *known;
+}
+
+/// Reads the remote password from the first line of its file. What is in there is never shown.
+std::string read_password(const TomlTable& table, backend::SlmpFamily family)
+{
+    using backend::SlmpFamily;
+    constexpr std::string_view key = "remote_password_file";
+    constexpr std::size_t longest = 32;
+    if (!table.has(key)) {
+        return {};
+    }
+    const std::string path = table.text(key);
+    std::ifstream file{path, std::ios::binary};
+    std::string text(longest + 2, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (file.bad() || (file.fail() && !file.eof())) {
+        table.fail(key, "a file that can be read");
+    }
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    text.resize(std::min(text.find_first_of("\r\n"), text.size()));
+    // SH-080956ENG, 1630.
+    const bool is_q = family == SlmpFamily::Q || family == SlmpFamily::QModule;
+    const bool fits_q = text.size() == 4;
+    const bool fits_others = text.size() >= 6 && text.size() <= longest;
+    const bool fits = is_q                         ? fits_q
+                      : family == SlmpFamily::Auto ? fits_q || fits_others
+                                                   : fits_others;
+    const bool is_ascii =
+        std::ranges::all_of(text, [](char each) { return each >= ' ' && each <= '~'; });
+    if (!fits || !is_ascii) {
+        table.refuse(key, path + ": found " + std::to_string(text.size()) +
+                              (text.size() > longest ? " or more" : "") +
+                              " characters in its first line, expected " +
+                              (is_q                         ? "4"
+                               : family == SlmpFamily::Auto ? "4, or 6 to 32"
+                                                            : "6 to 32") +
+                              " of ASCII");
+    }
+    return text;
 }
 
 SlmpProtocolOptions read_slmp(const TomlTable& table)
 {
-    SlmpProtocolOptions options;
-    take_family(table, options);
+    const backend::SlmpFamily family = read_family(table);
+    SlmpProtocolOptions options = backend::slmp_options(family);
+    options.password = read_password(table, family);
     const std::string frame = table.text("frame", "auto");
     if (frame == "3E" || frame == "4E") {
         options.client.frame =
@@ -353,6 +395,18 @@ void read_variables(const TomlTable& table, BackendConfig& config)
     }
 }
 
+backend::WhenStopped read_when_stopped(const TomlTable& table)
+{
+    using backend::WhenStopped;
+    const std::string text = table.text("when_stopped", "uncertain");
+    if (text != "uncertain" && text != "good" && text != "bad") {
+        table.fail("when_stopped", "\"uncertain\", \"good\" or \"bad\"");
+    }
+    return text == "uncertain" ? WhenStopped::Uncertain
+           : text == "good"    ? WhenStopped::Good
+                               : WhenStopped::Bad;
+}
+
 BackendConfig read_backend(const TomlTable& table)
 {
     constexpr std::string_view all[] = {
@@ -367,9 +421,10 @@ BackendConfig read_backend(const TomlTable& table)
     }
     const bool is_modbus = protocol == "modbus";
     if (is_modbus) {
-        keys.insert(keys.end(), {"unit", "gateway", "max_write"});
+        keys.insert(keys.end(), {"unit", "gateway", "max_write", "identify"});
     } else {
-        keys.insert(keys.end(), {"family", "frame", "transport", "network", "station", "module"});
+        keys.insert(keys.end(), {"family", "frame", "transport", "network", "station", "module",
+                                 "remote_password_file", "when_stopped"});
     }
     table.allow(keys);
     read_connection(table, config.device);
@@ -378,6 +433,7 @@ BackendConfig read_backend(const TomlTable& table)
         config.protocol = read_modbus(table);
     } else {
         config.protocol = read_slmp(table);
+        config.source.when_stopped = read_when_stopped(table);
         config.device.is_datagram = std::get<1>(config.protocol).client.is_datagram;
     }
     const std::string when_away = table.text("when_away", "bad");
@@ -411,9 +467,10 @@ std::unique_ptr<backend::DeviceProtocol> BackendConfig::make_protocol() const
 
 std::span<const std::string_view> slmp_labels_keys()
 {
-    static constexpr std::array<std::string_view, 11> keys{
-        "address",   "under_way", "timeout_ms", "connect_ms", "longest_pause_ms", "family", "frame",
-        "transport", "network",   "station",    "module"};
+    static constexpr std::array<std::string_view, 12> keys{
+        "address",          "under_way", "timeout_ms", "connect_ms",
+        "longest_pause_ms", "family",    "frame",      "transport",
+        "network",          "station",   "module",     "remote_password_file"};
     return keys;
 }
 

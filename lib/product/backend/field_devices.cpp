@@ -24,6 +24,25 @@ TimePoint now()
     return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
+Array<LocalizedText> state_names()
+{
+    Array<LocalizedText> all;
+    for (const char* const text : {"Waiting", "Connecting", "Online"}) {
+        all.push_back(LocalizedText{{}, String{text}});
+    }
+    return all;
+}
+
+Array<LocalizedText> mode_names()
+{
+    using enum backend::DeviceMode;
+    Array<LocalizedText> all;
+    for (const backend::DeviceMode mode : {Unknown, Run, Stop, Pause}) {
+        all.push_back(LocalizedText{{}, String{name_of(mode)}});
+    }
+    return all;
+}
+
 /// Adds nodes of one backend; their NodeIds are "press.Speed".
 class Nodes {
 public:
@@ -99,15 +118,13 @@ private:
             variable.source = source_.index();
             variable.handle = DeviceSource::status_handle(fact);
             const model::NewNode of = node(name, object, " Connection." + name);
-            if (fact != DeviceFact::State) {
+            if (fact != DeviceFact::State && fact != DeviceFact::Mode) {
                 expect(space_.add_variable(of, variable), name);
                 continue;
             }
             model::MultiStateItem state;
             state.variable = variable;
-            for (const char* const text : {"Waiting", "Connecting", "Online"}) {
-                state.enum_strings.push_back(LocalizedText{{}, String{text}});
-            }
+            state.enum_strings = fact == DeviceFact::State ? state_names() : mode_names();
             expect(model::add_multi_state(space_, of, state), name);
         }
     }

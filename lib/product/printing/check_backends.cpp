@@ -37,8 +37,14 @@ struct Asked {
     {
     }
 
-    /// Not connected yet, or not any more.
-    [[nodiscard]] bool is_waiting() const { return !batch && !result; }
+    /// Not connected yet. A second attempt may be in another frame; further ones would only have a
+    /// PLC count wrong passwords.
+    [[nodiscard]] bool is_waiting() const
+    {
+        const bool has_failed =
+            device.state() == DeviceState::Waiting && device.counters().attempts >= 2;
+        return !batch && !result && !has_failed;
+    }
     [[nodiscard]] std::optional<Variant> value_of(std::size_t variable) const
     {
         const backend::PlanValue& read = result->values[variable];
@@ -58,6 +64,12 @@ struct Asked {
             backend::read_point(config.variables[variable].point, result->words_of(read));
         return value ? read.status : value.error();
     }
+    /// What the PLC says of a variable that it refuses; empty if it says nothing.
+    [[nodiscard]] std::string reason_of(std::size_t variable) const
+    {
+        const std::uint16_t code = result->values[variable].code;
+        return code == 0 ? std::string{} : device.protocol().text_of(code);
+    }
     [[nodiscard]] std::size_t refused() const
     {
         std::size_t count = 0;
@@ -65,6 +77,28 @@ struct Asked {
             count += status_of(i).is_bad() ? 1U : 0U;
         }
         return count;
+    }
+
+    /// RUN or STOP, if the PLC says it; it follows the variables in the result.
+    [[nodiscard]] backend::DeviceMode mode() const
+    {
+        const bool is_there = result->values.size() > config.variables.size() &&
+                              result->values.back().status.is_good();
+        return is_there ? device.protocol().mode_of(result->words_of(result->values.back()))
+                        : backend::DeviceMode::Unknown;
+    }
+    /// ", R08CPU (family iq-r), in RUN": what is known of the PLC.
+    [[nodiscard]] std::string description() const
+    {
+        std::string text = printable(device.identity_text());
+        const std::string& family = device.identity().family;
+        if (!family.empty()) {
+            text += (text.empty() ? "family " : " (family ") + family + (text.empty() ? "" : ")");
+        }
+        if (mode() != backend::DeviceMode::Unknown) {
+            text += (text.empty() ? "in " : ", in ") + std::string{name_of(mode())};
+        }
+        return text.empty() ? text : ", " + text;
     }
 
     const BackendConfig& config;
@@ -83,6 +117,9 @@ void look(Asked& asked)
         for (const BackendVariable& variable : asked.config.variables) {
             addresses.push_back(variable.point.address);
         }
+        if (const auto place = asked.device.protocol().mode_place()) {
+            addresses.push_back(*place);
+        }
         asked.begun = now();
         if (const auto batch = asked.device.read(addresses, asked.begun)) {
             asked.batch = *batch;
@@ -99,6 +136,13 @@ std::string place_of(const BackendConfig& config)
     return config.device.host + ":" + std::to_string(config.device.port);
 }
 
+/// "Bad_ConfigurationError: 4031: a device is outside the range ...".
+std::string status_text(const Asked& asked, std::size_t variable)
+{
+    const std::string reason = asked.reason_of(variable);
+    return std::string{name(asked.status_of(variable))} + (reason.empty() ? "" : ": " + reason);
+}
+
 void print_text(const Asked& asked)
 {
     const BackendConfig& config = asked.config;
@@ -108,11 +152,10 @@ void print_text(const Asked& asked)
                     asked.device.trouble().c_str());
         return;
     }
-    const std::string identity = asked.device.identity_text();
     std::printf("%s: %s at %s%s: %zu of %zu variables read in %.1f ms by %llu requests\n",
                 config.name.c_str(), config.protocol_name(), place_of(config).c_str(),
-                identity.empty() ? "" : (", " + printable(identity)).c_str(),
-                config.variables.size() - asked.refused(), config.variables.size(), asked.read_ms,
+                asked.description().c_str(), config.variables.size() - asked.refused(),
+                config.variables.size(), asked.read_ms,
                 static_cast<unsigned long long>(asked.device.plan_counters().requests));
     for (std::size_t i = 0; i < config.variables.size(); ++i) {
         const BackendVariable& variable = config.variables[i];
@@ -120,7 +163,7 @@ void print_text(const Asked& asked)
         std::printf("  %-9s %s  %s  %s\n", value ? "read" : "not read", variable.name.c_str(),
                     variable.at.c_str(),
                     value ? printable(binary::to_text(*value)).c_str()
-                          : std::string{name(asked.status_of(i))}.c_str());
+                          : status_text(asked, i).c_str());
     }
 }
 
@@ -137,6 +180,8 @@ void write_json(detail::JsonWriter& json, const Asked& asked)
         return;
     }
     add_member(json, "identity", asked.device.identity_text());
+    add_member(json, "family", asked.device.identity().family);
+    add_member(json, "mode", std::string{name_of(asked.mode())});
     add_member(json, "requests", asked.device.plan_counters().requests);
     json.name("milliseconds");
     json.word(std::to_string(asked.read_ms));
@@ -147,6 +192,9 @@ void write_json(detail::JsonWriter& json, const Asked& asked)
         add_member(json, "name", config.variables[i].name);
         add_member(json, "at", config.variables[i].at);
         add_member(json, "status", std::string{name(asked.status_of(i))});
+        if (const std::string reason = asked.reason_of(i); !reason.empty()) {
+            add_member(json, "reason", reason);
+        }
         if (const auto value = asked.value_of(i)) {
             add_member(json, "value", binary::to_text(*value));
         }
@@ -167,7 +215,6 @@ bool check_backends(const ControllerConfig& config, detail::JsonWriter* json)
     for (const BackendConfig& each : config.backends) {
         all.push_back(std::make_unique<Asked>(each, no_log));
         loop.add(all.back()->device);
-        // A second attempt may be in another frame.
         patience = std::max(patience, 2 * each.device.connect_timeout + std::chrono::seconds{1});
     }
     const auto look_at_all = [&] { std::ranges::for_each(all, [](auto& each) { look(*each); }); };

@@ -40,8 +40,10 @@ constexpr std::array connection{
     Row{status::Bad_TcpMessageTypeInvalid,
         {"what answers at this address does not speak OPC UA", "check host and port"}},
     Row{status::Bad_ConfigurationError,
-        {"the new program or project cannot be served; nothing was changed",
-         "the log of the controller has the reason"}},
+        {"the server cannot do this as it is configured: a new program or project that cannot be "
+         "served has changed nothing, and a PLC may refuse the address of a Variable",
+         "the log of the controller has the reason; for a PLC, LastRefusal of its Object "
+         "Connection has it, and busbar-controller --check asks for each address"}},
     Row{status::Bad_ServerHalted,
         {"the server is not running its application",
          "`busbar admin status` says why, and `busbar admin shutdown --restart` starts it again"}},

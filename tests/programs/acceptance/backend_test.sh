@@ -115,7 +115,8 @@ reads press.Door ' true '
 last="--check with PLCs"
 "$controller" --config controller.toml --check > out 2>&1 || fail "$last"
 says '^press: modbus at .*: 5 of 5 variables read in .* by 1 requests$'
-says '^mixer: slmp at .*, R08CPU: 3 of 3 variables read in .* by 3 requests$'
+says '^press: modbus at [^,]*, Busbar busbar-plc-responder 1: 5 of 5'
+says '^mixer: slmp at .*, R08CPU (family iq-r), in RUN: 3 of 3 variables read in .* by 1 requests$'
 says '^  read *Level  D100  1234$'
 
 # Values are written as the PLC has them.
@@ -136,6 +137,7 @@ await grep -q '^65534$' mixer.out
 echo 'refuse holding:9' >&7
 await shows press.Missing 'Bad_ConfigurationError'
 reads press.Speed ' 17 '
+reads 'press Connection.LastRefusal' 'exception 2'
 echo 'allow' >&7
 
 # A PLC that is killed: no communication at once, and the other one goes on.
