@@ -148,3 +148,100 @@ table = "${table}"` });
     await until(() => all(StatusCodes.Good) === count, () => `${all(StatusCodes.Good)} are good`);
   });
 });
+
+describe("a gateway to a PLC with SLMP", { skip: !hasProgram("busbar-plc-responder") && "no simulated PLC" }, () => {
+  const words = 10_000;
+  let port;
+  let plc;
+  let controller;
+  let client;
+  let session;
+  let namespaceIndex;
+  const values = new Map();
+
+  const id = (name) => `ns=${namespaceIndex};s=${name}`;
+  const read = async (name) => (await session.read({ nodeId: id(name), attributeId: AttributeIds.Value }));
+  const startPlc = (password) => Plc.start("busbar-plc-responder", "slmp", "--listen", `127.0.0.1:${port}`,
+    "--password", password, "--set", "D0=17");
+  const all = (statusCode) => [...values.values()].filter((each) => each.statusCode.equals(statusCode)).length;
+
+  before(async () => {
+    port = await freePort();
+    const folder = mkdtempSync(join(tmpdir(), "busbar-gateway-"));
+    const table = join(folder, "mixer.csv");
+    const password = join(folder, "password");
+    writeFileSync(password, "secret1\n");
+    writeFileSync(table, ["name,at", ...Array.from({ length: words }, (_, i) => `W${i},D${i}`)].join("\n"));
+    plc = await startPlc("secret1");
+    controller = await startController({ ...openHouse, backends: `
+[[backend]]
+name = "mixer"
+protocol = "slmp"
+address = "127.0.0.1:${port}"
+under_way = 4
+longest_pause_ms = 500
+remote_password_file = "${password}"
+table = "${table}"` });
+    client = await createClient(controller.folder, modes.None);
+    await client.connect(controller.endpointUrl);
+    session = await client.createSession(anonymous);
+    namespaceIndex = (await session.readNamespaceArray()).indexOf("urn:busbar:backends");
+    await until(async () => (await read("mixer Connection.State")).value.value === 2, () => "the PLC is online");
+    const subscription = await session.createSubscription2({ requestedPublishingInterval: 200,
+      requestedMaxKeepAliveCount: 20, requestedLifetimeCount: 1000, publishingEnabled: true, maxNotificationsPerPublish: 0 });
+    for (let first = 0; first < words; first += 1000) {
+      const group = await subscription.monitorItems(
+        Array.from({ length: 1000 }, (_, i) => ({ nodeId: id(`mixer.W${first + i}`), attributeId: AttributeIds.Value })),
+        { samplingInterval: 200, queueSize: 1, discardOldest: true }, TimestampsToReturn.Both);
+      group.on("changed", (_item, value, index) => values.set(first + index, value));
+    }
+    await until(() => values.size === words && all(StatusCodes.Good) === words, () => `${values.size} values are there`);
+  });
+  after(async () => {
+    await session?.close();
+    await client?.disconnect();
+    assert.equal(await controller?.stop(), 0);
+    await plc?.stop();
+  });
+
+  test("says what the PLC is", async () => {
+    assert.equal(values.get(0).value.value, 17);
+    assert.equal((await read("mixer Connection.Product")).value.value, "R08CPU");
+    assert.equal((await read("mixer Connection.Family")).value.value, "iq-r");
+    assert.equal((await read("mixer Connection.Mode")).value.value, 1);
+  });
+
+  test("values of a PLC in STOP are uncertain, and good again in RUN", async () => {
+    assert.equal(await plc.say("stop"), "ok");
+    await until(() => all(StatusCodes.UncertainLastUsableValue) === words,
+      () => `${all(StatusCodes.UncertainLastUsableValue)} are uncertain`);
+    assert.equal(values.get(0).value.value, 17);
+    assert.equal((await read("mixer Connection.Mode")).value.value, 2);
+    assert.equal(await plc.say("run"), "ok");
+    await until(() => all(StatusCodes.Good) === words, () => `${all(StatusCodes.Good)} are good`);
+  });
+
+  test("one device that the PLC refuses costs the others nothing", async () => {
+    assert.equal(await plc.say("refuse D1234"), "ok");
+    await until(() => values.get(1_234).statusCode.equals(StatusCodes.BadConfigurationError),
+      () => `it is ${values.get(1_234).statusCode}`);
+    assert.equal(all(StatusCodes.Good), words - 1);
+    assert.match((await read("mixer Connection.LastRefusal")).value.value, /^4031: /);
+    assert.equal(await plc.say("allow"), "ok");
+    await until(() => all(StatusCodes.Good) === words, () => `${all(StatusCodes.Good)} are good`);
+  });
+
+  test("a PLC that comes back with another password is away, and says why", async () => {
+    plc.process.kill("SIGKILL");
+    await plc.exit;
+    await until(() => all(StatusCodes.BadNoCommunication) === words, () => `${all(StatusCodes.BadNoCommunication)} are bad`);
+    plc = await startPlc("another1");
+    await until(async () => (await read("mixer Connection.Trouble")).value.value === "C810: the remote password is wrong",
+      () => "it is told");
+    assert.equal(all(StatusCodes.BadNoCommunication), words);
+    plc.process.kill("SIGKILL");
+    await plc.exit;
+    plc = await startPlc("secret1");
+    await until(() => all(StatusCodes.Good) === words, () => `${all(StatusCodes.Good)} are good`);
+  });
+});

@@ -112,6 +112,7 @@ await shows kiln.Heat ' 8 '
 reads 'mixer Connection.Product' 'R08CPU'
 reads 'kiln Connection.Family' '"q"'
 
+# told 'all variables of a `[[backend]]` have Uncertain_LastUsableValue'
 # A PLC in STOP still answers, but its program does not renew the values.
 echo stop >&8
 echo stop >&9
@@ -126,6 +127,7 @@ echo run >&9
 await shows kiln.Heat ' 8 '
 await shows mixer.Level ' 1234  *[0-9]'
 
+# told 'variables of a `[[backend]]` have Bad_NoCommunication, and `Trouble` has C201 or C810'
 # A port with another remote password, and with the right one again.
 end_plc "$kiln"
 kiln wxyz
@@ -146,6 +148,7 @@ sed 's/^name = "mixer"/&\nfamily = "fx5"/' controller.toml > fx5.toml
 check 0 fx5.toml
 says '^mixer: slmp at .*, FX5U-32MT/DS (family fx5), in RUN: 2 of 2'
 
+# told 'one variable of a `[[backend]]` has Bad_ConfigurationError'
 # Refused, in the PLC's own words.
 echo 'refuse D100' >&8
 check 1 fx5.toml
