@@ -86,6 +86,8 @@ struct TypeUse {
 struct ProgramPlace {
     std::uint32_t line{0};
     std::uint32_t column{0};
+    /// The index in Program::files plus one; 0 for the only file of a program.
+    std::uint32_t file{0};
 };
 
 /// The value of something before the program sets it. All default: zero, the first enumerator, an
@@ -214,7 +216,8 @@ struct LeftOut {
     Kind kind{Kind::Part};
     /// The declaration as far as it was understood: a name, a place and whether to publish it.
     GlobalVariable declared{};
-    /// The reason; `where` begins with line and column if they are known, without the file's name.
+    /// The reason; `where` begins with line and column if they are known, without the file's name
+    /// if that is the only one of the program.
     Problem problem{};
 };
 
@@ -226,8 +229,11 @@ struct Program {
     std::vector<ProgramInstance> instances{};
     /// Declarations that the program has and that the lists above lack.
     std::vector<LeftOut> left_out{};
-    /// The encoding of the text that it was read from, UTF-8 without a text.
+    /// The encoding of the text that it was read from, UTF-8 without a text. Of several files the
+    /// first one that is not UTF-8.
     TextEncoding encoding{};
+    /// The names of its files if it was read from several.
+    std::vector<std::string> files{};
 };
 
 } // namespace busbar::controller

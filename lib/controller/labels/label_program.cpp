@@ -59,6 +59,7 @@ void leave_out_types_of(Program& program, const std::vector<DerivedType>& own)
             program.left_out.push_back(detail::left_out(LeftOut::Kind::Type, type.name, {},
                                                         type.place,
                                                         "has the name of a type of labels"));
+            detail::add_file(program.left_out.back(), program.files);
         }
         return is_taken;
     });

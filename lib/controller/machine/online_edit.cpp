@@ -10,10 +10,11 @@ namespace busbar::controller::detail {
 
 namespace {
 
-Unexpected<Problem> changed_online(std::string where, const ProgramPlace& place, std::string what)
+Unexpected<Problem> changed_online(const Program& edited, std::string where,
+                                   const ProgramPlace& place, std::string what)
 {
     return Unexpected<Problem>{
-        problem_at(std::move(where), place,
+        problem_at(edited, std::move(where), place,
                    "already exists and " + std::move(what) +
                        "; this requires a download instead of an online edit")};
 }
@@ -34,8 +35,8 @@ Configured<void> check_same_types(const ProgramTypes& before, const ProgramTypes
         const DerivedType* const old = before.find(types[i].name);
         if (old != nullptr &&
             old_prints.print(use_of(*old)) != new_prints.print(use_of(types[i]))) {
-            return changed_online(place_in("types", i, types[i].name), types[i].place,
-                                  "was a different type");
+            return changed_online(edited.program(), place_in("types", i, types[i].name),
+                                  types[i].place, "was a different type");
         }
     }
     return {};
@@ -53,12 +54,12 @@ Configured<void> check_same_variables(const CheckedProgram& before, const Checke
         }
         const std::string where = place_in("variables", i, variables[i].name);
         if (old->is_constant != variables[i].is_constant) {
-            return changed_online(where, variables[i].place,
+            return changed_online(edited.program(), where, variables[i].place,
                                   variables[i].is_constant ? "was not a constant"
                                                            : "was a constant");
         }
         if (old_prints.print(old->type) != new_prints.print(variables[i].type)) {
-            return changed_online(where, variables[i].place, "had another type");
+            return changed_online(edited.program(), where, variables[i].place, "had another type");
         }
     }
     return {};

@@ -76,7 +76,7 @@ bool DeclarationParser::read_task()
     if (!cursor_->skip_symbol(")")) {
         return cursor_->fail("',' or ')'");
     }
-    program_.tasks.push_back(std::move(task));
+    program().tasks.push_back(std::move(task));
     return cursor_->expect_symbol(";");
 }
 
@@ -136,7 +136,7 @@ bool DeclarationParser::read_instance()
         !skip_connections()) {
         return false;
     }
-    program_.instances.push_back(std::move(instance));
+    program().instances.push_back(std::move(instance));
     return cursor_->expect_symbol(";");
 }
 

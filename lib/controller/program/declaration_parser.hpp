@@ -4,13 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_set>
 #include <vector>
 
 #include <busbar/controller/program.hpp>
 
 #include "declaration_cursor.hpp"
-#include "inherited_members.hpp"
+#include "program_parts.hpp"
 
 namespace busbar::controller::detail {
 
@@ -18,13 +17,13 @@ namespace busbar::controller::detail {
 /// cursor.
 class DeclarationParser {
 public:
-    DeclarationParser(DeclarationCursor& cursor, Unserved unserved)
-        : cursor_{&cursor}, leaves_out_{unserved == Unserved::LeaveOut}
+    /// Adds what it reads to the pass. Both must outlive this object.
+    DeclarationParser(DeclarationCursor& cursor, ReadingPass& pass)
+        : cursor_{&cursor}, pass_{&pass}, leaves_out_{pass.unserved == Unserved::LeaveOut}
     {
     }
 
     [[nodiscard]] bool read();
-    [[nodiscard]] Program& program() { return program_; }
     /// Parses a type.
     [[nodiscard]] bool read_type_use(TypeUse& use) { return read_use(use); }
 
@@ -63,8 +62,6 @@ private:
     /// after the declaration that it is in: "Press.Mode.ENUM".
     [[nodiscard]] bool read_nameless(TypeUse& use);
     [[nodiscard]] bool is_at_nameless() const;
-    /// Gives the structures that extend others all members.
-    [[nodiscard]] bool extend_types();
 
     // declaration_enumeration.cpp
     /// Parses enumerators such as "A := 1, B)", whose opening parenthesis is taken; `base` is the
@@ -126,15 +123,14 @@ private:
     [[nodiscard]] bool skip_variables();
     [[nodiscard]] bool enter_namespace();
     void skip_semicolons();
-    /// Removes the namespaces from names of types: declarations in them are read as if they stood
-    /// outside.
-    void leave_namespaces();
     /// Parses the name of a type, with those of its namespaces.
     [[nodiscard]] bool read_qualified(TypeUse& use);
 
+    [[nodiscard]] Program& program() { return pass_->program; }
+
     DeclarationCursor* cursor_;
+    ReadingPass* pass_;
     bool leaves_out_;
-    Program program_{};
     /// The names of the declaration that is being read, and whether to publish it.
     std::vector<Name> declaring_{};
     NetworkPublish declaring_publish_{};
@@ -144,16 +140,10 @@ private:
     std::size_t depth_{0};
     /// The name of the type or variable that is being parsed, with those of members.
     std::string path_{};
-    std::vector<Extension> extensions_{};
-    /// The names of namespaces that were entered, folded.
-    std::unordered_set<std::string> namespaces_{};
 };
 
 /// Reads a type as it stands in declarations. Gives false after reporting a problem at the cursor.
-[[nodiscard]] BUSBAR_API bool read_type_use(DeclarationCursor& cursor, Unserved unserved,
+[[nodiscard]] BUSBAR_API bool read_type_use(DeclarationCursor& cursor, ReadingPass& pass,
                                             TypeUse& use);
-
-/// Returns the first mistake in a text of which nothing was understood; null if something was.
-[[nodiscard]] const LeftOut* not_understood(const Program& program);
 
 } // namespace busbar::controller::detail

@@ -86,7 +86,7 @@ bool DeclarationParser::note(LeftOut::Kind kind, std::string name, const Program
     if (!cursor_->keep(memory)) {
         return false;
     }
-    program_.left_out.push_back(left_out(kind, std::move(name), declaring_publish_, place, text));
+    program().left_out.push_back(left_out(kind, std::move(name), declaring_publish_, place, text));
     return true;
 }
 
@@ -200,7 +200,7 @@ bool DeclarationParser::enter_namespace()
         if (!cursor_->expect_name(name, "the name of a namespace")) {
             return false;
         }
-        namespaces_.insert(fold_name(name));
+        pass_->namespaces.insert(fold_name(name));
     } while (cursor_->skip_symbol("."));
     return true;
 }
@@ -209,42 +209,6 @@ void DeclarationParser::skip_semicolons()
 {
     while (cursor_->is_symbol(";")) {
         cursor_->take();
-    }
-}
-
-void DeclarationParser::leave_namespaces()
-{
-    std::unordered_set<std::string> types;
-    const auto leave = [&](std::string& name) {
-        std::size_t after = name.find('.');
-        if (after == std::string::npos || types.contains(fold_name(name))) {
-            return;
-        }
-        std::size_t begin = 0;
-        while (after != std::string::npos &&
-               namespaces_.contains(fold_name(name.substr(begin, after - begin)))) {
-            begin = after + 1;
-            after = name.find('.', begin);
-        }
-        name.erase(0, begin);
-    };
-    if (namespaces_.empty()) {
-        return;
-    }
-    for (const DerivedType& type : program_.types) {
-        types.insert(fold_name(type.name));
-    }
-    for (DerivedType& type : program_.types) {
-        leave(type.alias.type_name);
-        for (Member& member : type.members) {
-            leave(member.type.type_name);
-        }
-    }
-    for (GlobalVariable& variable : program_.variables) {
-        leave(variable.type.type_name);
-    }
-    for (Extension& extension : extensions_) {
-        leave(extension.base);
     }
 }
 
@@ -262,17 +226,6 @@ bool DeclarationParser::read_qualified(TypeUse& use)
         qualifier += use.type_name + ".";
     }
     return false;
-}
-
-const LeftOut* not_understood(const Program& program)
-{
-    const auto is_part = [](const LeftOut& one) { return one.kind == LeftOut::Kind::Part; };
-    const bool is_empty = program.types.empty() && program.variables.empty() &&
-                          program.tasks.empty() && program.instances.empty();
-    return is_empty && !program.left_out.empty() &&
-                   std::all_of(program.left_out.begin(), program.left_out.end(), is_part)
-               ? &program.left_out.front()
-               : nullptr;
 }
 
 } // namespace busbar::controller::detail

@@ -39,6 +39,7 @@ bool DeclarationParser::read_type()
     path_ = type.name;
     TypeUse base;
     const std::size_t extends = cursor_->now().offset;
+    const ProgramPlace extends_place = cursor_->place();
     if ((cursor_->skip_word("EXTENDS") && !read_qualified(base)) || !cursor_->expect_symbol(":") ||
         !read_type_body(type)) {
         return false;
@@ -50,9 +51,10 @@ bool DeclarationParser::read_type()
         if (type.kind != DerivedType::Kind::Structure) {
             return cursor_->fail_with(extends, "extends a type, which only a structure can");
         }
-        extensions_.push_back({program_.types.size(), std::move(base.type_name), extends});
+        pass_->extensions.push_back(
+            {program().types.size(), std::move(base.type_name), extends_place});
     }
-    program_.types.push_back(std::move(type));
+    program().types.push_back(std::move(type));
     declaring_.clear();
     skip_semicolons();
     return true;
@@ -162,26 +164,7 @@ bool DeclarationParser::read_nameless(TypeUse& use)
     if (!cursor_->keep(sizeof type + 2 * type.name.size())) {
         return false;
     }
-    program_.types.push_back(std::move(type));
-    return true;
-}
-
-bool DeclarationParser::extend_types()
-{
-    InheritedMembers inherited{program_.types, extensions_, cursor_->memory()};
-    const std::vector<NotExtended> failed = inherited.run();
-    if (inherited.is_exhausted()) {
-        return cursor_->keep(SIZE_MAX);
-    }
-    declaring_publish_ = {};
-    for (const NotExtended& each : failed) {
-        if (!leaves_out_) {
-            return cursor_->fail_with(each.offset, each.reason);
-        }
-        if (!note(LeftOut::Kind::Type, each.name, cursor_->place_at(each.offset), each.reason)) {
-            return false;
-        }
-    }
+    program().types.push_back(std::move(type));
     return true;
 }
 

@@ -4,9 +4,9 @@
 
 namespace busbar::controller::detail {
 
-bool read_type_use(DeclarationCursor& cursor, Unserved unserved, TypeUse& use)
+bool read_type_use(DeclarationCursor& cursor, ReadingPass& pass, TypeUse& use)
 {
-    return DeclarationParser{cursor, unserved}.read_type_use(use);
+    return DeclarationParser{cursor, pass}.read_type_use(use);
 }
 
 bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)

@@ -118,7 +118,7 @@ bool DeclarationParser::add_variables(const GlobalVariable& variable)
         if (!cursor_->keep(memory)) {
             return false;
         }
-        GlobalVariable& added = program_.variables.emplace_back(variable);
+        GlobalVariable& added = program().variables.emplace_back(variable);
         added.name = std::move(name.text);
         added.place = name.place;
     }

@@ -5,17 +5,10 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "constant_table.hpp"
+#include "cell_table.hpp"
 #include "core/ascii_case.hpp"
-#include "declaration_cursor.hpp"
-#include "declaration_parser.hpp"
-#include "enumerator_numbers.hpp"
-#include "initial_reader.hpp"
 #include "literal.hpp"
-#include "program_problem.hpp"
-#include "text_places.hpp"
 
 namespace busbar::controller::detail {
 
@@ -37,7 +30,6 @@ struct GxColumn {
     };
     static constexpr std::size_t count = 9;
 };
-constexpr std::size_t max_cells = 64;
 
 struct GxTitle {
     GxColumn::Value column;
@@ -108,79 +100,58 @@ constexpr std::array gx_type_names{
     GxTypeName{"ロングカウンタ", "LCOUNTER"},
 };
 
-/// A line's cells without their quotes, and its end.
-struct GxLine {
-    std::vector<std::string> cells{};
-    std::size_t end{0};
-};
-
-/// Cuts the line that begins there; between quotes a line may have line feeds.
-GxLine line_at(std::string_view text, std::size_t begin, char separator)
-{
-    GxLine line{.cells = {std::string{}}, .end = begin};
-    bool is_quoted = false;
-    for (; line.end < text.size(); ++line.end) {
-        const char c = text[line.end];
-        const bool is_quote = c == '"';
-        if (is_quoted && is_quote && text.substr(line.end + 1, 1) == "\"") {
-            line.cells.back() += c;
-            ++line.end;
-        } else if (is_quote) {
-            is_quoted = !is_quoted;
-        } else if (!is_quoted && c == '\n') {
-            break;
-        } else if (!is_quoted && c == separator) {
-            if (line.cells.size() < max_cells) {
-                line.cells.emplace_back();
-            }
-        } else if (c != '\r') {
-            line.cells.back() += c;
-        }
-    }
-    for (std::string& cell : line.cells) {
-        cell = trimmed_text(cell);
-    }
-    return line;
-}
-
 /// Where the columns are, and where the lines after the titles begin.
 struct GxLayout {
     std::array<std::size_t, GxColumn::count> places{};
     std::size_t begin{0};
-    char separator{'\t'};
+    TableForm form{.separator = '\t', .has_quotes = true};
+    /// The only cell of the line before the titles; empty if there is none.
+    std::string heading{};
 
-    [[nodiscard]] std::string_view cell(const GxLine& line, GxColumn::Value column) const
+    [[nodiscard]] const TableCell& cell(const TableLine& line, GxColumn::Value column) const
     {
+        static const TableCell none{};
         const std::size_t place = places[column];
-        return place < line.cells.size() ? std::string_view{line.cells[place]} : std::string_view{};
+        return place < line.cells.size() ? line.cells[place] : none;
     }
-    [[nodiscard]] bool has(GxColumn::Value column) const { return places[column] != max_cells; }
+    [[nodiscard]] bool has(GxColumn::Value column) const
+    {
+        return places[column] != max_table_cells;
+    }
 };
 
-/// Finds the titles in one of the first lines; before them is the name of the project.
+/// Finds the titles in a line.
+void find_titles(const TableLine& line, GxLayout& layout)
+{
+    layout.places.fill(max_table_cells);
+    for (const GxTitle& title : gx_titles) {
+        const auto found = std::ranges::find_if(line.cells, [&](const TableCell& cell) {
+            return is_same_ignoring_case(cell.text, title.text);
+        });
+        if (found != line.cells.end()) {
+            layout.places[title.column] = static_cast<std::size_t>(found - line.cells.begin());
+        }
+    }
+}
+
+/// Finds the titles in one of the first lines; before them is the name of the project, or of a
+/// structure.
 std::optional<GxLayout> layout_of(std::string_view text)
 {
     constexpr std::size_t most_lines = 4;
     constexpr std::size_t longest = 4'096;
     for (const char separator : {'\t', ','}) {
-        GxLayout layout{.separator = separator};
+        GxLayout layout;
+        layout.form.separator = separator;
         for (std::size_t i = 0; i < most_lines && layout.begin < text.size(); ++i) {
-            const GxLine line =
-                line_at(text.substr(0, layout.begin + longest), layout.begin, separator);
+            const TableLine line =
+                table_line(text.substr(0, layout.begin + longest), layout.begin, layout.form);
             layout.begin = line.end + 1;
-            layout.places.fill(max_cells);
-            for (const GxTitle& title : gx_titles) {
-                const auto found = std::ranges::find_if(line.cells, [&](const std::string& cell) {
-                    return is_same_ignoring_case(cell, title.text);
-                });
-                if (found != line.cells.end()) {
-                    layout.places[title.column] =
-                        static_cast<std::size_t>(found - line.cells.begin());
-                }
-            }
+            find_titles(line, layout);
             if (layout.has(GxColumn::Named) && layout.has(GxColumn::Typed)) {
                 return layout;
             }
+            layout.heading = line.cells.size() == 1 ? line.cells.front().text : std::string{};
         }
     }
     return {};
@@ -219,137 +190,47 @@ std::string iec_constant(std::string_view text)
     return is_number && text.front() == 'H' ? "16#" + std::string{rest} : std::string{text};
 }
 
-class GxReader {
-public:
-    GxReader(std::string_view text, std::string_view file_name, const GxLayout& layout,
-             const TextPlaces& places, const DeclarationLimits& limits, ConstantTable& constants,
-             Unserved unserved)
-        : text_{text}, file_name_{file_name}, layout_{&layout}, places_{&places}, limits_{&limits},
-          memory_{limits.max_memory}, constants_{&constants}, unserved_{unserved}
-    {
-    }
+NetworkPublish publish_of_line(std::string_view external)
+{
+    return external == "1" || is_same_ignoring_case(external, "TRUE") ? NetworkPublish::PublishOnly
+                                                                      : NetworkPublish::Hidden;
+}
 
-    Configured<Program> read()
-    {
-        for (std::size_t begin = layout_->begin; begin < text_.size();) {
-            const GxLine line = line_at(text_, begin, layout_->separator);
-            place_ = places_->at(begin);
-            if (!layout_->cell(line, GxColumn::Named).empty() && !read_line(line) &&
-                !leave_out(line)) {
-                return Unexpected<Problem>{
-                    Problem{.where = place_text(file_name_, place_), .text = problem_}};
-            }
-            begin = line.end + 1;
-        }
-        return std::move(program_);
+TableRow gx_row(const GxLayout& layout, const TableLine& line)
+{
+    TableRow row{.name = layout.cell(line, GxColumn::Named),
+                 .type = layout.cell(line, GxColumn::Typed),
+                 .initial = layout.cell(line, GxColumn::Constant)};
+    row.type.text = iec_type(row.type.text);
+    if (row.initial.text.empty()) {
+        row.initial = layout.cell(line, GxColumn::Initial);
     }
-
-private:
-    bool fail(std::string text)
-    {
-        problem_ = std::move(text);
-        return false;
+    row.initial.text = iec_constant(row.initial.text);
+    const TableCell& group = layout.cell(line, GxColumn::Class);
+    const std::string& device = layout.cell(line, GxColumn::Assigned).text;
+    GlobalVariable& variable = row.variable;
+    variable.is_constant = is_same_ignoring_case(group.text, "VAR_GLOBAL_CONSTANT");
+    variable.is_retained = is_same_ignoring_case(group.text, "VAR_GLOBAL_RETAIN");
+    variable.address = device.empty() ? layout.cell(line, GxColumn::Address).text : device;
+    variable.comment = layout.cell(line, GxColumn::Comment).text;
+    variable.publish = publish_of_line(layout.cell(line, GxColumn::External).text);
+    const bool is_global = variable.is_constant || variable.is_retained || group.text.empty() ||
+                           is_same_ignoring_case(group.text, "VAR_GLOBAL");
+    if (!is_global) {
+        row.problem = found_expected(group.text, "VAR_GLOBAL, VAR_GLOBAL_CONSTANT or "
+                                                 "VAR_GLOBAL_RETAIN; other classes are those of "
+                                                 "local labels");
+        row.problem_offset = group.offset;
     }
+    return row;
+}
 
-    bool keep(std::size_t bytes)
-    {
-        is_exhausted_ = is_exhausted_ || !memory_.take(bytes);
-        return !is_exhausted_ || fail("takes more than " + std::to_string(limits_->max_memory) +
-                                      " bytes of memory up to here");
-    }
-
-    /// Lets `read` read a whole text as part of a declaration.
-    template <typename Read>
-    bool read_text(std::string_view text, Read read)
-    {
-        DeclarationCursor cursor{text, {}, nullptr, *limits_, memory_, *constants_};
-        if (read(cursor) && (cursor.is_end() || cursor.fail("the end of the cell"))) {
-            return true;
-        }
-        is_exhausted_ = is_exhausted_ || !cursor.can_recover();
-        return fail(cursor.recover().first);
-    }
-
-    bool read_class(std::string_view text, GlobalVariable& variable)
-    {
-        variable.is_constant = is_same_ignoring_case(text, "VAR_GLOBAL_CONSTANT");
-        variable.is_retained = is_same_ignoring_case(text, "VAR_GLOBAL_RETAIN");
-        return variable.is_constant || variable.is_retained || text.empty() ||
-               is_same_ignoring_case(text, "VAR_GLOBAL") ||
-               fail(found_expected(text, "VAR_GLOBAL, VAR_GLOBAL_CONSTANT or VAR_GLOBAL_RETAIN; "
-                                         "other classes are those of local labels"));
-    }
-
-    bool read_line(const GxLine& line)
-    {
-        const std::string_view name = layout_->cell(line, GxColumn::Named);
-        const std::string_view comment = layout_->cell(line, GxColumn::Comment);
-        const std::string_view device = layout_->cell(line, GxColumn::Assigned);
-        GlobalVariable variable;
-        variable.place = place_;
-        const auto read_name = [&](DeclarationCursor& cursor) {
-            return cursor.expect_name(variable.name, "the name of a label");
-        };
-        const auto read_type = [&](DeclarationCursor& cursor) {
-            return read_type_use(cursor, unserved_, variable.type);
-        };
-        const auto read_value = [&](DeclarationCursor& cursor) {
-            return read_initial_value(cursor, variable.initial);
-        };
-        const std::string type = iec_type(layout_->cell(line, GxColumn::Typed));
-        if (!keep(sizeof variable + comment.size() + device.size()) ||
-            !read_class(layout_->cell(line, GxColumn::Class), variable) ||
-            !read_text(name, read_name) || !read_text(type, read_type)) {
-            return false;
-        }
-        const std::string_view constant = layout_->cell(line, GxColumn::Constant);
-        const std::string value =
-            iec_constant(constant.empty() ? layout_->cell(line, GxColumn::Initial) : constant);
-        if (!value.empty() && !read_text(value, read_value)) {
-            return false;
-        }
-        variable.publish = publish_of_line(line);
-        const std::string_view address = layout_->cell(line, GxColumn::Address);
-        variable.address = (device.empty() ? address : device).substr(0, limits_->max_name_length);
-        variable.comment = comment;
-        program_.variables.push_back(std::move(variable));
-        return true;
-    }
-
-    [[nodiscard]] NetworkPublish publish_of_line(const GxLine& line) const
-    {
-        const std::string_view external = layout_->cell(line, GxColumn::External);
-        return external == "1" || is_same_ignoring_case(external, "TRUE")
-                   ? NetworkPublish::PublishOnly
-                   : NetworkPublish::Hidden;
-    }
-
-    bool leave_out(const GxLine& line)
-    {
-        const std::string_view name =
-            layout_->cell(line, GxColumn::Named).substr(0, limits_->max_name_length);
-        if (unserved_ == Unserved::Refuse || is_exhausted_ ||
-            !keep(sizeof(LeftOut) + problem_.size() + 2 * name.size())) {
-            return false;
-        }
-        program_.left_out.push_back(left_out(LeftOut::Kind::Variable, std::string{name},
-                                             publish_of_line(line), place_, problem_));
-        return true;
-    }
-
-    std::string_view text_;
-    std::string_view file_name_;
-    const GxLayout* layout_;
-    const TextPlaces* places_;
-    const DeclarationLimits* limits_;
-    MemoryBudget memory_;
-    ConstantTable* constants_;
-    Unserved unserved_;
-    Program program_{};
-    std::string problem_{};
-    ProgramPlace place_{};
-    bool is_exhausted_{false};
-};
+/// Returns the name of a file without its folder and its ending.
+std::string stem_of(std::string_view file)
+{
+    file.remove_prefix(std::min(file.size(), file.find_last_of("/\\") + 1));
+    return std::string{file.substr(0, file.rfind('.'))};
+}
 
 } // namespace
 
@@ -358,24 +239,25 @@ bool is_gx_table(std::string_view text)
     return layout_of(text).has_value();
 }
 
-Configured<Program> read_gx_table(std::string_view text, std::string_view file_name,
-                                  const DeclarationLimits& limits, Unserved unserved)
+Configured<void> add_gx_table(const SourceText& source, ProgramParts& to)
 {
-    const auto layout = layout_of(text);
+    auto layout = layout_of(source.text);
     if (!layout) {
-        return misconfigured(std::string{file_name},
+        return misconfigured(std::string{source.file},
                              "found no line with the titles Label Name and Data Type");
     }
-    const TextPlaces places{text};
-    ConstantTable constants;
-    constants.set_file(file_name);
-    auto program = read_in_passes(constants, unserved, [&](Unserved choice) {
-        return GxReader{text, file_name, *layout, places, limits, constants, choice}.read();
-    });
-    if (program) {
-        settle_enumerators(*program);
+    // A list of a structure's members has no classes.
+    std::string structure;
+    if (!layout->has(GxColumn::Class)) {
+        structure = layout->heading.empty() ? stem_of(source.file) : layout->heading;
     }
-    return program;
+    CellTable table{
+        .form = layout->form, .begin = layout->begin, .structure = std::move(structure)};
+    table.row_of = [layout = *std::move(layout)](const TableLine& line) {
+        return gx_row(layout, line);
+    };
+    add_table(source, std::move(table), to);
+    return {};
 }
 
 } // namespace busbar::controller::detail

@@ -111,7 +111,7 @@ void InheritedMembers::fail_all(std::vector<std::size_t>& walked, std::string re
         }
         states_[*each] = State::Failed;
         failed_.push_back(
-            {(*types_)[extension.type].name, extension.offset, std::exchange(reason, {})});
+            {(*types_)[extension.type].name, extension.place, std::exchange(reason, {})});
     }
 }
 

@@ -15,14 +15,13 @@ struct Extension {
     /// Index among the program's types.
     std::size_t type{0};
     std::string base{};
-    /// Place in the text, for problems.
-    std::size_t offset{0};
+    ProgramPlace place{};
 };
 
 /// A type that cannot be extended, and why: "extends A, which is not declared".
 struct NotExtended {
     std::string name{};
-    std::size_t offset{0};
+    ProgramPlace place{};
     std::string reason{};
 };
 

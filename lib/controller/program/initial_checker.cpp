@@ -237,7 +237,7 @@ Problem InitialChecker::problem(const InitialValue& value, std::string text) con
         where += step.member != nullptr ? "." + quoted_name(*step.member)
                                         : "[" + std::to_string(step.element) + "]";
     }
-    return problem_at(std::move(where), value.place.line != 0 ? value.place : place_,
+    return problem_at(*program_, std::move(where), value.place.line != 0 ? value.place : place_,
                       std::move(text));
 }
 

@@ -28,10 +28,10 @@ void visit_uses(const DerivedType& type, Visit visit)
     }
 }
 
-Problem use_problem(const std::string& where, const ProgramPlace& place, const TypeUse& use,
-                    std::string_view reason)
+Problem use_problem(const Program& program, const std::string& where, const ProgramPlace& place,
+                    const TypeUse& use, std::string_view reason)
 {
-    return problem_at(where, place,
+    return problem_at(program, where, place,
                       "is of the type " + quoted_name(use.type_name) + ", " + std::string{reason});
 }
 
@@ -107,7 +107,7 @@ void ProgramSieve::add_users(std::vector<Found>& problems) const
             if (problems[user]) {
                 continue;
             }
-            problems[user] = use_problem(place_in("types", user, types[user].name),
+            problems[user] = use_problem(*program_, place_in("types", user, types[user].name),
                                          types[user].place, {.type_name = gone.name}, is_left_out);
             bad.push_back(user);
         }
@@ -180,7 +180,8 @@ std::optional<Problem> ProgramSieve::check_use(const TypeUse& use, const std::st
         return {};
     }
     const auto reason = reasons_.find(fold_name(use.type_name));
-    return reason == reasons_.end() ? Found{} : use_problem(where, place, use, reason->second);
+    return reason == reasons_.end() ? Found{}
+                                    : use_problem(*program_, where, place, use, reason->second);
 }
 
 std::optional<Problem> ProgramSieve::check_uses(std::size_t index) const

@@ -51,15 +51,15 @@ std::optional<Problem> ProgramChecker::check_name(const std::string& name, const
                                                   const ProgramPlace& place) const
 {
     if (name.empty()) {
-        return problem_at(where, place, "has no name");
+        return problem_at(*program_, where, place, "has no name");
     }
     if (name.size() > limits_->max_name_length) {
-        return problem_at(where, place,
+        return problem_at(*program_, where, place,
                           "has a name of " + std::to_string(name.size()) + " bytes; at most " +
                               std::to_string(limits_->max_name_length) + " are allowed");
     }
     if (first_not_utf8(name)) {
-        return problem_at(where, place, "has a name that is not UTF-8");
+        return problem_at(*program_, where, place, "has a name that is not UTF-8");
     }
     return {};
 }
@@ -72,7 +72,7 @@ std::optional<Problem> ProgramChecker::check_type(std::size_t index) const
         return found;
     }
     if (types_->find(type.name) != &type) {
-        return problem_at(where, type.place, "is also the name of another type");
+        return problem_at(*program_, where, type.place, "is also the name of another type");
     }
     switch (type.kind) {
     case DerivedType::Kind::Alias:
@@ -88,7 +88,7 @@ std::optional<Problem> ProgramChecker::check_members(const DerivedType& type,
                                                      const std::string& where) const
 {
     if (type.members.empty() || type.members.size() > limits_->max_members) {
-        return problem_at(where, type.place,
+        return problem_at(*program_, where, type.place,
                           type.members.empty() ? "has no members"
                                                : more_than(limits_->max_members, "members"));
     }
@@ -99,7 +99,7 @@ std::optional<Problem> ProgramChecker::check_members(const DerivedType& type,
             return found;
         }
         if (!names.insert(fold_name(member.name)).second) {
-            return problem_at(place, member.place, "is also the name of another member");
+            return problem_at(*program_, place, member.place, "is also the name of another member");
         }
         if (auto found = check_use(member.type, place, member.place)) {
             return found;
@@ -112,7 +112,7 @@ std::optional<Problem> ProgramChecker::check_enumerators(const DerivedType& type
                                                          const std::string& where) const
 {
     if (type.enumerators.empty() || type.enumerators.size() > limits_->max_members) {
-        return problem_at(where, type.place,
+        return problem_at(*program_, where, type.place,
                           type.enumerators.empty() ? "has no values"
                                                    : more_than(limits_->max_members, "values"));
     }
@@ -124,10 +124,10 @@ std::optional<Problem> ProgramChecker::check_enumerators(const DerivedType& type
             return found;
         }
         if (!names.insert(fold_name(one.name)).second) {
-            return problem_at(place, type.place, "is also the name of another value");
+            return problem_at(*program_, place, type.place, "is also the name of another value");
         }
         if (!values.insert(one.value).second) {
-            return problem_at(place, type.place,
+            return problem_at(*program_, place, type.place,
                               "has the value " + std::to_string(one.value) +
                                   " as another name has");
         }
@@ -139,25 +139,26 @@ std::optional<Problem> ProgramChecker::check_use(const TypeUse& use, const std::
                                                  const ProgramPlace& place) const
 {
     if (!use.type_name.empty() && types_->find(use.type_name) == nullptr) {
-        return problem_at(where, place,
+        return problem_at(*program_, where, place,
                           "is of the type " + quoted_name(use.type_name) +
                               ", which is not declared");
     }
     if (use.dimensions.size() > limits_->max_dimensions) {
-        return problem_at(where, place, more_than(limits_->max_dimensions, "dimensions"));
+        return problem_at(*program_, where, place,
+                          more_than(limits_->max_dimensions, "dimensions"));
     }
     for (const Bounds& bounds : use.dimensions) {
         // Limit indices so that their difference fits.
         constexpr std::int64_t most = INT32_MAX;
         if (bounds.lower > bounds.upper || bounds.lower < -most || bounds.upper > most) {
-            return problem_at(where, place,
+            return problem_at(*program_, where, place,
                               "has the bounds " + std::to_string(bounds.lower) + ".." +
                                   std::to_string(bounds.upper) +
                                   "; expected a lower and an upper one of 32 bits");
         }
     }
     if (use.subrange && use.subrange->lower > use.subrange->upper) {
-        return problem_at(where, place, "has a subrange without any value");
+        return problem_at(*program_, where, place, "has a subrange without any value");
     }
     return {};
 }
@@ -169,7 +170,7 @@ std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
     if (types_->resolve(use).dimensions.size() <= limits_->max_dimensions) {
         return {};
     }
-    return problem_at(where, place,
+    return problem_at(*program_, where, place,
                       more_than(limits_->max_dimensions, "dimensions with those of its types"));
 }
 
@@ -199,7 +200,8 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
 {
     const DerivedType& type = program_->types[index];
     const auto problem = [&](std::string text) {
-        return problem_at(place_in("types", index, type.name), type.place, std::move(text));
+        return problem_at(*program_, place_in("types", index, type.name), type.place,
+                          std::move(text));
     };
     if (depths_[index] == being_measured) {
         return problem("contains itself");
@@ -269,7 +271,7 @@ std::optional<Problem> ProgramChecker::check_variable(std::size_t index,
         return found;
     }
     if (!names.insert(fold_name(variable.name)).second) {
-        return problem_at(where, variable.place, "is also the name of another variable");
+        return problem_at(*program_, where, variable.place, "is also the name of another variable");
     }
     if (auto found = check_use(variable.type, where, variable.place)) {
         return found;
@@ -278,10 +280,11 @@ std::optional<Problem> ProgramChecker::check_variable(std::size_t index,
         return found;
     }
     if (types_->size_of(variable.type) > limits_->max_variable_size) {
-        return problem_at(where, variable.place, more_than(limits_->max_variable_size, "bytes"));
+        return problem_at(*program_, where, variable.place,
+                          more_than(limits_->max_variable_size, "bytes"));
     }
     if (types_->image_size_of(variable.type) > limits_->max_variable_size) {
-        return problem_at(where, variable.place,
+        return problem_at(*program_, where, variable.place,
                           more_than(limits_->max_variable_size,
                                     "bytes in a process image, which keeps one for each BOOL"));
     }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/controller/program.hpp>
 #include <busbar/core/api.hpp>
@@ -17,11 +18,16 @@ namespace busbar::controller::detail {
 [[nodiscard]] std::string place_in(std::string_view list, std::size_t index,
                                    const std::string& name);
 
-/// Makes a problem with line and column if the place is known.
-[[nodiscard]] Problem problem_at(std::string where, const ProgramPlace& place, std::string text);
+/// Makes a problem with line and column if the place is known, after the name of the file if the
+/// program has several.
+[[nodiscard]] Problem problem_at(const Program& program, std::string where,
+                                 const ProgramPlace& place, std::string text);
 
-/// Makes the note about a declaration that is left out because of a problem at this place. A Part
-/// has no name.
+/// Puts the name of its file before the place of what is left out, if the program has several.
+void add_file(LeftOut& one, const std::vector<std::string>& files);
+
+/// Makes the note about a declaration that is left out because of a problem at this place, without
+/// the name of the file. A Part has no name.
 [[nodiscard]] BUSBAR_API LeftOut left_out(LeftOut::Kind kind, std::string name,
                                           NetworkPublish publish, const ProgramPlace& place,
                                           const std::string& text);

@@ -2,20 +2,17 @@
 
 #include <string_view>
 
-#include <busbar/controller/declaration_reader.hpp>
-#include <busbar/core/api.hpp>
+#include "program_parts.hpp"
 
 namespace busbar::controller::detail {
 
-/// Tells whether the text is a table of global variables as Sysmac Studio copies it: lines of 8
-/// cells between tabs, with True or False in the fifth and the sixth.
+/// Tells whether the text is a table of global variables as Sysmac Studio copies it: lines of cells
+/// between tabs. The first line, or the second one after a line of titles, has a name, a type, and
+/// TRUE or FALSE as its fifth and sixth cell.
 [[nodiscard]] BUSBAR_API bool is_sysmac_table(std::string_view text);
 
-/// Reads such a table, with or without a line of titles: name, type, initial value, AT, Retain,
-/// Constant, Network Publish and comment. Problems have the places of the cells. The text is UTF-8.
-[[nodiscard]] BUSBAR_API Configured<Program> read_sysmac_table(std::string_view text,
-                                                               std::string_view file_name,
-                                                               const DeclarationLimits& limits,
-                                                               Unserved unserved);
+/// Adds such a table. The source must outlive the parts.
+[[nodiscard]] BUSBAR_API Configured<void> add_sysmac_table(const SourceText& source,
+                                                           ProgramParts& to);
 
 } // namespace busbar::controller::detail

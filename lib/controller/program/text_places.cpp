@@ -37,9 +37,9 @@ std::optional<std::size_t> first_not_utf8(std::string_view text)
     return {};
 }
 
-TextPlaces::TextPlaces(std::string_view text) : text_{text}
+TextPlaces::TextPlaces(std::string_view text, std::uint32_t file) : text_{text}, file_{file}
 {
-    ProgramPlace place{1, 1};
+    ProgramPlace place{.line = 1, .column = 1, .file = file};
     for (std::size_t i = 0; i < text.size(); ++i) {
         if (i % step == 0) {
             noted_.push_back(place);
@@ -51,7 +51,7 @@ TextPlaces::TextPlaces(std::string_view text) : text_{text}
 ProgramPlace TextPlaces::at(std::size_t offset) const
 {
     if (noted_.empty()) {
-        return {1, 1};
+        return {.line = 1, .column = 1, .file = file_};
     }
     const std::size_t end = std::min(offset, text_.size());
     const std::size_t index = std::min(end / step, noted_.size() - 1);

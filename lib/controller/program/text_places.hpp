@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -14,8 +15,9 @@ namespace busbar::controller::detail {
 /// way.
 class BUSBAR_API TextPlaces {
 public:
-    /// `text` must outlive this object.
-    explicit TextPlaces(std::string_view text);
+    /// `text` must outlive this object. Places are in this file of the program; see
+    /// ProgramPlace::file.
+    explicit TextPlaces(std::string_view text, std::uint32_t file = 0);
 
     /// Returns the place of the byte at `offset`, or of the end. Columns count code points.
     [[nodiscard]] ProgramPlace at(std::size_t offset) const;
@@ -24,6 +26,7 @@ private:
     static constexpr std::size_t step = 1'024;
 
     std::string_view text_;
+    std::uint32_t file_;
     /// Places of the bytes at 0, step, 2 * step and so on.
     std::vector<ProgramPlace> noted_{};
 };

@@ -84,15 +84,49 @@ TEST_CASE("Labels of GX Works have values, places, addresses and comments")
     REQUIRE(program.left_out.size() == 2);
     CHECK(program.left_out[0].declared.name == "d");
     CHECK(program.left_out[0].declared.publish == NetworkPublish::PublishOnly);
-    CHECK(text(program.left_out[0].problem).starts_with("7:1: variable d: found 'VAR_INPUT'"));
+    CHECK(text(program.left_out[0].problem).starts_with("7:7: variable d: found 'VAR_INPUT'"));
     CHECK(program.left_out[1].declared.name == "7e");
+}
+
+TEST_CASE("Constants of GX Works are numbers in bounds, before their line too")
+{
+    const Program program = read("Class,Label Name,Data Type,Constant\n"
+                                 "VAR_GLOBAL,a,Word [Signed](0..c_N-1),\n"
+                                 "VAR_GLOBAL_CONSTANT,c_N,Word [Signed],K4\n"
+                                 "VAR_GLOBAL,b,String(c_H),\n"
+                                 "VAR_GLOBAL_CONSTANT,c_H,Word [Signed],H1F\n");
+    REQUIRE(program.variables.size() == 4);
+    CHECK(program.variables[0].type.dimensions[0].upper == 3);
+    CHECK(program.variables[2].type.string_length == 31);
+}
+
+TEST_CASE("A list of GX Works without classes is a structure")
+{
+    const std::string members = "Label Name,Data Type,Initial Value,Comment\n"
+                                "Pos,FLOAT [Double Precision],1.5,\nOn,Bit,,\n";
+    auto program = read("ST_Axis\n" + members);
+    REQUIRE(program.types.size() == 1);
+    CHECK(program.types[0].name == "ST_Axis");
+    REQUIRE(program.types[0].members.size() == 2);
+    CHECK(program.types[0].members[0].initial.value == Variant{1.5});
+    CHECK(program.types[0].members[1].place.line == 4);
+    // Without a name in it the file's is taken.
+    const auto named = read_program_text(members, "lists/Axis.csv");
+    REQUIRE((named && named->types.size() == 1));
+    CHECK(named->types[0].name == "Axis");
+    // A member with a mistake leaves the structure out.
+    program = read("ST_Axis\n" + members + "Bad,Word [Signed],1 +,\n");
+    CHECK(program.types.empty());
+    REQUIRE(program.left_out.size() == 1);
+    CHECK(text(program.left_out[0].problem).starts_with("5:"));
+    CHECK(program.left_out[0].declared.name == "ST_Axis");
 }
 
 TEST_CASE("A list of GX Works is refused as a whole if that is asked for")
 {
     const auto refused = read_program_text("Label Name,Data Type\nx,INT\ny,\n", "l.csv");
     REQUIRE_FALSE(refused);
-    CHECK(text(refused.error()).starts_with("l.csv:3:1: "));
+    CHECK(text(refused.error()).starts_with("l.csv:3:3: "));
     DeclarationLimits limits;
     limits.max_memory = 1'000;
     std::string list = "Label Name,Data Type\n";

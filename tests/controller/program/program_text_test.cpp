@@ -57,6 +57,22 @@ TEST_CASE("The format of a program is recognized by its content")
     CHECK(program->variables[0].name == "x");
 }
 
+TEST_CASE("A file of a known format that is not read is told by that")
+{
+    const auto [text, found] = GENERATE(table<std::string, std::string>({
+        {"PK\x03\x04 and so on", "found a ZIP archive"},
+        {"{\n  \"variables\": []}", "found JSON"},
+        {"<?xml version=\"1.0\"?><!-- a > b --><RSLogix5000Content SchemaRevision=\"1.0\"/>",
+         "found <RSLogix5000Content>, an export of Studio 5000"},
+        {"<UANodeSet/>", "found <UANodeSet>, an information model"},
+        {"<Project><ItemGroup/></Project>", "found a list of files (.plcproj)"},
+        {std::string{"\xFF\xFE<\0U\0A\0N\0o\0d\0e\0S\0e\0t\0/\0>\0", 26},
+         "found <UANodeSet>, an information model"},
+    }));
+    CAPTURE(text);
+    CHECK(problem_of(text).starts_with("m.txt:1:1: " + found));
+}
+
 TEST_CASE("A file that is of no format is told as what its name says")
 {
     CHECK(problem_of("<a/>").find("found <a>, expected <project>") != std::string::npos);

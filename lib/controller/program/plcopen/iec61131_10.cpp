@@ -28,7 +28,7 @@ bool is_array_specification(const pugi::xml_node& xml)
 bool PlcopenReader::read_declared_type(const pugi::xml_node& xml)
 {
     DerivedType type{.name = {}, .place = place_of(xml)};
-    const std::size_t later = constants_.later_count();
+    const std::size_t later = pass_->constants.later_count();
     const pugi::xml_node specification = child_of(xml, "userDefinedTypeSpec");
     if (!keep(xml, sizeof type) || !read_name(xml, "name", type.name)) {
         return false;
@@ -40,10 +40,10 @@ bool PlcopenReader::read_declared_type(const pugi::xml_node& xml)
         !read_documentation(xml, type.comment)) {
         return false;
     }
-    if (constants_.later_count() != later) {
-        constants_.add_unsettled(fold_name(type.name));
+    if (pass_->constants.later_count() != later) {
+        pass_->constants.add_unsettled(fold_name(type.name));
     }
-    program_.types.push_back(std::move(type));
+    pass_->program.types.push_back(std::move(type));
     return true;
 }
 
@@ -98,10 +98,11 @@ bool PlcopenReader::read_type_name(const pugi::xml_node& xml, TypeUse& use)
     if (step != text.npos && text.find_first_of(" [(") == text.npos) {
         text.remove_prefix(step + 1);
     }
-    DeclarationCursor cursor{text, file_name_, nullptr, *limits_, memory_, constants_};
+    DeclarationCursor cursor{text,     source_->file, nullptr,
+                             *limits_, pass_->memory, pass_->constants};
     TypeUse named;
     const std::size_t most = limits_->max_dimensions;
-    if (!read_type_use(cursor, leaves_out_ ? Unserved::LeaveOut : Unserved::Refuse, named) ||
+    if (!read_type_use(cursor, *pass_, named) ||
         !(cursor.is_end() || cursor.fail("the end of the type"))) {
         return fail(xml, "in " + tag_of(xml) + ": " + cursor.problem().text);
     }

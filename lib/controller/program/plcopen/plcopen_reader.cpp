@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
 #include <busbar/core/text.hpp>
 
-#include "controller/program/enumerator_numbers.hpp"
 #include "controller/program/literal.hpp"
 #include "core/ascii_case.hpp"
 
@@ -55,52 +55,32 @@ std::string iec_interval(std::string_view text)
 
 } // namespace
 
-PlcopenReader::PlcopenReader(std::string_view text, std::string_view file_name,
-                             const TextPlaces& places, const DeclarationLimits& limits,
-                             Unserved unserved)
-    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits}, unserved_{unserved},
-      leaves_out_{unserved == Unserved::LeaveOut}, memory_{limits.max_memory}
+Configured<void> PlcopenReader::open(ProgramParts& to)
 {
-    constants_.set_file(file_name);
+    const bool is_open = parse(to) && check_root(document_.document_element());
+    return is_open ? Configured<void>{} : Unexpected<Problem>{*problem_};
 }
 
-Configured<Program> PlcopenReader::read()
+Configured<void> PlcopenReader::read(ReadingPass& pass)
 {
-    if (!parse() || !check_root(document_.document_element())) {
-        return Unexpected<Problem>{*problem_};
-    }
-    auto program = read_in_passes(constants_, unserved_,
-                                  [&](Unserved unserved) { return read_once(unserved); });
-    if (program) {
-        settle_enumerators(*program);
-    }
-    return program;
-}
-
-Configured<Program> PlcopenReader::read_once(Unserved unserved)
-{
-    const MemoryBudget whole = memory_;
-    program_ = {};
+    pass_ = &pass;
     problem_.reset();
     is_exhausted_ = false;
-    extensions_.clear();
-    leaves_out_ = unserved == Unserved::LeaveOut;
-    const bool is_read = read_container(document_.document_element(), 0) && extend_types();
-    memory_ = whole;
-    if (!is_read) {
-        return Unexpected<Problem>{*problem_};
-    }
-    return std::move(program_);
+    depth_ = 0;
+    leaves_out_ = pass.unserved == Unserved::LeaveOut;
+    const bool is_read = read_container(document_.document_element(), 0);
+    return is_read ? Configured<void>{} : Unexpected<Problem>{*problem_};
 }
 
-bool PlcopenReader::parse()
+bool PlcopenReader::parse(ProgramParts& to)
 {
-    if (!memory_.take(memory_of_document(text_))) {
+    if (!take_document(source_->text, *limits_, to)) {
         return fail_at(0, "takes more than " + std::to_string(limits_->max_memory) +
                               " bytes of memory");
     }
-    const auto parsed = document_.load_buffer(
-        text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+    const auto parsed =
+        document_.load_buffer(source_->text.data(), source_->text.size(),
+                              pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
     if (!parsed) {
         return fail_at(static_cast<std::size_t>(std::max(parsed.offset, std::ptrdiff_t{0})),
                        std::string{"is not well-formed XML: "} + parsed.description());
@@ -197,7 +177,7 @@ bool PlcopenReader::read_task(const pugi::xml_node& xml)
                              ", expected one of 32 bits without a sign");
     }
     task.priority = static_cast<std::uint32_t>(priority);
-    program_.tasks.push_back(task);
+    pass_->program.tasks.push_back(task);
     for (const pugi::xml_node& child : xml.children()) {
         if (is_named(child, "pouInstance") && !read_instance(child, task.name)) {
             return false;
@@ -231,8 +211,19 @@ bool PlcopenReader::read_instance(const pugi::xml_node& xml, const std::string& 
         !read_name(xml, "name", instance.name)) {
         return false;
     }
-    program_.instances.push_back(std::move(instance));
+    pass_->program.instances.push_back(std::move(instance));
     return true;
+}
+
+Configured<void> add_plcopen(const SourceText& source, const DeclarationLimits& limits,
+                             ProgramParts& to)
+{
+    const auto reader = std::make_shared<PlcopenReader>(source, limits);
+    return reader->open(to).transform([&] {
+        to.documents.push_back(reader);
+        to.list.push_back(
+            {source.file, [reader](ReadingPass& pass) { return reader->read(pass); }});
+    });
 }
 
 } // namespace busbar::controller::detail
@@ -247,12 +238,14 @@ Configured<Program> read_plcopen_xml(std::string_view text, std::string_view fil
     if (!decoded) {
         return Unexpected{decoded.error()};
     }
-    const detail::TextPlaces places{decoded->text()};
-    detail::PlcopenReader reader{decoded->text(), file_name, places, limits, unserved};
-    return reader.read().transform([&](Program program) {
-        program.encoding = decoded->encoding();
-        return program;
-    });
+    const detail::SourceText source{decoded->text(), file_name};
+    detail::ProgramParts parts;
+    return detail::add_plcopen(source, limits, parts)
+        .and_then([&] { return detail::read_parts(parts, limits, unserved); })
+        .transform([&](Program program) {
+            program.encoding = decoded->encoding();
+            return program;
+        });
 }
 
 } // namespace busbar::controller

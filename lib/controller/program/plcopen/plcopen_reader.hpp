@@ -8,10 +8,7 @@
 
 #include <busbar/controller/plcopen_xml.hpp>
 
-#include "controller/program/constant_table.hpp"
-#include "controller/program/declaration_cursor.hpp"
-#include "controller/program/inherited_members.hpp"
-#include "controller/program/text_places.hpp"
+#include "controller/program/program_parts.hpp"
 
 namespace busbar::controller::detail {
 
@@ -20,17 +17,19 @@ namespace busbar::controller::detail {
 class PlcopenReader {
 public:
     /// All arguments must outlive this object.
-    PlcopenReader(std::string_view text, std::string_view file_name, const TextPlaces& places,
-                  const DeclarationLimits& limits, Unserved unserved);
+    PlcopenReader(const SourceText& source, const DeclarationLimits& limits)
+        : source_{&source}, limits_{&limits}
+    {
+    }
 
-    /// Reads the whole text in as many passes as its constants need.
-    [[nodiscard]] Configured<Program> read();
+    /// Parses the document, whose memory counts for the parts.
+    [[nodiscard]] Configured<void> open(ProgramParts& to);
+    /// Adds everything to the pass.
+    [[nodiscard]] Configured<void> read(ReadingPass& pass);
 
 private:
     // plcopen_reader.cpp
-    /// Reads everything once.
-    [[nodiscard]] Configured<Program> read_once(Unserved unserved);
-    [[nodiscard]] bool parse();
+    [[nodiscard]] bool parse(ProgramParts& to);
     [[nodiscard]] bool check_root(const pugi::xml_node& root);
     /// Reads all types, variables, tasks and instances of programs below the container.
     [[nodiscard]] bool read_container(const pugi::xml_node& container, std::size_t depth);
@@ -63,8 +62,6 @@ private:
     [[nodiscard]] bool read_nameless(const pugi::xml_node& xml, TypeUse& use);
     /// Notes the structure that the type extends, as CODESYS has it in <addData>.
     [[nodiscard]] bool read_extends(const pugi::xml_node& xml, const DerivedType& type);
-    /// Gives the structures that extend others all members.
-    [[nodiscard]] bool extend_types();
     [[nodiscard]] bool read_dimensions(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_subrange(const pugi::xml_node& xml, TypeUse& use);
     [[nodiscard]] bool read_bounds(const pugi::xml_node& xml, Bounds& bounds);
@@ -114,26 +111,27 @@ private:
     bool fail(const pugi::xml_node& xml, std::string text);
     bool fail_at(std::size_t offset, std::string text);
 
-    std::string_view text_;
-    std::string_view file_name_;
-    const TextPlaces* places_;
+    const SourceText* source_;
     const DeclarationLimits* limits_;
-    Unserved unserved_;
-    bool leaves_out_;
-    MemoryBudget memory_;
-    ConstantTable constants_{};
+    ReadingPass* pass_{nullptr};
+    bool leaves_out_{false};
     /// The name of the type or variable that is being read, with those of members.
     std::string path_{};
     /// Structures around the type that is being read.
     std::size_t depth_{0};
-    std::vector<Extension> extensions_{};
     pugi::xml_document document_{};
-    Program program_{};
     std::optional<Problem> problem_{};
     ProgramPlace problem_place_{};
     bool is_exhausted_{false};
 };
 
+/// Adds a file of PLCopen XML or IEC 61131-10. The source must outlive the parts.
+[[nodiscard]] Configured<void> add_plcopen(const SourceText& source,
+                                           const DeclarationLimits& limits, ProgramParts& to);
+
+/// Counts the memory of a parsed document for the parts; false if that is too much.
+[[nodiscard]] bool take_document(std::string_view text, const DeclarationLimits& limits,
+                                 ProgramParts& to);
 /// Returns an upper bound of the memory that a parsed document takes, including its text. Each
 /// bracket may begin an element followed by a text, each equals sign an attribute.
 [[nodiscard]] std::size_t memory_of_document(std::string_view text);

@@ -19,6 +19,14 @@ std::size_t memory_of_document(std::string_view text)
     return text.size() + count('<') * 2 * node + count('=') * attribute;
 }
 
+bool take_document(std::string_view text, const DeclarationLimits& limits, ProgramParts& to)
+{
+    const std::size_t bytes = memory_of_document(text);
+    const std::size_t left = limits.max_memory - std::min(limits.max_memory, to.memory);
+    to.memory += bytes <= left ? bytes : 0;
+    return bytes <= left;
+}
+
 std::string_view local_name_of(const pugi::xml_node& xml)
 {
     const std::string_view name = xml.name();
@@ -71,7 +79,8 @@ bool PlcopenReader::read_number(const pugi::xml_node& xml, const char* attribute
                                 std::int64_t& number)
 {
     const std::string_view text = xml.attribute(attribute).value();
-    DeclarationCursor cursor{text, file_name_, nullptr, *limits_, memory_, constants_};
+    DeclarationCursor cursor{text,     source_->file, nullptr,
+                             *limits_, pass_->memory, pass_->constants};
     const std::string expected = std::string{"a whole number as the attribute "} + attribute;
     if (read_whole_number(cursor, number, expected) &&
         (cursor.is_end() || cursor.fail("the end of the number"))) {
@@ -82,7 +91,7 @@ bool PlcopenReader::read_number(const pugi::xml_node& xml, const char* attribute
 
 bool PlcopenReader::keep(const pugi::xml_node& xml, std::size_t bytes)
 {
-    if (memory_.take(bytes)) {
+    if (pass_->memory.take(bytes)) {
         return true;
     }
     is_exhausted_ = true;
@@ -94,7 +103,7 @@ ProgramPlace PlcopenReader::place_of(const pugi::xml_node& xml) const
 {
     // offset_debug() is that of the name, after the bracket.
     const std::ptrdiff_t offset = xml.offset_debug() - 1;
-    return places_->at(static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0})));
+    return source_->places.at(static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0})));
 }
 
 bool PlcopenReader::fail(const pugi::xml_node& xml, std::string text)
@@ -106,9 +115,9 @@ bool PlcopenReader::fail(const pugi::xml_node& xml, std::string text)
 bool PlcopenReader::fail_at(std::size_t offset, std::string text)
 {
     if (!problem_) {
-        problem_place_ = places_->at(offset);
+        problem_place_ = source_->places.at(offset);
         problem_.emplace();
-        problem_->where = place_text(file_name_, problem_place_);
+        problem_->where = place_text(source_->file, problem_place_);
         problem_->text = std::move(text);
     }
     return false;
@@ -125,7 +134,8 @@ bool PlcopenReader::leave_out(const pugi::xml_node& xml, LeftOut::Kind kind, Net
     if (!keep(xml, sizeof(LeftOut) + text.size() + 2 * name.size())) {
         return false;
     }
-    program_.left_out.push_back(left_out(kind, std::string{name}, publish, problem_place_, text));
+    pass_->program.left_out.push_back(
+        left_out(kind, std::string{name}, publish, problem_place_, text));
     return true;
 }
 

@@ -34,7 +34,7 @@ std::string_view nameless_suffix(const pugi::xml_node& xml)
 bool PlcopenReader::read_type(const pugi::xml_node& xml)
 {
     DerivedType type{.name = {}, .place = place_of(xml)};
-    const std::size_t later = constants_.later_count();
+    const std::size_t later = pass_->constants.later_count();
     // Some vendors write a union as a type of its own.
     const bool is_union = is_named(xml, "union");
     const pugi::xml_node body = is_union ? xml : first_element_of(child_of(xml, "baseType"));
@@ -49,10 +49,10 @@ bool PlcopenReader::read_type(const pugi::xml_node& xml)
         !read_documentation(xml, type.comment) || !read_extends(xml, type)) {
         return false;
     }
-    if (constants_.later_count() != later) {
-        constants_.add_unsettled(fold_name(type.name));
+    if (pass_->constants.later_count() != later) {
+        pass_->constants.add_unsettled(fold_name(type.name));
     }
-    program_.types.push_back(std::move(type));
+    pass_->program.types.push_back(std::move(type));
     return true;
 }
 
@@ -118,12 +118,12 @@ bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& typ
 bool PlcopenReader::read_values(const pugi::xml_node& xml, std::string_view element,
                                 DerivedType& type, ElementaryType base)
 {
-    constants_.begin_enumeration(type.name);
+    pass_->constants.begin_enumeration(type.name);
     bool is_read = true;
     for (const pugi::xml_node& child : xml.children()) {
         is_read = is_read && (!is_named(child, element) || read_enumerator(child, type, base));
     }
-    constants_.end_enumeration();
+    pass_->constants.end_enumeration();
     return is_read;
 }
 
@@ -138,9 +138,9 @@ bool PlcopenReader::read_enumerator(const pugi::xml_node& xml, DerivedType& type
         (xml.attribute("value") && !read_number(xml, "value", value))) {
         return false;
     }
-    constants_.add_enumerator({.name = one.name,
-                               .text = trimmed_text(xml.attribute("value").value()),
-                               .place = place_of(xml)});
+    pass_->constants.add_enumerator({.name = one.name,
+                                     .text = trimmed_text(xml.attribute("value").value()),
+                                     .place = place_of(xml)});
     if (!number_fits(base, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {
         return fail(xml, "found the value " + std::to_string(value) +
                              ", expected one of 32 bits with a sign and of the base type");
@@ -205,7 +205,7 @@ bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
 
 bool PlcopenReader::read_nameless(const pugi::xml_node& xml, TypeUse& use)
 {
-    const std::size_t later = constants_.later_count();
+    const std::size_t later = pass_->constants.later_count();
     if (depth_ > limits_->max_depth) {
         return fail(xml,
                     "is within more than " + std::to_string(limits_->max_depth) + " structures");
@@ -221,11 +221,11 @@ bool PlcopenReader::read_nameless(const pugi::xml_node& xml, TypeUse& use)
     if (!is_read) {
         return false;
     }
-    if (constants_.later_count() != later) {
-        constants_.add_unsettled(fold_name(type.name));
+    if (pass_->constants.later_count() != later) {
+        pass_->constants.add_unsettled(fold_name(type.name));
     }
     use.type_name = type.name;
-    program_.types.push_back(std::move(type));
+    pass_->program.types.push_back(std::move(type));
     return true;
 }
 
@@ -244,26 +244,9 @@ bool PlcopenReader::read_extends(const pugi::xml_node& xml, const DerivedType& t
         if (!keep(data, sizeof(Extension) + base.size())) {
             return false;
         }
-        extensions_.push_back(
-            {program_.types.size(), std::string{base},
-             static_cast<std::size_t>(std::max(data.offset_debug(), std::ptrdiff_t{0}))});
-    }
-    return true;
-}
-
-bool PlcopenReader::extend_types()
-{
-    InheritedMembers inherited{program_.types, extensions_, memory_};
-    const std::vector<NotExtended> failed = inherited.run();
-    if (inherited.is_exhausted()) {
-        return keep(document_.document_element(), SIZE_MAX);
-    }
-    for (const NotExtended& each : failed) {
-        if (!leaves_out_) {
-            return fail_at(each.offset, each.reason);
-        }
-        program_.left_out.push_back(
-            left_out(LeftOut::Kind::Type, each.name, {}, places_->at(each.offset), each.reason));
+        pass_->extensions.push_back({pass_->program.types.size(), std::string{base},
+                                     source_->places.at(static_cast<std::size_t>(
+                                         std::max(data.offset_debug(), std::ptrdiff_t{0})))});
     }
     return true;
 }

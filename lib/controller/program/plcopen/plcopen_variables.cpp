@@ -68,7 +68,7 @@ bool PlcopenReader::read_variables(const pugi::xml_node& xml)
         return false;
     }
     common.is_retained = common.is_retained || is_persistent;
-    constants_.set_list(xml.attribute("name").value());
+    pass_->constants.set_list(xml.attribute("name").value());
     for (const pugi::xml_node& child : xml.children()) {
         if (is_named(child, "variable") && !read_variable(child, common) &&
             !leave_out(child, LeftOut::Kind::Variable,
@@ -92,14 +92,14 @@ bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable vari
         !read_publish(xml, variable.publish) || !read_documentation(xml, variable.comment)) {
         return false;
     }
-    program_.variables.push_back(std::move(variable));
+    pass_->program.variables.push_back(std::move(variable));
     return true;
 }
 
 bool PlcopenReader::add_constant(const pugi::xml_node& xml, const GlobalVariable& variable)
 {
     const pugi::xml_node value = child_of(child_of(xml, "initialValue"), "simpleValue");
-    constants_.add_constant(
+    pass_->constants.add_constant(
         {.name = variable.name, .text = value.attribute("value").value(), .place = variable.place},
         variable.type);
     return keep(xml, ConstantTable::memory_of_one);
@@ -171,8 +171,12 @@ bool PlcopenReader::read_value(const pugi::xml_node& holder, InitialValue& value
                                             ", expected <simpleValue>, <arrayValue> or "
                                             "<structValue>");
     }
-    DeclarationCursor cursor{
-        xml.attribute("value").value(), file_name_, nullptr, *limits_, memory_, constants_};
+    DeclarationCursor cursor{xml.attribute("value").value(),
+                             source_->file,
+                             nullptr,
+                             *limits_,
+                             pass_->memory,
+                             pass_->constants};
     const ProgramPlace place = value.place;
     if (!read_initial_value(cursor, value) ||
         !(cursor.is_end() || cursor.fail("the end of the value"))) {

@@ -1,41 +1,144 @@
 #include <busbar/controller/program_text.hpp>
 
-#include <optional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "controller/program/declaration_lexer.hpp"
 #include "controller/program/gx_table.hpp"
+#include "controller/program/program_problem.hpp"
 #include "controller/program/sysmac_table.hpp"
+#include "foreign_format.hpp"
+#include "plcopen_reader.hpp"
+#include "program_bundle.hpp"
 #include "twincat_reader.hpp"
 
 namespace busbar::controller {
 
 namespace {
 
-/// Removes what begins with `first` up to the end of `last`; false if it does not begin so.
-bool remove_between(std::string_view& text, std::string_view first, std::string_view last)
-{
-    if (!text.starts_with(first)) {
-        return false;
-    }
-    const std::size_t end = text.find(last, first.size());
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + last.size());
-    return true;
-}
+using detail::BundleEntry;
 
-/// Returns the name of the root of an XML document without its prefix; nothing if it is none.
-std::optional<std::string_view> root_of(std::string_view text)
-{
-    do {
-        text = detail::trimmed_text(text);
-    } while (remove_between(text, "<?", "?>") || remove_between(text, "<!--", "-->"));
-    if (!text.starts_with('<')) {
+/// Reads the files of a program, which outlive its parts.
+class TextReader {
+public:
+    TextReader(const DeclarationLimits& limits, Unserved unserved, TextEncoding encoding)
+        : limits_{&limits}, unserved_{unserved}, encoding_{encoding}
+    {
+    }
+
+    Configured<Program> read(std::string_view text, std::string_view file_name)
+    {
+        if (text.size() > limits_->max_text_size) {
+            return misconfigured(std::string{file_name},
+                                 "is larger than " + std::to_string(limits_->max_text_size) +
+                                     " bytes");
+        }
+        auto added = detail::is_bundle(text) ? add_bundle(text, file_name) : add(text, file_name);
+        return std::move(added)
+            .and_then([&] { return detail::read_parts(parts_, *limits_, unserved_); })
+            .transform([&](Program program) {
+                program.encoding = taken_;
+                return program;
+            });
+    }
+
+private:
+    Configured<void> add_bundle(std::string_view text, std::string_view file_name)
+    {
+        const auto entries = detail::read_bundle(text, file_name);
+        if (!entries) {
+            return Unexpected{entries.error()};
+        }
+        for (const BundleEntry& each : *entries) {
+            parts_.files.emplace_back(each.name);
+        }
+        for (std::size_t i = 0; i < entries->size(); ++i) {
+            const BundleEntry& each = (*entries)[i];
+            const auto index = static_cast<std::uint32_t>(i + 1);
+            const auto added = each.kind == BundleEntry::Kind::File
+                                   ? add(each.text, parts_.files[i], index)
+                                   : misconfigured(parts_.files[i], std::string{each.text});
+            if (!added && !leave_out(index, added.error())) {
+                return added;
+            }
+        }
         return {};
     }
-    const std::size_t end = text.find_first_of(" \t\r\n/>", 1);
-    const std::string_view name = text.substr(1, end == text.npos ? end : end - 1);
-    const std::size_t colon = name.find(':');
-    return colon == name.npos ? name : name.substr(colon + 1);
-}
+
+    /// Notes a file that cannot be read; false if the program is refused then.
+    bool leave_out(std::uint32_t index, const Problem& problem)
+    {
+        LeftOut one;
+        one.declared.place.file = index;
+        one.problem = problem;
+        parts_.left_out.push_back(std::move(one));
+        return unserved_ == Unserved::LeaveOut;
+    }
+
+    static Configured<void> check_format(std::string_view bytes, std::string_view file_name)
+    {
+        const std::string found = detail::foreign_format(bytes);
+        if (found.empty()) {
+            return {};
+        }
+        return misconfigured(
+            detail::place_text(file_name, {.line = 1, .column = 1}),
+            "found " + found +
+                "; expected declarations (IEC 61131-3), PLCopen XML, IEC 61131-10, an object of "
+                "TwinCAT, a list of labels of GX Works or a table of Sysmac Studio");
+    }
+
+    Configured<void> add(std::string_view bytes, std::string_view file_name,
+                         std::uint32_t index = 0)
+    {
+        if (auto known = check_format(bytes, file_name); !known) {
+            return known;
+        }
+        auto decoded = decode_text(bytes, file_name, limits_->max_text_size, encoding_);
+        if (!decoded) {
+            return Unexpected{std::move(decoded).error()};
+        }
+        if (auto known = check_format(decoded->text(), file_name); !known) {
+            return known;
+        }
+        if (taken_ == TextEncoding::Utf8) {
+            taken_ = decoded->encoding();
+        }
+        texts_.push_back(std::make_unique<const DecodedText>(*std::move(decoded)));
+        sources_.push_back(
+            std::make_unique<const detail::SourceText>(texts_.back()->text(), file_name, index));
+        return add_source(*sources_.back());
+    }
+
+    Configured<void> add_source(const detail::SourceText& source)
+    {
+        const std::string_view root = detail::xml_root(source.text);
+        if (root == "TcPlcObject") {
+            return detail::add_twincat(source, *limits_, parts_);
+        }
+        if (root.empty() && detail::is_sysmac_table(source.text)) {
+            return detail::add_sysmac_table(source, parts_);
+        }
+        if (root.empty() && detail::is_gx_table(source.text)) {
+            return detail::add_gx_table(source, parts_);
+        }
+        if (!root.empty() || source.file.ends_with(".xml")) {
+            return detail::add_plcopen(source, *limits_, parts_);
+        }
+        detail::add_declarations(source, {.text = source.text}, parts_);
+        return {};
+    }
+
+    const DeclarationLimits* limits_;
+    Unserved unserved_;
+    TextEncoding encoding_;
+    /// The encoding of the first file that is not UTF-8.
+    TextEncoding taken_{TextEncoding::Utf8};
+    std::vector<std::unique_ptr<const DecodedText>> texts_{};
+    std::vector<std::unique_ptr<const detail::SourceText>> sources_{};
+    detail::ProgramParts parts_{};
+};
 
 } // namespace
 
@@ -43,31 +146,31 @@ Configured<Program> read_program_text(std::string_view text, std::string_view fi
                                       const DeclarationLimits& limits, Unserved unserved,
                                       TextEncoding encoding)
 {
-    const auto decoded = decode_text(text, file_name, limits.max_text_size, encoding);
-    if (!decoded) {
-        return Unexpected{decoded.error()};
-    }
-    const auto with_encoding = [&](Program program) {
-        program.encoding = decoded->encoding();
-        return program;
+    return TextReader{limits, unserved, encoding}.read(text, file_name);
+}
+
+TextEncoding program_encoding(std::string_view text, TextEncoding encoding)
+{
+    const auto of = [&](std::string_view bytes) {
+        const auto decoded = decode_text(bytes, {}, bytes.size() * 3, encoding);
+        return decoded && detail::foreign_format(bytes).empty() &&
+                       detail::foreign_format(decoded->text()).empty()
+                   ? decoded->encoding()
+                   : TextEncoding::Recognized;
     };
-    const auto root = root_of(decoded->text());
-    if (root == "TcPlcObject") {
-        return detail::read_twincat(decoded->text(), file_name, limits, unserved)
-            .transform(with_encoding);
+    if (!detail::is_bundle(text)) {
+        return of(text);
     }
-    if (!root && detail::is_sysmac_table(decoded->text())) {
-        return detail::read_sysmac_table(decoded->text(), file_name, limits, unserved)
-            .transform(with_encoding);
+    const auto entries = detail::read_bundle(text, {});
+    for (const BundleEntry& each : entries ? *entries : std::vector<BundleEntry>{}) {
+        const TextEncoding found =
+            each.kind == BundleEntry::Kind::File ? of(each.text) : TextEncoding::Utf8;
+        // A file that cannot be read does not count.
+        if (found != TextEncoding::Utf8 && found != TextEncoding::Recognized) {
+            return found;
+        }
     }
-    if (!root && detail::is_gx_table(decoded->text())) {
-        return detail::read_gx_table(decoded->text(), file_name, limits, unserved)
-            .transform(with_encoding);
-    }
-    constexpr std::string_view ending = ".xml";
-    return root || file_name.ends_with(ending)
-               ? read_plcopen_xml(text, file_name, limits, unserved, encoding)
-               : read_declarations(text, file_name, limits, unserved, encoding);
+    return TextEncoding::Utf8;
 }
 
 } // namespace busbar::controller

@@ -1,7 +1,8 @@
 #include "twincat_reader.hpp"
 
+#include <algorithm>
 #include <cstring>
-#include <vector>
+#include <memory>
 
 #include "plcopen_reader.hpp"
 
@@ -11,37 +12,36 @@ namespace {
 
 constexpr std::string_view root_name = "TcPlcObject";
 
-Unexpected<Problem> refused(std::string_view file, const TextPlaces& places, std::ptrdiff_t offset,
-                            std::string text)
+Unexpected<Problem> refused(const SourceText& source, std::ptrdiff_t offset, std::string text)
 {
     const auto at = static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0}));
-    return misconfigured(place_text(file, places.at(at)), std::move(text));
+    return misconfigured(place_text(source.file, source.places.at(at)), std::move(text));
 }
 
 } // namespace
 
-Configured<Program> read_twincat(std::string_view text, std::string_view file_name,
-                                 const DeclarationLimits& limits, Unserved unserved)
+Configured<void> add_twincat(const SourceText& source, const DeclarationLimits& limits,
+                             ProgramParts& to)
 {
-    const TextPlaces places{text};
-    if (memory_of_document(text) > limits.max_memory) {
-        return refused(file_name, places, 0,
+    if (!take_document(source.text, limits, to)) {
+        return refused(source, 0,
                        "takes more than " + std::to_string(limits.max_memory) + " bytes of memory");
     }
     // Texts stay as they are, so that their bytes have places in the file.
-    pugi::xml_document document;
-    const auto parsed =
-        document.load_buffer(text.data(), text.size(), pugi::parse_cdata, pugi::encoding_utf8);
+    const auto document = std::make_shared<pugi::xml_document>();
+    const auto parsed = document->load_buffer(source.text.data(), source.text.size(),
+                                              pugi::parse_cdata, pugi::encoding_utf8);
     if (!parsed) {
-        return refused(file_name, places, parsed.offset,
+        return refused(source, parsed.offset,
                        std::string{"is not well-formed XML: "} + parsed.description());
     }
-    const pugi::xml_node root = document.document_element();
+    const pugi::xml_node root = document->document_element();
     if (local_name_of(root) != root_name) {
-        return refused(file_name, places, root.offset_debug() - 1,
+        return refused(source, root.offset_debug() - 1,
                        "found " + tag_of(root) + ", expected <TcPlcObject>");
     }
-    std::vector<DeclarationPart> parts;
+    to.documents.push_back(document);
+    const std::size_t before = to.list.size();
     for (const pugi::xml_node& object : root.children()) {
         const pugi::xml_node content = child_of(object, "Declaration").first_child();
         const std::ptrdiff_t offset = content.offset_debug();
@@ -49,17 +49,17 @@ Configured<Program> read_twincat(std::string_view text, std::string_view file_na
             continue;
         }
         const auto begin = static_cast<std::size_t>(offset);
-        parts.push_back({.text = text.substr(0, begin + std::strlen(content.value())),
-                         .begin = begin,
-                         .places = &places,
-                         .file = file_name,
-                         .list = object.attribute("Name").value()});
+        add_declarations(source,
+                         {.text = source.text.substr(0, begin + std::strlen(content.value())),
+                          .begin = begin,
+                          .list = object.attribute("Name").value()},
+                         to);
     }
-    if (parts.empty()) {
-        return refused(file_name, places, root.offset_debug() - 1,
+    if (to.list.size() == before) {
+        return refused(source, root.offset_debug() - 1,
                        "found <TcPlcObject>, expected an object with a <Declaration> in it");
     }
-    return read_declaration_parts(parts, limits, unserved);
+    return {};
 }
 
 } // namespace busbar::controller::detail

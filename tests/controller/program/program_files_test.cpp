@@ -1,0 +1,185 @@
+#include <catch2/catch.hpp>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <busbar/controller/program_files.hpp>
+#include <busbar/controller/program_text.hpp>
+#include <busbar/core/status_codes.hpp>
+
+#include "shown_program.hpp"
+#include "support/temporary_folder.hpp"
+
+// Programs that are in several files.
+
+namespace program_files_test {
+
+using namespace busbar;
+using namespace busbar::controller;
+
+namespace {
+
+constexpr std::size_t enough = 1U << 20U;
+
+struct Folder : busbar::test::TemporaryFolder {
+    /// Writes a file below the folder.
+    void write(const std::string& name, const std::string& text) const
+    {
+        std::filesystem::create_directories((path / name).parent_path());
+        std::ofstream{path / name, std::ios::binary} << text;
+    }
+    [[nodiscard]] std::string at(const std::string& name) const { return (path / name).string(); }
+    /// Shows the program at this path, with the folder's name as "~".
+    [[nodiscard]] std::string shown(const std::string& paths,
+                                    Unserved unserved = Unserved::LeaveOut) const
+    {
+        const auto text = read_program_files(paths, enough);
+        if (!text) {
+            return without_folder(busbar::text(text.error()));
+        }
+        return without_folder(
+            controller::test::shown(read_program_text(*text, "all", {}, unserved)));
+    }
+    [[nodiscard]] std::string without_folder(std::string text) const
+    {
+        const std::string folder = path.string();
+        for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder)) {
+            text.replace(at, folder.size(), "~");
+        }
+        return text;
+    }
+};
+
+std::string object(const std::string& kind, const std::string& name, const std::string& text)
+{
+    return "<TcPlcObject><" + kind + " Name=\"" + name + "\"><Declaration><![CDATA[" + text +
+           "]]></Declaration></" + kind + "></TcPlcObject>";
+}
+
+std::string list_of(const std::vector<std::string>& files)
+{
+    std::string text = "<Project xmlns=\"http://schemas.microsoft.com/developer/msbuild/2003\">"
+                       "<ItemGroup>";
+    for (const std::string& file : files) {
+        text += "<Compile Include=\"" + file + "\"/>";
+    }
+    return text + "</ItemGroup></Project>";
+}
+
+} // namespace
+
+TEST_CASE_METHOD(Folder, "The files of a folder are one program, whatever their formats are")
+{
+    write("types.st", "TYPE B EXTENDS A : STRUCT y : ARRAY [0..N] OF INT; END_STRUCT END_TYPE");
+    write("deep/base.TcDUT", object("DUT", "A", "TYPE A : STRUCT x : BOOL; END_STRUCT END_TYPE"));
+    write("deep/line.xml", "<project xmlns=\"http://www.plcopen.org/xml/tc6_0201\"><instances>"
+                           "<configurations><configuration name=\"C\"><globalVars><variable "
+                           "name=\"v\"><type><derived name=\"B\"/></type></variable></globalVars>"
+                           "</configuration></configurations></instances></project>");
+    write("gvl.st", "VAR_GLOBAL CONSTANT N : INT := 2; END_VAR");
+    write(".hidden.st", "VAR_GLOBAL no : INT; END_VAR");
+    write("README.md", "no program");
+    CHECK(shown(path.string()) == "v (x BOOL, y [0..2]INT); N INT");
+    CHECK(shown(at("gvl.st")) == "N INT");
+    // A file that is named twice is read once.
+    CHECK(shown(at("gvl.st") + "\n" + path.string() + "\n" + at("deep/base.TcDUT")) ==
+          "N INT; v (x BOOL, y [0..2]INT)");
+    CHECK(shown(at("deep/line.xml") + "\n" + at("types.st")) ==
+          "- B found 'N', which is neither a constant nor a value of an enumeration that is "
+          "declared here; - v is of the type B, which is left out");
+}
+
+TEST_CASE_METHOD(Folder, "Problems have the name of the file that they are in")
+{
+    write("a.st", "VAR_GLOBAL\n a : INT;\n t : TON;\nEND_VAR");
+    write("b.st", "VAR_GLOBAL\n a : DINT;\n b : INT := 1 +;\nEND_VAR");
+    write("c.xml", "<project");
+    write("d.st", "PK\x03\x04");
+    const auto text = read_program_files(path.string(), enough);
+    REQUIRE(text);
+    auto program = read_program_text(*text, "all", {}, Unserved::LeaveOut);
+    REQUIRE(program);
+    CHECK(program->files.size() == 4);
+    const auto checked = CheckedProgram::create(*std::move(program), Unserved::LeaveOut);
+    REQUIRE(checked);
+    std::string all;
+    for (const LeftOut& each : (*checked)->program().left_out) {
+        all += without_folder(busbar::text(each.problem)).substr(0, 52) + "\n";
+    }
+    CHECK(all == "~/c.xml:1:8: is not well-formed XML: Error parsing s\n"
+                 "~/d.st:1:1: found a ZIP archive, such as a project o\n"
+                 "~/b.st:3:16: variable b: found ';', expected a value\n"
+                 "~/a.st:3:2: variables[1] (t): is of the type TON, wh\n"
+                 "~/b.st:2:2: variables[2] (a): is also the name of an\n");
+    CHECK(shown(path.string(), Unserved::Refuse).starts_with("~/c.xml:1:8: is not well-formed"));
+}
+
+TEST_CASE_METHOD(Folder, "A .plcproj names the files of a program")
+{
+    write("GVLs/GVL 1.TcGVL", object("GVL", "GVL", "VAR_GLOBAL a : INT; END_VAR"));
+    write("GVLs/Other.TcGVL", object("GVL", "Other", "VAR_GLOBAL b : INT; END_VAR"));
+    write("Task.TcTTO", "<TcPlcObject><Task Name=\"T\"/></TcPlcObject>");
+    write("p.plcproj", list_of({"gvls\\GVL%201.tcgvl", ".\\GVLs\\GVL 1.TcGVL", "Task.TcTTO"}));
+    CHECK(shown(path.string()) == "a INT");
+    CHECK(shown(at("p.plcproj")) == "a INT");
+    write("q.plcproj", list_of({"GVLs\\Other.TcGVL"}));
+    CHECK(shown(path.string()) == "~: has 2 .plcproj; expected the path of one of them");
+    CHECK(shown(at("q.plcproj") + "\n" + at("p.plcproj")) == "b INT; a INT");
+    write("q.plcproj", "<Project><ItemGroup>");
+    CHECK(shown(at("q.plcproj")).starts_with("~/q.plcproj: is not well-formed XML"));
+}
+
+TEST_CASE_METHOD(Folder, "A .plcproj has no files outside of its folder")
+{
+    write("out.TcGVL", object("GVL", "Out", "VAR_GLOBAL out : INT; END_VAR"));
+    write("in/a.TcGVL", object("GVL", "A", "VAR_GLOBAL a : INT; END_VAR"));
+    std::filesystem::create_symlink(at("out.TcGVL"), at("in/link.TcGVL"));
+    std::filesystem::create_symlink(at("in"), at("in/loop"));
+    const std::string named = GENERATE("..\\out.TcGVL", "a\\..\\..\\out.TcGVL", "C:\\out.TcGVL",
+                                       "/etc/out.TcGVL", "link.TcGVL", "none.TcGVL");
+    CAPTURE(named);
+    write("in/p.plcproj", list_of({"a.TcGVL", named}));
+    const std::string read = shown(at("in/p.plcproj"));
+    CHECK(read.starts_with("a INT; -  "));
+    CHECK(read.find("out INT") == read.npos);
+    CHECK_FALSE(shown(at("in/p.plcproj"), Unserved::Refuse).starts_with("a INT"));
+    // A folder does not lead through links to folders either, nor out of itself.
+    std::filesystem::remove(at("in/p.plcproj"));
+    CHECK(shown(at("in")) == "a INT; -  is a link to a file outside of the folder");
+}
+
+TEST_CASE_METHOD(Folder, "The files of a program have limits")
+{
+    write("a.st", "VAR_GLOBAL a : INT; END_VAR");
+    write("b.st", "VAR_GLOBAL b : INT; END_VAR");
+    const auto large = read_program_files(path.string(), 100);
+    REQUIRE_FALSE(large);
+    CHECK(large.error().status == status::Bad_EncodingLimitsExceeded);
+    const auto missing = read_program_files(at("a.st") + "\n" + at("c.st"), enough);
+    REQUIRE_FALSE(missing);
+    CHECK(missing.error().status == status::Bad_NotFound);
+    std::filesystem::create_directory(at("empty"));
+    CHECK(shown(at("empty")).starts_with("~/empty: found no file of a program in the folder"));
+}
+
+TEST_CASE("A damaged text of several files is refused")
+{
+    busbar::test::TemporaryFolder folder;
+    std::ofstream{folder.path / "a.st"} << "VAR_GLOBAL a : INT; END_VAR";
+    std::ofstream{folder.path / "b.st"} << "VAR_GLOBAL b : INT; END_VAR";
+    const auto text = read_program_files(folder.path.string(), enough);
+    REQUIRE(text);
+    REQUIRE(read_program_text(*text, "all"));
+    std::size_t refused = 0;
+    for (std::size_t end = 1; end < text->size(); ++end) {
+        refused += read_program_text(text->substr(0, end), "all") ? 0 : 1;
+    }
+    // Only the empty one and that of the first file are whole.
+    CHECK(refused == text->size() - 3);
+    const auto one = read_program_files((folder.path / "a.st").string(), enough);
+    REQUIRE(one);
+    CHECK(*one == "VAR_GLOBAL a : INT; END_VAR");
+}
+
+} // namespace program_files_test
