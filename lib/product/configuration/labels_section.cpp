@@ -15,7 +15,9 @@ std::unique_ptr<controller::SimulatedLabels> make_labels(const LabelConfig& conf
         config.program != nullptr ? *config.program : controller::Program{};
     return expect(controller::SimulatedLabels::create(std::move(program), config.options)
                       .transform_error([&](Problem problem) {
-                          return in_file(std::move(problem), config.program_file);
+                          return in_file(std::move(problem), config.program_file,
+                                         config.program != nullptr ? *config.program
+                                                                   : controller::Program{});
                       }));
 }
 
@@ -50,7 +52,7 @@ void read_labels(const TomlTable& table, ControllerConfig& config)
     }
     table.allow(keys);
     LabelConfig& labels = config.labels;
-    labels.program_file = table.text("program", "");
+    labels.program_file = read_program_path(table, "program");
     auto& options = labels.options;
     read_numbers(table, "labels", config);
     options.can_sample = table.flag("sampling", options.can_sample);

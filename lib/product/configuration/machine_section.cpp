@@ -104,7 +104,7 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
                  "simulated_hardware", "event_levels", "make_medium", "plcopen_model", "strict",
                  "encoding"});
     MachineConfig& machine = config.machine;
-    machine.program_file = table.text("program", "");
+    machine.program_file = read_program_path(table, "program");
     machine.name = table.text("name", "");
     if (!machine.name.empty()) {
         check_name(table, "name", machine.name);

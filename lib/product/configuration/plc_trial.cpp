@@ -23,7 +23,7 @@ Configured<void> PlcTrial::run() const
     if (labels != nullptr) {
         return controller::SimulatedLabels::create(*labels, label_options)
             .transform_error(
-                [&](Problem problem) { return in_file(std::move(problem), labels_file); })
+                [&](Problem problem) { return in_file(std::move(problem), labels_file, *labels); })
             .and_then([&](const auto& made) {
                 const auto running = made->program();
                 return controller::Plc::create(plc, running->types(), running->image());

@@ -111,7 +111,7 @@ ProgramInForce Generation::program() const
         now.user = received ? std::move(received->user) : std::string{};
         now.time = received ? received->time : DateTime{};
     }
-    const auto file = SourceFiles{}.text(machine.program_file, ReceivedProgram::max_text);
+    const auto file = SourceFiles{}.program_text(machine.program_file, ReceivedProgram::max_text);
     now.is_file_other = !file || **file != *machine.program_text;
     now.refusal = around_.pending.reason(PendingChanges::By::Download);
     return now;
@@ -134,8 +134,9 @@ Configured<void> Generation::check_edit(const Reading& next,
                           prepared->files.program == machine.program;
     Configured<void> may =
         is_known ? prepared->may_edit : product::check_edit(editions, *machine.program);
-    return std::move(may).transform_error(
-        [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
+    return std::move(may).transform_error([&](Problem problem) {
+        return in_file(std::move(problem), machine.program_name, machine.program->program());
+    });
 }
 
 Configured<void> Generation::edit(const Reading& next,
@@ -149,8 +150,10 @@ Configured<void> Generation::edit(const Reading& next,
                 plant_.loaded().edited(change);
                 return change;
             })
-            .transform_error(
-                [&](Problem problem) { return in_file(std::move(problem), machine.program_name); });
+            .transform_error([&](Problem problem) {
+                return in_file(std::move(problem), machine.program_name,
+                               machine.program->program());
+            });
     };
     return check_edit(next, prepared)
         .and_then([&] { return around_.machine->edit(program, add); })

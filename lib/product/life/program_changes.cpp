@@ -24,7 +24,7 @@ namespace {
 std::optional<PreparedProgram> prepare_file(const ProgramBase& base, const std::string& file,
                                             const std::string& known)
 {
-    auto text = SourceFiles{}.text(file, ReceivedProgram::max_text);
+    auto text = SourceFiles{}.program_text(file, ReceivedProgram::max_text);
     if (!text || **text == known) {
         return std::nullopt;
     }
@@ -40,7 +40,7 @@ std::optional<PreparedProgram> prepare_file(const ProgramBase& base, const std::
 SourceFiles::Prepared prepare_labels(PlcTrial trial, const std::string& file,
                                      const std::shared_ptr<const std::string>& known)
 {
-    auto text = SourceFiles{}.text(file, controller::DeclarationLimits{}.max_text_size);
+    auto text = SourceFiles{}.program_text(file, controller::DeclarationLimits{}.max_text_size);
     if (file.empty() || !text || (known != nullptr && **text == *known)) {
         return {};
     }

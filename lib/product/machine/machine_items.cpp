@@ -243,8 +243,8 @@ Configured<std::string> plain_document(std::span<const std::byte> received)
 std::string file_document(const Settings& settings, SourceFiles sources)
 {
     const std::string& file = settings.config().machine.program_file;
-    const auto text = sources.text(file, ReceivedProgram::max_text);
-    const std::string name = file.substr(file.rfind('/') + 1);
+    const auto text = sources.program_text(file, ReceivedProgram::max_text);
+    const std::string name = program_name_of(file);
     return text && is_program_name(name) ? plain_document(name, **text) : std::string{};
 }
 

@@ -246,7 +246,7 @@ Configured<void> check_left_out(const controller::Program& before, const control
     }
     for (const controller::LeftOut* each : others) {
         if (each->kind != Kind::Unit && !take(known, key_of(*each))) {
-            return Unexpected{in_file(each->problem, file)};
+            return Unexpected{in_file(*each, file)};
         }
     }
     return {};

@@ -29,8 +29,21 @@ void check_strict(const TomlTable& table, const controller::Program& program,
 bool is_read_so(std::string_view text, controller::TextEncoding asked,
                 controller::TextEncoding before)
 {
-    const auto decoded = controller::decode_text(text, {}, text.size() * 3, asked);
-    return decoded && decoded->encoding() == before;
+    return controller::program_encoding(text, asked) == before;
+}
+
+/// Writes a path of several files in one line.
+std::string paths_in_line(std::string path)
+{
+    std::ranges::replace(path, '\n', ' ');
+    return path;
+}
+
+Problem in_file(Problem problem, const std::string& file)
+{
+    const std::string name = paths_in_line(file);
+    problem.where = problem.where.empty() ? name : name + ":" + problem.where;
+    return problem;
 }
 
 /// Returns the program at this place: the remembered one, or a new reading.
@@ -56,13 +69,16 @@ Configured<controller::Program> read_unchecked(std::string_view text, const std:
 std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
 {
     const std::size_t most = controller::DeclarationLimits{}.max_text_size;
-    auto text = table.sources().text(table.text(key), most);
+    auto text = table.sources().program_text(read_program_path(table, key), most);
     if (!text && text.error().status == status::Bad_EncodingLimitsExceeded) {
         table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
     }
     if (!text) {
-        table.fail(key,
-                   "a file of declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or TwinCAT");
+        if (text.error().status == status::Bad_NotFound) {
+            table.fail(key, "a file of declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or "
+                            "TwinCAT, a folder or a .plcproj of such, or a list of these");
+        }
+        table.refuse(key, busbar::text(text.error()));
     }
     return *std::move(text);
 }
@@ -73,8 +89,11 @@ Configured<ReadProgram> read_program(std::string_view text, const std::string& n
                                      const ProgramReading& reading)
 {
     return read_unchecked(text, name, reading).and_then([&](controller::Program read) {
+        controller::Program of_files;
+        of_files.files = read.files;
         return controller::CheckedProgram::create(std::move(read), reading.unserved)
-            .transform_error([&](Problem problem) { return in_file(std::move(problem), name); });
+            .transform_error(
+                [&](Problem problem) { return in_file(std::move(problem), name, of_files); });
     });
 }
 
@@ -92,7 +111,7 @@ read_labels(std::string_view text, const std::string& name, const ProgramReading
 ProgramFile<controller::Program> read_labels_program(const TomlTable& table, const std::string& key)
 {
     auto text = text_of_file(table, key);
-    const std::string path = table.text(key);
+    const std::string path = read_program_path(table, key);
     SourceFiles::Labels& labels = table.sources().labels(path);
     const ProgramReading reading = read_reading(table);
     if (labels == nullptr || !is_read_so(*text, reading.encoding, labels->encoding)) {
@@ -109,7 +128,7 @@ ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& ta
     const auto document = expect(sources.received());
     if (!document) {
         auto text = text_of_file(table, key);
-        const std::string path = table.text(key);
+        const std::string path = read_program_path(table, key);
         auto program = program_of(table, path, *text, path);
         return {std::move(text), std::move(program), path};
     }
@@ -138,7 +157,7 @@ std::vector<std::string> left_out_texts(const controller::Program& program, cons
     std::vector<std::string> all;
     for (const controller::LeftOut& each : program.left_out) {
         if (each.kind != controller::LeftOut::Kind::Unit) {
-            all.emplace_back(text(in_file(each.problem, file)));
+            all.emplace_back(text(in_file(each, file)));
         }
     }
     return all;
@@ -148,7 +167,7 @@ void tell_left_out(LogSink& log, const controller::Program& program, const std::
 {
     if (program.encoding != controller::TextEncoding::Utf8) {
         log.write(LogLevel::Info, "program",
-                  file + " was read as " + std::string{name(program.encoding)} +
+                  paths_in_line(file) + " was read as " + std::string{name(program.encoding)} +
                       "; the key encoding of its section can name another encoding");
     }
     std::vector<std::string> all;
@@ -156,7 +175,7 @@ void tell_left_out(LogSink& log, const controller::Program& program, const std::
         const bool is_told = each.declared.publish != controller::NetworkPublish::Hidden ||
                              each.kind == controller::LeftOut::Kind::Unit;
         if (!is_told) {
-            all.emplace_back(text(in_file(each.problem, file)));
+            all.emplace_back(text(in_file(each, file)));
         }
     }
     tell_left_out(log, all, file);
@@ -170,15 +189,50 @@ void tell_left_out(LogSink& log, std::span<const std::string> texts, const std::
     }
     if (texts.size() > most) {
         log.write(LogLevel::Info, "program",
-                  "left out: " + std::to_string(texts.size() - most) + " more of " + file +
-                      "; `busbar-controller --check` lists them all");
+                  "left out: " + std::to_string(texts.size() - most) + " more of " +
+                      paths_in_line(file) + "; `busbar-controller --check` lists them all");
     }
 }
 
-Problem in_file(Problem problem, const std::string& file)
+std::string read_program_path(const TomlTable& table, const std::string& key)
 {
-    problem.where = problem.where.empty() ? file : file + ":" + problem.where;
-    return problem;
+    const toml::node* const node = table.node(key);
+    if (node == nullptr || !node->is_array()) {
+        return table.text(key, "");
+    }
+    std::string all;
+    for (const std::string& path : table.texts(key)) {
+        if (path.empty() || path.find('\n') != std::string::npos) {
+            table.fail(key, "a list of paths");
+        }
+        all += (all.empty() ? "" : "\n") + path;
+    }
+    return all;
+}
+
+std::string program_name_of(const std::string& path)
+{
+    if (path.find('\n') != std::string::npos) {
+        return "several files";
+    }
+    std::string name = path;
+    while (name.size() > 1 && name.ends_with('/')) {
+        name.pop_back();
+    }
+    return name.substr(name.rfind('/') + 1);
+}
+
+Problem in_file(Problem problem, const std::string& file, const controller::Program& program)
+{
+    const bool has_file = std::ranges::any_of(program.files, [&](const std::string& name) {
+        return problem.where.starts_with(name + ":");
+    });
+    return has_file ? problem : in_file(std::move(problem), file);
+}
+
+Problem in_file(const controller::LeftOut& one, const std::string& file)
+{
+    return one.declared.place.file != 0 ? one.problem : in_file(one.problem, file);
 }
 
 } // namespace busbar::product

@@ -43,8 +43,17 @@ read_labels(std::string_view text, const std::string& name, const ProgramReading
 [[nodiscard]] ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& table,
                                                                            const std::string& key);
 
-/// Adds the file's name to a problem of the whole program.
-[[nodiscard]] Problem in_file(Problem problem, const std::string& file);
+/// Reads the path of a program as SourceFiles::program_text() takes it: a text, or a list of texts.
+[[nodiscard]] std::string read_program_path(const TomlTable& table, const std::string& key);
+/// Returns the name of a program at such a path: without folders, as is_program_name() allows.
+[[nodiscard]] std::string program_name_of(const std::string& path);
+
+/// Adds the file's name to a problem of the whole program, unless it has the name of one of the
+/// program's files already.
+[[nodiscard]] Problem in_file(Problem problem, const std::string& file,
+                              const controller::Program& program);
+/// The same for something that is left out.
+[[nodiscard]] Problem in_file(const controller::LeftOut& one, const std::string& file);
 /// Lists what is left out of a program, each with file, place and reason; without units, which are
 /// no variables.
 [[nodiscard]] std::vector<std::string> left_out_texts(const controller::Program& program,

@@ -42,7 +42,7 @@ void write_member(detail::JsonWriter& json, std::string_view name, std::string_v
 Configured<PreparedProgram> prepare_file(const ProgramBase& base, const std::string& file)
 {
     return SourceFiles{}
-        .text(file, controller::DeclarationLimits{}.max_text_size)
+        .program_text(file, controller::DeclarationLimits{}.max_text_size)
         .and_then([&](SourceFiles::Text text) {
             return prepare_program(base, *text, file).transform([&](PreparedProgram prepared) {
                 prepared.files.text = std::move(text);

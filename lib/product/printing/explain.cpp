@@ -102,6 +102,18 @@ std::string list_names(const std::vector<std::string>& names)
     return "[" + text + "]";
 }
 
+/// Writes the path of a program, or the list of several.
+std::string paths_text(const std::string& paths)
+{
+    std::vector<std::string> names;
+    for (std::size_t begin = 0; begin <= paths.size();) {
+        const std::size_t end = std::min(paths.find('\n', begin), paths.size());
+        names.push_back(paths.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return names.size() == 1 ? in_quotes(paths) : list_names(names);
+}
+
 std::string encoding_text(controller::TextEncoding encoding)
 {
     return in_quotes(std::string{name(encoding)});
@@ -121,7 +133,7 @@ constexpr std::array file_keys{
     FileKey{"labels.isolate_failures",
             [](const ControllerConfig& c) { return flag_text(c.labels.isolates_failures); }},
     FileKey{"labels.program",
-            [](const ControllerConfig& c) { return in_quotes(c.labels.program_file); }},
+            [](const ControllerConfig& c) { return paths_text(c.labels.program_file); }},
     FileKey{"labels.sampling",
             [](const ControllerConfig& c) { return flag_text(c.labels.options.can_sample); }},
     FileKey{"labels.strict",
@@ -146,7 +158,7 @@ constexpr std::array file_keys{
     FileKey{"machine.plcopen_model",
             [](const ControllerConfig& c) { return flag_text(c.machine.has_plcopen); }},
     FileKey{"machine.program",
-            [](const ControllerConfig& c) { return in_quotes(c.machine.program_file); }},
+            [](const ControllerConfig& c) { return paths_text(c.machine.program_file); }},
     FileKey{"machine.simulated_hardware",
             [](const ControllerConfig& c) { return flag_text(c.machine.simulates_hardware); }},
     FileKey{"machine.state",

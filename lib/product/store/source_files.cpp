@@ -6,17 +6,17 @@
 #include <system_error>
 #include <utility>
 
+#include <busbar/controller/program_files.hpp>
 #include <busbar/core/status_codes.hpp>
 
 #include "received_program.hpp"
 
 namespace busbar::product {
 
-Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::size_t most)
+namespace {
+
+Configured<std::string> read_file(const std::string& path, std::size_t most)
 {
-    if (const auto known = texts_.find(path); known != texts_.end()) {
-        return known->second;
-    }
     if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
         return misconfigured(path, "found a directory, expected a file");
     }
@@ -39,6 +39,33 @@ Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::si
         return misconfigured(path, "found more than " + std::to_string(most) + " bytes",
                              status::Bad_EncodingLimitsExceeded);
     }
+    return text;
+}
+
+} // namespace
+
+Configured<SourceFiles::Text> SourceFiles::text(const std::string& path, std::size_t most)
+{
+    if (const auto known = texts_.find(path); known != texts_.end()) {
+        return known->second;
+    }
+    return read_file(path, most).transform([&](std::string text) {
+        return remember(path, std::move(text));
+    });
+}
+
+Configured<SourceFiles::Text> SourceFiles::program_text(const std::string& path, std::size_t most)
+{
+    if (const auto known = texts_.find(path); known != texts_.end()) {
+        return known->second;
+    }
+    return controller::read_program_files(path, most).transform([&](std::string text) {
+        return remember(path, std::move(text));
+    });
+}
+
+SourceFiles::Text SourceFiles::remember(const std::string& path, std::string text)
+{
     const auto before = texts_before_.find(path);
     if (before != texts_before_.end() && *before->second == text) {
         return texts_.emplace(path, before->second).first->second;

@@ -45,6 +45,9 @@ public:
     /// Returns a file's text. Bad_NotFound if it cannot be read, Bad_ConfigurationError for a
     /// directory, Bad_EncodingLimitsExceeded if it has more than `most` bytes.
     [[nodiscard]] Configured<Text> text(const std::string& path, std::size_t most);
+    /// Returns the text of a program, whose path may also be that of a folder, of a .plcproj, or
+    /// several paths with a line feed between them (controller::read_program_files).
+    [[nodiscard]] Configured<Text> program_text(const std::string& path, std::size_t most);
     /// Sets the place of the ReceivedProgram, if there is one.
     void receive_at(std::string place) { received_place_ = std::move(place); }
     [[nodiscard]] const std::string& received_place() const { return received_place_; }
@@ -82,6 +85,9 @@ public:
     [[nodiscard]] std::shared_ptr<const PlcTrial>& tried() { return tried_; }
 
 private:
+    /// Remembers a text that was read now.
+    [[nodiscard]] Text remember(const std::string& path, std::string text);
+
     using Programs = std::map<std::string, Program, std::less<>>;
 
     Texts texts_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <busbar/controller/declaration_reader.hpp>
+#include <busbar/controller/program_files.hpp>
 #include <busbar/core/function_ref.hpp>
 
 #include "commands.hpp"
@@ -82,17 +83,29 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
     }
 }
 
+/// Reads the program in a file, in a folder or in the files of a .plcproj.
+std::string read_program(const std::string& path)
+{
+    auto text = controller::read_program_files(path, max_program);
+    if (!text) {
+        throw Failure{Exit::Failed, busbar::text(text.error())};
+    }
+    return *std::move(text);
+}
+
 /// Sends the program in the file with this verb and the file's name.
 void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
                const std::string& path, const std::string& file)
 {
-    send(context, transfer, verb + " " + std::filesystem::path{path}.filename().string(), file);
+    const std::filesystem::path place{path};
+    const std::filesystem::path& named = place.has_filename() ? place : place.parent_path();
+    send(context, transfer, verb + " " + named.filename().string(), file);
 }
 
 void send_file(Context& context, RemoteTransfer& transfer, const std::string& verb,
                const std::string& path)
 {
-    send_file(context, transfer, verb, path, read_file(path, max_program));
+    send_file(context, transfer, verb, path, read_program(path));
 }
 
 /// Reads the controller's status over a new connection; nothing if that fails.
@@ -280,7 +293,7 @@ Exit download(Context& context, Connection& connection, const AdminArguments& ar
     }
     make_sure(context, arguments,
               "Replace the program of the controller? Clients have to connect again.");
-    const std::string file = read_file(arguments.words[0], max_program);
+    const std::string file = read_program(arguments.words[0]);
     send_file(context, transfer, verb_of(arguments, "download"), arguments.words[0], file);
     const std::string wanted = controller::detail::checksum_text(file);
     const bool is_there = wait_for(context, connection, [&](const Json& status) {

@@ -1,12 +1,12 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/label_check.hpp>
+#include <busbar/controller/program_files.hpp>
 #include <busbar/controller/program_text.hpp>
 
 #include "commands.hpp"
 #include "reports.hpp"
 #include "tool/printing/display_text.hpp"
-#include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"
 
@@ -95,10 +95,13 @@ controller::ModelReports check_program(const controller::Project& project, const
         throw Failure{Exit::Usage, "--encoding " + safe(encoding) + ": unknown",
                       "expected utf-8, utf-16, utf-16be, shift-jis or windows-1252"};
     }
-    const std::string text = read_file(file, controller::DeclarationLimits{}.max_text_size);
     auto reports =
-        controller::read_program_text(text, file, {}, controller::Unserved::Refuse,
-                                      chosen.value_or(controller::TextEncoding::Recognized))
+        controller::read_program_files(file, controller::DeclarationLimits{}.max_text_size)
+            .and_then([&](const std::string& text) {
+                return controller::read_program_text(
+                    text, file, {}, controller::Unserved::Refuse,
+                    chosen.value_or(controller::TextEncoding::Recognized));
+            })
             .and_then([&](controller::Program program) {
                 return controller::check_labels(open_models(project), std::move(program));
             });
