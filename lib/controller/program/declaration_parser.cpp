@@ -78,7 +78,10 @@ bool DeclarationParser::read_initial(InitialValue& initial)
 
 bool DeclarationParser::read_end(std::string& comment)
 {
-    return cursor_->expect_symbol(";") && keep_comment(comment);
+    // Vendors omit it after the last member of a structure.
+    const bool is_omitted =
+        leaves_out_ && (cursor_->is_word("END_STRUCT") || cursor_->is_word("END_UNION"));
+    return (is_omitted || cursor_->expect_symbol(";")) && keep_comment(comment);
 }
 
 bool DeclarationParser::keep_comment(std::string& comment)

@@ -146,6 +146,10 @@ bool DeclarationParser::read_beside(bool& is_part)
     if (cursor_->skip_word("NAMESPACE")) {
         return enter_namespace();
     }
+    // Automation Studio of B&R writes global variables so, in a file of their own (.var).
+    if (cursor_->skip_word("VAR")) {
+        return read_variables(NetworkPublish::Hidden);
+    }
     if (cursor_->skip_word("VAR_CONFIG") || cursor_->skip_word("VAR_ACCESS")) {
         return skip_variables();
     }

@@ -11,6 +11,10 @@ bool read_type_use(DeclarationCursor& cursor, ReadingPass& pass, TypeUse& use)
 
 bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
 {
+    // Automation Studio of B&R writes pragmas also before the type.
+    while (cursor_->now().kind == DeclarationToken::Kind::Pragma) {
+        cursor_->take();
+    }
     while (cursor_->skip_word("ARRAY")) {
         if (!read_bounds(use) || !cursor_->expect_word("OF")) {
             return false;

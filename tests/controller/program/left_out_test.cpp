@@ -227,4 +227,20 @@ TEST_CASE("Further semicolons after a declaration mean nothing")
     CHECK(served((*program)->program()) == "a b");
 }
 
+TEST_CASE("Files of Automation Studio are read")
+{
+    const auto checked =
+        read("(* globals *)\nVAR\n a : {REDUND_UNREPLICABLE} REAL := 0.5;\n b : T;\n"
+             "END_VAR\nVAR CONSTANT\n N : USINT := 4;\nEND_VAR\n"
+             "TYPE T : STRUCT\n x : ARRAY [0..N] OF INT;\n y : BOOL (* last *)\n"
+             "END_STRUCT; END_TYPE\nFUNCTION_BLOCK F VAR local : INT; END_VAR "
+             "END_FUNCTION_BLOCK\nVAR RETAIN c : INT; END_VAR");
+    REQUIRE(checked);
+    CHECK(served((*checked)->program()) == "a b N c");
+    CHECK(left_out((*checked)->program()).empty());
+    // Without leaving out, the text is that of the standard.
+    CHECK_FALSE(read("VAR a : INT; END_VAR", Unserved::Refuse));
+    CHECK_FALSE(read("TYPE T : STRUCT x : INT END_STRUCT END_TYPE", Unserved::Refuse));
+}
+
 } // namespace left_out_test

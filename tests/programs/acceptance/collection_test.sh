@@ -1,5 +1,5 @@
 #!/bin/sh
-# Files in the forms that CODESYS, TwinCAT, GX Works and Sysmac Studio write (../collection): what is
+# Files in the forms that the tools of the field write (../collection): what is
 # loaded of each, as ../collection/table.txt has it.
 # usage: collection_test.sh CONTROLLER BUSBAR
 set -u
@@ -10,10 +10,10 @@ collection=$here/../collection
 # table: of each file its encoding, how many variables are published, and how many declarations are
 # not, with their reasons.
 table() {
-    for file in "$collection"/*.st "$collection"/*.xml "$collection"/*.csv "$collection"/*.Tc* \
-        "$collection"/*_table.txt; do
+    for file in "$collection"/*; do
         name=$(basename "$file")
-        if "$controller" --check "$file" > out 2>&1 || grep -q '^  encoding' out; then
+        [ "$name" != table.txt ] || continue
+        if "$busbar" program check "$file" > out 2>&1 || grep -q '^  encoding' out; then
             printf '%s: %s, %s published, %s left out\n' "$name" \
                 "$(sed -n 's/^  encoding *//p' out)" "$(grep -c '^  published ' out)" \
                 "$(grep -c '^  \(not published\|left out\) ' out)"

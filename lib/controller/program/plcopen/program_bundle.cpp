@@ -35,6 +35,9 @@ std::optional<BundleEntry> take_entry(std::string_view& rest)
         return {};
     }
     entry.name = line.substr(static_cast<std::size_t>(read.ptr - line.data()) + 1);
+    if (entry.name.empty()) {
+        return {};
+    }
     entry.text = rest.substr(0, size);
     rest.remove_prefix(size + 1);
     return entry;

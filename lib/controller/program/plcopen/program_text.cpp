@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/text.hpp>
+
 #include "controller/program/gx_table.hpp"
 #include "controller/program/program_problem.hpp"
 #include "controller/program/sysmac_table.hpp"
@@ -58,7 +60,8 @@ private:
             const auto index = static_cast<std::uint32_t>(i + 1);
             const auto added = each.kind == BundleEntry::Kind::File
                                    ? add(each.text, parts_.files[i], index)
-                                   : misconfigured(parts_.files[i], std::string{each.text});
+                                   : misconfigured(printable(each.name),
+                                                   printable(each.text, each.text.size() * 4));
             if (!added && !leave_out(index, added.error())) {
                 return added;
             }
