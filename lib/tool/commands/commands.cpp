@@ -36,6 +36,7 @@ void add_commands(CLI::App& app, Run& run)
     add_admin(app, run);
     add_project(app, run);
     add_program(app, run);
+    add_check(app, run);
     add_bench(app, run);
 #ifdef BUSBAR_TOOL_HARNESS
     add_proxy(app, run);

@@ -34,6 +34,7 @@ void add_cert(CLI::App& app, Run& run);
 void add_admin(CLI::App& app, Run& run);
 void add_project(CLI::App& app, Run& run);
 void add_program(CLI::App& app, Run& run);
+void add_check(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 /// These need the harness, which a build may lack.
 void add_proxy(CLI::App& app, Run& run);

@@ -36,6 +36,10 @@ public:
     void end_at_hangup();
     [[nodiscard]] bool is_hung_up() const;
     [[nodiscard]] client::Client& client() { return client_->client(); }
+    /// For connections of the caller's own, as long as this lives.
+    [[nodiscard]] const channel::ChannelEnvironment& environment() const { return environment_; }
+    [[nodiscard]] const client::UserIdentity& user() const { return user_; }
+    [[nodiscard]] std::string application_uri() const { return credentials_.application_uri(); }
 
     /// The response; throws Failure, which says that `what` failed, or Interrupted.
     template <typename Response, typename Request>
