@@ -31,6 +31,10 @@ Answer ask(const SpecRule& rule, Subject& subject)
         }
         subject.begin();
         return rule.ask(subject);
+    } catch (const Refused& refused) {
+        return refused.status == status::Bad_ServiceUnsupported
+                   ? not_applicable("the server does not have " + refused.what)
+                   : wrong(refused.what + ": " + text_of(refused.status));
     } catch (const NoAnswer& none) {
         return wrong(none.text + (none.status.is_good() ? "" : ": " + text_of(none.status)));
     }
@@ -74,7 +78,8 @@ std::string Wanted::text() const
 std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
-    for (const std::span<const SpecRule> group : {read_rules(), browse_rules()}) {
+    for (const std::span<const SpecRule> group :
+         {read_rules(), browse_rules(), item_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);
         }

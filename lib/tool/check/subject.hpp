@@ -25,6 +25,13 @@ struct NoAnswer {
     std::string text;
 };
 
+/// The server refuses something that a rule stands on; ends the rule.
+struct Refused {
+    StatusCode status;
+    /// "CreateSubscription".
+    std::string what;
+};
+
 /// The time that the present rule has.
 class Limit {
 public:

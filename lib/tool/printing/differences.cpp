@@ -11,7 +11,7 @@ namespace busbar::tool {
 
 namespace {
 
-std::string lower(std::string text)
+std::string member_name(std::string text)
 {
     std::transform(text.begin(), text.end(), text.begin(), busbar::detail::to_ascii_lower);
     return text;
@@ -27,9 +27,9 @@ Exit print_differences(Context& context, const std::vector<Difference>& differen
     Table table{
         {{titles.what, 24}, {titles.first, 16, false, true}, {titles.second, 16, false, true}}};
     for (const Difference& each : differences) {
-        json.open_object().member(lower(titles.what), each.what);
-        json.member(lower(titles.first), each.first);
-        json.member(lower(titles.second), each.second).close_object();
+        json.open_object().member(member_name(titles.what), each.what);
+        json.member(member_name(titles.first), each.first);
+        json.member(member_name(titles.second), each.second).close_object();
         table.add({{safe(each.what)},
                    {each.first.empty() ? titles.nothing : safe(each.first)},
                    {each.second.empty() ? titles.nothing : safe(each.second)}});
