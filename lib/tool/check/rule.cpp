@@ -79,7 +79,7 @@ std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
     for (const std::span<const SpecRule> group :
-         {read_rules(), browse_rules(), item_rules()}) {
+         {read_rules(), browse_rules(), item_rules(), subscription_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);
         }

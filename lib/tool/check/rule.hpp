@@ -104,6 +104,7 @@ struct SpecRule {
 [[nodiscard]] std::span<const SpecRule> read_rules();
 [[nodiscard]] std::span<const SpecRule> browse_rules();
 [[nodiscard]] std::span<const SpecRule> item_rules();
+[[nodiscard]] std::span<const SpecRule> subscription_rules();
 
 /// All of them, by group.
 [[nodiscard]] std::vector<const SpecRule*> all_rules();
