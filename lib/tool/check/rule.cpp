@@ -22,6 +22,30 @@ bool is_of(const SpecRule& rule, std::string_view name)
     return rule.id == name || (rule.id.starts_with(name) && rule.id[name.size()] == '-');
 }
 
+bool is_among(const SpecRule& rule, const std::vector<std::string>& names)
+{
+    return std::any_of(names.begin(), names.end(),
+                       [&](const std::string& name) { return is_of(rule, name); });
+}
+
+void check_names(const std::vector<const SpecRule*>& all, const std::vector<std::string>& names)
+{
+    for (const std::string& name : names) {
+        if (std::any_of(all.begin(), all.end(),
+                        [&](const SpecRule* rule) { return is_of(*rule, name); })) {
+            continue;
+        }
+        std::vector<std::string> ids;
+        for (const SpecRule* rule : all) {
+            ids.emplace_back(rule->id);
+        }
+        const std::string meant = nearest(name, ids);
+        throw Failure{Exit::Usage, name + ": there is no such rule",
+                      meant.empty() ? "`busbar check --list` has their names"
+                                    : "perhaps " + meant + " is meant"};
+    }
+}
+
 Answer ask(const SpecRule& rule, Subject& subject)
 {
     try {
@@ -31,6 +55,9 @@ Answer ask(const SpecRule& rule, Subject& subject)
         }
         subject.begin();
         return rule.ask(subject);
+    } catch (const Unreachable& unreachable) {
+        return subject.note_unreachable() ? wrong("no connection: " + text_of(unreachable.status))
+                                          : not_applicable("the server cannot be reached any more");
     } catch (const Refused& refused) {
         return refused.status == status::Bad_ServiceUnsupported
                    ? not_applicable("the server does not have " + refused.what)
@@ -79,7 +106,7 @@ std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
     for (const std::span<const SpecRule> group :
-         {read_rules(), browse_rules(), item_rules(), subscription_rules()}) {
+         {session_rules(), read_rules(), browse_rules(), item_rules(), subscription_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);
         }
@@ -87,26 +114,14 @@ std::vector<const SpecRule*> all_rules()
     return all;
 }
 
-std::vector<const SpecRule*> chosen_rules(const std::vector<std::string>& names)
+std::vector<const SpecRule*> chosen_rules(const std::vector<std::string>& names,
+                                          const std::vector<std::string>& skipped)
 {
     std::vector<const SpecRule*> all = all_rules();
-    for (const std::string& name : names) {
-        if (std::none_of(all.begin(), all.end(),
-                         [&](const SpecRule* rule) { return is_of(*rule, name); })) {
-            std::vector<std::string> ids;
-            for (const SpecRule* rule : all) {
-                ids.emplace_back(rule->id);
-            }
-            const std::string meant = nearest(name, ids);
-            throw Failure{Exit::Usage, name + ": there is no such rule",
-                          meant.empty() ? "`busbar check --list` has their names"
-                                        : "perhaps " + meant + " is meant"};
-        }
-    }
+    check_names(all, names);
+    check_names(all, skipped);
     std::erase_if(all, [&](const SpecRule* rule) {
-        return !names.empty() &&
-               std::none_of(names.begin(), names.end(),
-                            [&](const std::string& name) { return is_of(*rule, name); });
+        return (!names.empty() && !is_among(*rule, names)) || is_among(*rule, skipped);
     });
     return all;
 }

@@ -101,6 +101,7 @@ struct SpecRule {
 };
 
 /// A group of rules, one for each file of them.
+[[nodiscard]] std::span<const SpecRule> session_rules();
 [[nodiscard]] std::span<const SpecRule> read_rules();
 [[nodiscard]] std::span<const SpecRule> browse_rules();
 [[nodiscard]] std::span<const SpecRule> item_rules();
@@ -108,9 +109,10 @@ struct SpecRule {
 
 /// All of them, by group.
 [[nodiscard]] std::vector<const SpecRule*> all_rules();
-/// Returns the rules with these ids and the groups of these names; all if there are none. Throws
-/// Failure for a name that fits no rule.
-[[nodiscard]] std::vector<const SpecRule*> chosen_rules(const std::vector<std::string>& names);
+/// Returns the rules with these ids and the groups of these names, all if there are none, without
+/// those that are skipped. Throws Failure for a name that fits no rule.
+[[nodiscard]] std::vector<const SpecRule*> chosen_rules(const std::vector<std::string>& names,
+                                                        const std::vector<std::string>& skipped);
 
 /// The result of a rule.
 struct Verdict {

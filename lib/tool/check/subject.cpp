@@ -49,7 +49,7 @@ Line::Line(const client::ConnectionConfig& config, const channel::ChannelEnviron
 {
     const auto connected = loop_.connect(config, environment, limit.left());
     if (!connected) {
-        throw NoAnswer{connected.error(), "no connection"};
+        throw Unreachable{connected.error()};
     }
     while (const auto event = loop_.wait(limit.left())) {
         if (event->kind == client::ConnectionEvent::Kind::Ready) {

@@ -25,6 +25,11 @@ struct NoAnswer {
     std::string text;
 };
 
+/// No connection to the server; ends the rule.
+struct Unreachable {
+    StatusCode status;
+};
+
 /// The server refuses something that a rule stands on; ends the rule.
 struct Refused {
     StatusCode status;
@@ -52,7 +57,7 @@ public:
     /// Changes the header of a request.
     using Change = std::function<void(RequestHeader&)>;
 
-    /// Connects; throws NoAnswer.
+    /// Connects; throws NoAnswer or Unreachable.
     Line(const client::ConnectionConfig& config, const channel::ChannelEnvironment& environment,
          const Limit& limit);
 
@@ -91,6 +96,12 @@ public:
     [[nodiscard]] Result<Response> ask(Request request, const Change& change = {})
     {
         return wait_for<Response>(send(std::move(request), change));
+    }
+    /// The ServiceFault that answers a request; nothing if another response came.
+    [[nodiscard]] Result<ServiceFault> fault_of(std::uint32_t handle)
+    {
+        return client::decode_response<ServiceFault>(wait(handle).body, binary::Strings::Own,
+                                                     client::response_limits);
     }
     /// True if a response has come, or comes within the time.
     [[nodiscard]] bool has_answer(std::uint32_t handle, Duration time);
@@ -131,6 +142,8 @@ public:
     /// The reason why a rule with this need cannot be applied; empty if it can.
     [[nodiscard]] std::string lacks(RuleNeed need);
 
+    /// Notes that no connection can be made any more; false if that was known.
+    [[nodiscard]] bool note_unreachable() { return !std::exchange(is_unreachable_, true); }
     /// The session of all rules that do not harm it; another one if it was lost. Throws NoAnswer.
     [[nodiscard]] Line& session();
     /// A connection with a session of its own.
@@ -154,6 +167,7 @@ public:
 
 private:
     Limit limit_;
+    bool is_unreachable_{false};
     client::ConnectionConfig config_;
     const channel::ChannelEnvironment* environment_;
     EndpointDescription endpoint_;

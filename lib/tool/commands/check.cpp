@@ -17,6 +17,7 @@ using rules::Verdict;
 struct CheckArguments {
     std::vector<std::string> url;
     std::vector<std::string> rules;
+    std::vector<std::string> skipped;
     std::string writable;
     std::string junit;
     double rule_timeout{5};
@@ -54,7 +55,8 @@ std::vector<Verdict> judge_all(Context& context, const CheckArguments& arguments
 
 Exit check_server(Context& context, const CheckArguments& arguments)
 {
-    const std::vector<const SpecRule*> chosen = rules::chosen_rules(arguments.rules);
+    const std::vector<const SpecRule*> chosen =
+        rules::chosen_rules(arguments.rules, arguments.skipped);
     if (arguments.lists) {
         return list_rules(context, chosen);
     }
@@ -79,6 +81,11 @@ void add_check(CLI::App& app, Run& run)
     const auto arguments = std::make_shared<CheckArguments>();
     command->add_option("URL", arguments->url, "server");
     command->add_option("--rule", arguments->rules, "only these rules, or groups such as read")
+        ->type_name("ID,...")
+        ->delimiter(',')
+        ->expected(1)
+        ->take_all();
+    command->add_option("--skip", arguments->skipped, "not these rules, or groups")
         ->type_name("ID,...")
         ->delimiter(',')
         ->expected(1)
