@@ -56,8 +56,9 @@ Answer ask(const SpecRule& rule, Subject& subject)
         subject.begin();
         return rule.ask(subject);
     } catch (const Unreachable& unreachable) {
-        return subject.note_unreachable() ? wrong("no connection: " + text_of(unreachable.status))
-                                          : not_applicable("the server cannot be reached any more");
+        return subject.note_unreachable()
+                   ? wrong("no connection: " + text_of(unreachable.status))
+                   : not_applicable("the server could not be reached any more");
     } catch (const Refused& refused) {
         return refused.status == status::Bad_ServiceUnsupported
                    ? not_applicable("the server does not have " + refused.what)
@@ -106,7 +107,8 @@ std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
     for (const std::span<const SpecRule> group :
-         {session_rules(), read_rules(), browse_rules(), item_rules(), subscription_rules()}) {
+         {session_rules(), read_rules(), value_rules(), browse_rules(), item_rules(),
+          subscription_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);
         }

@@ -103,6 +103,7 @@ struct SpecRule {
 /// A group of rules, one for each file of them.
 [[nodiscard]] std::span<const SpecRule> session_rules();
 [[nodiscard]] std::span<const SpecRule> read_rules();
+[[nodiscard]] std::span<const SpecRule> value_rules();
 [[nodiscard]] std::span<const SpecRule> browse_rules();
 [[nodiscard]] std::span<const SpecRule> item_rules();
 [[nodiscard]] std::span<const SpecRule> subscription_rules();

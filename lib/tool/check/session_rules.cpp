@@ -327,7 +327,7 @@ Answer unknown_additional_header(Subject& subject)
     return service_result(subject.ask<ReadResponse>(some_read(), [](RequestHeader& request) {
         constexpr std::array<std::byte, 3> bytes{};
         request.additional_header =
-            ExtensionObject::from_binary(NodeId{0, 0x7FFF'FFF0U}, ByteString{bytes});
+            ExtensionObject::from_binary(standard(0x7FFF'FFF0U), ByteString{bytes});
     }));
 }
 

@@ -8,7 +8,7 @@ namespace busbar::tool::rules {
 
 namespace {
 
-std::string text_of(Duration time)
+std::string seconds_text(Duration time)
 {
     char text[32];
     std::snprintf(text, sizeof text, "%g s", std::chrono::duration<double>{time}.count());
@@ -38,7 +38,7 @@ Duration Limit::left() const
 {
     const Duration time = end_ - Clock::now();
     if (time <= Duration::zero()) {
-        throw NoAnswer{status::Bad_Timeout, "no answer within " + text_of(time_)};
+        throw NoAnswer{status::Bad_Timeout, "no answer within " + seconds_text(time_)};
     }
     return time;
 }
@@ -172,7 +172,11 @@ Line& Subject::session()
 {
     if (!session_ || session_->is_closed()) {
         session_.reset();
-        session_.emplace(config_, *environment_, limit_);
+        try {
+            session_.emplace(config_, *environment_, limit_);
+        } catch (const NoAnswer& none) {
+            throw Unreachable{none.status};
+        }
     }
     return *session_;
 }

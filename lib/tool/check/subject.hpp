@@ -25,7 +25,7 @@ struct NoAnswer {
     std::string text;
 };
 
-/// No connection to the server; ends the rule.
+/// No connection to the server, or no session for the rules; ends the rule.
 struct Unreachable {
     StatusCode status;
 };
@@ -144,7 +144,8 @@ public:
 
     /// Notes that no connection can be made any more; false if that was known.
     [[nodiscard]] bool note_unreachable() { return !std::exchange(is_unreachable_, true); }
-    /// The session of all rules that do not harm it; another one if it was lost. Throws NoAnswer.
+    /// The session of all rules that do not harm it; another one if it was lost. Throws
+    /// Unreachable.
     [[nodiscard]] Line& session();
     /// A connection with a session of its own.
     [[nodiscard]] Line other_session();

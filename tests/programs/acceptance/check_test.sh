@@ -22,11 +22,19 @@ grep -q '<testsuites name="busbar check" tests="[0-9]*" failures="0"' results.xm
 grep -q '<testcase classname="Read" name="read-nothing"' results.xml || fail "no rule in it"
 value Speed 3
 
+# Where a Variable may be written, it has its value again.
+chief 0 check "$url" --rule write --allow-write "$(node Speed)"
+says '^12 rules: 12 passed$'
+value Speed 3
+chief 0 check "$url" --rule write
+says 'not applicable  write-value: no node may be written'
+
 # Some rules, by id and by group, and as JSON.
-chief 0 --json check "$url" --rule read-nothing,register
+chief 0 --json check "$url" --rule read-nothing,register --skip register-nothing
 says '"id":"read-nothing","service":"Read",.*"wanted":"Bad_NothingToDo".*"outcome":"passed"'
 says '"id":"register-readable"'
 says_not '"id":"browse-nothing"'
+says_not '"id":"register-nothing"'
 
 # The list needs no server.
 run 0 check --list
