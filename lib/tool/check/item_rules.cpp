@@ -25,7 +25,7 @@ Answer changed(Subject& subject, NodeId node, Change change)
     return created(subject, std::move(item));
 }
 
-/// What `judge` says of the revised parameters of one item.
+/// Judges the revised parameters of one item.
 template <typename Change, typename Judge>
 Answer revised(Subject& subject, Change change, Judge judge)
 {

@@ -64,7 +64,7 @@ template <typename Response>
     }
     return came(status_of(response->results[index]));
 }
-/// What `judge` says of a response; the ServiceResult if that is bad.
+/// Judges a response; wrong if the ServiceResult is bad.
 template <typename Response, typename Judge>
 [[nodiscard]] Answer with(const Result<Response>& response, Judge judge)
 {

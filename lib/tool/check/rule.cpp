@@ -107,8 +107,8 @@ std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
     for (const std::span<const SpecRule> group :
-         {session_rules(), read_rules(), value_rules(), browse_rules(), item_rules(),
-          subscription_rules()}) {
+         {transport_rules(), session_rules(), read_rules(), value_rules(),
+          browse_rules(), item_rules(), subscription_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);
         }

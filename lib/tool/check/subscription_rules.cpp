@@ -16,7 +16,7 @@ Result<DeleteSubscriptionsResponse> remove(Line& line, Array<std::uint32_t> ids)
     return line.ask<DeleteSubscriptionsResponse>(std::move(request));
 }
 
-/// What `judge` says of the revised parameters; the Subscription is deleted.
+/// Judges the revised parameters; the Subscription is deleted.
 template <typename Judge>
 Answer revised(Subject& subject, CreateSubscriptionRequest request, Judge judge)
 {
