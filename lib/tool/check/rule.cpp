@@ -107,7 +107,7 @@ std::vector<const SpecRule*> all_rules()
 {
     std::vector<const SpecRule*> all;
     for (const std::span<const SpecRule> group :
-         {transport_rules(), session_rules(), read_rules(), value_rules(),
+         {transport_rules(), discovery_rules(), session_rules(), read_rules(), value_rules(),
           browse_rules(), item_rules(), subscription_rules()}) {
         for (const SpecRule& rule : group) {
             all.push_back(&rule);

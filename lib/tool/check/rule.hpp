@@ -102,6 +102,7 @@ struct SpecRule {
 
 /// A group of rules, one for each file of them.
 [[nodiscard]] std::span<const SpecRule> transport_rules();
+[[nodiscard]] std::span<const SpecRule> discovery_rules();
 [[nodiscard]] std::span<const SpecRule> session_rules();
 [[nodiscard]] std::span<const SpecRule> read_rules();
 [[nodiscard]] std::span<const SpecRule> value_rules();
