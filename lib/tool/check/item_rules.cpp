@@ -132,7 +132,12 @@ std::vector<MonitoredItemNotification> overflown(Subject& subject, std::uint32_t
         throw Refused{status::Bad_UnexpectedError, "a queue of this size"};
     }
     const double interval = std::max(created->results[0].revised_sampling_interval, 50.0);
-    subscription.wait(std::chrono::milliseconds{static_cast<int>(interval * 5)});
+    const Duration samples = std::chrono::milliseconds{static_cast<int>(interval * 3.5)};
+    if (samples > subject.limit().left() / 2) {
+        throw Refused{status::Bad_ServiceUnsupported,
+                      "a sampling interval that is short enough, see --rule-timeout"};
+    }
+    subscription.wait(samples);
     return values_of(subscription.next_data());
 }
 

@@ -64,11 +64,11 @@ template <typename Response>
     }
     return came(status_of(response->results[index]));
 }
-/// Judges a response; wrong if the ServiceResult is bad.
+/// Judges a response; the ServiceResult if that is bad.
 template <typename Response, typename Judge>
 [[nodiscard]] Answer with(const Result<Response>& response, Judge judge)
 {
-    return response ? judge(*response) : wrong(text_of(response.error()));
+    return response ? judge(*response) : came(response.error());
 }
 
 } // namespace busbar::tool::rules

@@ -94,10 +94,12 @@ client::ConnectionEvent Line::wait(std::uint32_t handle)
             client::ConnectionEvent event = std::move(found->second);
             answers_.erase(found);
             if (event.body.empty()) { // the reason why there is no response
-                while (event.status != status::Bad_Timeout && !is_closed_) {
+                if (event.status == status::Bad_Timeout) {
+                    throw NoAnswer{event.status, "no answer in time"};
+                }
+                while (!is_closed_) {
                     static_cast<void>(take_event(limit_->left()));
                 }
-                static_cast<void>(limit_->left());
                 throw NoAnswer{why_closed_, "the connection was closed"};
             }
             return event;

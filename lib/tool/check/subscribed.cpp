@@ -36,6 +36,7 @@ Subscribed::~Subscribed()
     try {
         DeleteSubscriptionsRequest request;
         request.subscription_ids = {id_};
+        subject_->begin(); // if the time of the rule is over, too
         static_cast<void>(subject_->ask<DeleteSubscriptionsResponse>(std::move(request)));
     } catch (const NoAnswer&) {
         // The verdict is there already; the next rule meets a lost session by itself.

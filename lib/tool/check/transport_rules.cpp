@@ -149,8 +149,12 @@ Answer chunk_sizes(Subject& subject)
 
 Answer small_responses(Subject& subject)
 {
-    RawChannel channel{subject, {.max_message_size = 60}};
-    return response_status(channel.ask());
+    try {
+        RawChannel channel{subject, {.max_message_size = 60}};
+        return response_status(channel.ask());
+    } catch (const Refused& refused) {
+        return not_applicable(refused.what + " with so small a MaxMessageSize is refused");
+    }
 }
 
 /// Renews the token of a channel; `judge` gets the old one.

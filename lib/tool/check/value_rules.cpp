@@ -265,8 +265,13 @@ const SpecRule rules[] = {
      [](Subject& subject) {
          return one(subject, client::value_for(unknown_node(), DataValue{Variant{1}}));
      }},
-    {"write-attribute-invalid", "Write", "An Object has no Value", "Value of Server",
-     status::Bad_AttributeIdInvalid, writing, RuleNeed::Session,
+    {"write-attribute-invalid",
+     "Write",
+     "An Object has no Value",
+     "Value of Server",
+     {status::Bad_AttributeIdInvalid, status::Bad_UserAccessDenied},
+     writing,
+     RuleNeed::Session,
      [](Subject& subject) {
          return one(subject, client::value_for(standard(id::Server), DataValue{Variant{1}}));
      }},
