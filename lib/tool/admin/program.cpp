@@ -79,7 +79,7 @@ void send(Context& context, RemoteTransfer& transfer, const std::string& wish,
         if (reason.empty()) {
             throw;
         }
-        throw Failure{Exit::Failed, safe(reason), "nothing was changed"};
+        throw Failure{Exit::Failed, safe_line(reason), "nothing was changed"};
     }
 }
 

@@ -87,6 +87,17 @@ std::string safe(std::string_view text)
     return result;
 }
 
+std::string safe_line(std::string_view lines)
+{
+    std::string result;
+    while (!lines.empty()) {
+        const std::string_view line = lines.substr(0, lines.find('\n'));
+        lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+        result += (result.empty() ? "" : "; ") + safe(line);
+    }
+    return result;
+}
+
 std::string_view take_character(std::string_view& text)
 {
     char32_t character = 0;

@@ -9,6 +9,8 @@ namespace busbar::tool {
 /// Makes the text of a server safe for a terminal: one line, no control characters, nothing that
 /// changes the direction of writing. Such characters are replaced by \x1B or \u202E.
 [[nodiscard]] std::string safe(std::string_view text);
+/// Does the same with a text of several lines, which become one: "first; second".
+[[nodiscard]] std::string safe_line(std::string_view lines);
 
 /// Columns that `safe` text takes: two for wide East Asian characters, none for combining ones.
 [[nodiscard]] std::size_t display_width(std::string_view text);

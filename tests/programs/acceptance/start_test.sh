@@ -86,6 +86,7 @@ chief 1 admin setting set "$url" server.address 192.0.2.77
 says 'cannot listen on'
 chief 1 admin setting set "$url" server.nodesets '["good.st"]'
 says "information models cannot be loaded"
+says_not 'x0A' # a reason of several lines is one line
 
 # An address that is gone: where it listened last, and where it is told to once it can.
 sed 's/^address = .*/address = "192.0.2.77"/' good.toml > controller.toml
