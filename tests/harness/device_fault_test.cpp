@@ -49,7 +49,7 @@ std::size_t check_values(const std::vector<StatusCode>& statuses,
     std::size_t good = 0;
     for (std::size_t i = 0; i < count; ++i) {
         CHECK(words[i] == (statuses[i].is_good() ? 10 + i * apart : 0));
-        good += statuses[i].is_good() ? 1 : 0;
+        good += statuses[i].is_good() ? 1U : 0U;
     }
     return good;
 }

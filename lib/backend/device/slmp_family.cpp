@@ -89,7 +89,7 @@ std::string SlmpFindings::learn(std::string_view type_name, std::uint16_t end_co
 
 void SlmpFindings::set_long_form(bool has_it)
 {
-    version += std::exchange(has_long_form, has_it) != has_it ? 1 : 0;
+    version += std::exchange(has_long_form, has_it) != has_it ? 1U : 0U;
 }
 
 bool SlmpFindings::lose(SlmpCommand command)
@@ -98,7 +98,7 @@ bool SlmpFindings::lose(SlmpCommand command)
                       : command == SlmpCommand::RandomWrite ? &has_random_write
                       : command == SlmpCommand::BlockRead   ? &has_block_read
                                                             : &has_block_write;
-    version += *has ? 1 : 0;
+    version += *has ? 1U : 0U;
     return std::exchange(*has, false);
 }
 

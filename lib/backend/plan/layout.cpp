@@ -179,7 +179,7 @@ void PlanRules::change(std::span<const PlanRule> rules)
             is_changed = true;
         }
     }
-    version_ += is_changed ? 1 : 0;
+    version_ += is_changed ? 1U : 0U;
 }
 
 bool is_possible(const PlanAddress& address, const PlanRule* rule)
