@@ -11,8 +11,8 @@
 namespace busbar::test {
 
 using namespace std::chrono_literals;
-using harness::detail::decode_body;
-using harness::detail::encode_body;
+using harness::decode_body;
+using harness::encode_body;
 
 namespace {
 

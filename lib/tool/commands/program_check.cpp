@@ -118,7 +118,7 @@ Exit check_program(Context& context, const ProgramArguments& arguments)
     return is_good ? Exit::Good : Exit::Failed;
 }
 
-void add_check(CLI::App& program, Run& run)
+void add_file_check(CLI::App& program, Run& run)
 {
     const auto arguments = std::make_shared<ProgramArguments>();
     auto* check = program.add_subcommand(
@@ -157,7 +157,7 @@ void add_program(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("program", "Looks into the program of a PLC in its files.");
     command->require_subcommand(1);
-    add_check(*command, run);
+    add_file_check(*command, run);
 }
 
 } // namespace busbar::tool
