@@ -60,7 +60,8 @@ std::string flaw_of_message(const Fault& fault)
 std::string flaw_of_numbers(const Fault& fault)
 {
     using enum Fault::Kind;
-    if (fault.duration < Duration{0} && fault.kind != JumpClock) {
+    const bool is_early = fault.time && *fault.time < Duration{0};
+    if (is_early || (fault.duration < Duration{0} && fault.kind != JumpClock)) {
         return "its time is negative";
     }
     if (fault.kind == Delay && fault.duration == Duration{0}) {

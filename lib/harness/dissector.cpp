@@ -5,6 +5,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/type_registry.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/types/registry.hpp>
 
@@ -57,7 +58,10 @@ std::optional<std::size_t> DissectedFrame::sequence_offset() const
         return std::nullopt;
     }
     if (type == MessageType::MSG || type == MessageType::CLO) {
-        return channel::detail::symmetric_header_size;
+        constexpr std::size_t offset = channel::detail::symmetric_header_size;
+        return bytes.size() >= offset + channel::detail::sequence_header_size
+                   ? std::optional{offset}
+                   : std::nullopt;
     }
     if (type != MessageType::OPN) {
         return std::nullopt;
@@ -81,30 +85,30 @@ void Dissector::feed(Side from, std::span<const std::byte> bytes)
 std::optional<DissectedFrame> Dissector::take(Side from)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
+    const auto rest = std::span<const std::byte>{stream.bytes}.subspan(stream.begin);
     DissectedFrame frame;
-    if (!stream.is_broken && stream.bytes.size() < channel::detail::header_size) {
-        return std::nullopt;
-    }
-    if (!stream.is_broken) {
-        const auto header = channel::detail::parse_frame_header(stream.bytes, max_frame_size);
-        if (header) {
-            if (stream.bytes.size() < header->size) {
-                return std::nullopt;
-            }
-            const auto end = stream.bytes.begin() + static_cast<std::ptrdiff_t>(header->size);
-            frame.bytes.assign(stream.bytes.begin(), end);
-            stream.bytes.erase(stream.bytes.begin(), end);
+    if (!stream.is_broken && rest.size() >= channel::detail::header_size) {
+        const auto header = channel::detail::parse_frame_header(rest, max_frame_size);
+        if (header && rest.size() >= header->size) {
+            const auto bytes = rest.first(header->size);
+            frame.bytes.assign(bytes.begin(), bytes.end());
+            stream.begin += header->size;
             frame.type = header->type;
             frame.is_last = header->chunk != 'C';
             describe(stream, frame);
             return frame;
         }
-        stream.is_broken = true;
+        stream.is_broken = !header;
     }
-    if (stream.bytes.empty()) {
+    if (!stream.is_broken || rest.empty()) {
+        stream.bytes.erase(stream.bytes.begin(),
+                           stream.bytes.begin() + static_cast<std::ptrdiff_t>(stream.begin));
+        stream.begin = 0;
         return std::nullopt;
     }
-    frame.bytes = std::exchange(stream.bytes, {});
+    frame.bytes.assign(rest.begin(), rest.end());
+    stream.bytes.clear();
+    stream.begin = 0;
     return frame;
 }
 
@@ -137,7 +141,7 @@ NodeId encoding_of(std::span<const std::byte> body)
 std::string encoding_name(const NodeId& encoding_id)
 {
     const StructureType* const type = type_of(encoding_id);
-    return type != nullptr ? std::string{type->name} : to_string(encoding_id);
+    return type != nullptr ? std::string{type->name} : printable(to_string(encoding_id));
 }
 
 } // namespace busbar::harness::detail

@@ -55,6 +55,8 @@ private:
 
     struct Stream {
         std::vector<std::byte> bytes;
+        /// The number of those that were taken.
+        std::size_t begin{0};
         bool is_broken{false};
         bool is_in_message{false};
         std::string_view structure_name;

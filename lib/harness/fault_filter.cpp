@@ -82,12 +82,31 @@ void FaultFilter::pass(Link& link, Side from, DissectedFrame frame)
         --shift_[static_cast<std::size_t>(from)];
     } else if (!stream.on_message.empty() || !stream.overtaken.empty()) {
         stream.frames.push_back(std::move(frame));
+        let_go_of_endless(link, from);
     } else {
         send(link, from, frame.bytes);
     }
     if (is_last) {
         act_on_message(link, from);
         end_message(link, from);
+    }
+}
+
+/// A message that does not end is not kept.
+void FaultFilter::let_go_of_endless(Link& link, Side from)
+{
+    constexpr std::size_t most = 1'000; // chunks
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    if (stream.frames.size() < most) {
+        return;
+    }
+    faults_->timeline().happened(connection_, "a message is too long for the faults on it");
+    stream.on_message.clear();
+    for (DissectedFrame& frame : std::exchange(stream.frames, {})) {
+        send(link, from, frame.bytes);
+    }
+    for (DissectedFrame& frame : std::exchange(stream.overtaken, {})) {
+        send(link, from, frame.bytes);
     }
 }
 
@@ -162,6 +181,7 @@ void FaultFilter::act_on_message(Link& link, Side from)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
     std::uint32_t& shift = shift_[static_cast<std::size_t>(from)];
+    const std::uint32_t shift_before = shift;
     WholeMessage message{std::exchange(stream.frames, {})};
     for (Entry* const entry : std::exchange(stream.on_message, {})) {
         if (message.is_empty() || !entry->is_for(connection_)) {
@@ -176,7 +196,7 @@ void FaultFilter::act_on_message(Link& link, Side from)
             shift += message.duplicate();
             break;
         case Fault::Kind::Overtake:
-            stream.overtaken = message.take();
+            shift += message.wait(stream.overtaken);
             break;
         default:
             shift += message.change(entry->fault.edit, flaw);
@@ -189,7 +209,10 @@ void FaultFilter::act_on_message(Link& link, Side from)
         }
     }
     if (!message.is_empty()) {
-        message.overtake(std::exchange(stream.overtaken, {}));
+        shift += message.overtake(std::exchange(stream.overtaken, {}));
+    }
+    if (from == Side::Server) {
+        server_number_ += shift - shift_before;
     }
     for (DissectedFrame& chunk : message.chunks()) {
         send(link, from, chunk.bytes);

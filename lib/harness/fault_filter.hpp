@@ -42,6 +42,7 @@ private:
     void begin_message(Link& link, Side from, DissectedFrame& frame);
     void meet(Link& link, Side from, DissectedFrame& frame, Entry& entry);
     void act_on_message(Link& link, Side from);
+    void let_go_of_endless(Link& link, Side from);
     void end_message(Link& link, Side from);
     void send(Link& link, Side from, std::span<std::byte> bytes);
     [[nodiscard]] Entry* next_at_byte(Side from, std::size_t size);
@@ -51,7 +52,7 @@ private:
     std::size_t connection_;
     Dissector dissector_;
     Stream streams_[2];
-    /// By how much the numbers of each side's chunks have to change, since some never arrived and
+    /// Added to the numbers of each side's chunks, since some never arrived and
     /// others were not its own; and the server's last number.
     std::uint32_t shift_[2]{};
     std::uint32_t server_number_{0};

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -181,10 +182,10 @@ std::optional<Duration> FaultReader::time_if()
     };
     static constexpr std::array units{Unit{"ms", 0.001}, Unit{"s", 1}, Unit{"min", 60},
                                       Unit{"h", 3'600}};
-    constexpr double most = 1e9; // seconds, 31 years
+    constexpr double most = 1e6; // seconds, eleven days
     for (const Unit& known : units) {
         if (unit == known.name && std::abs(number * known.seconds) <= most) {
-            return std::chrono::duration_cast<Duration>(
+            return std::chrono::round<Duration>(
                 std::chrono::duration<double>{number * known.seconds});
         }
     }
@@ -196,6 +197,9 @@ Fault FaultReader::read_corrupt()
 {
     const std::size_t position = number("the number of a byte in the message");
     const std::size_t bit = accept("bit") ? number("the number of a bit") : 0;
+    if (bit > 7 && flaw_.empty()) {
+        flaw_ = "found bit " + std::to_string(bit) + "; expected 0 to 7";
+    }
     return fault::corrupt(position, static_cast<unsigned>(bit % 8));
 }
 
@@ -208,7 +212,11 @@ Fault FaultReader::read_edit()
         return {};
     }
     static_cast<void>(peek());
-    const std::size_t end = rest_.rfind(" at ");
+    const std::size_t at = rest_.rfind(" at ");
+    const std::size_t before = rest_.rfind(" before ");
+    const std::size_t end = at == std::string_view::npos       ? before
+                            : before == std::string_view::npos ? at
+                                                               : std::max(at, before);
     if (end == std::string_view::npos) {
         expected("the value, and \"at\" with the name of a message");
         return {};
@@ -282,6 +290,11 @@ Fault FaultReader::read_more(const Fault& fault)
         found.number = number_if().value_or(1);
         return found;
     };
+    const bool has_moment = fault.message || fault.byte_offset || fault.time;
+    if (has_moment && (peek() == "before" || peek() == "at" || peek() == "after")) {
+        expected("one moment only");
+        return fault;
+    }
     if (accept("before")) {
         return fault.before(message());
     }
@@ -302,7 +315,11 @@ Fault FaultReader::read_more(const Fault& fault)
     }
     if (accept("on")) {
         static_cast<void>(accept("connection"));
-        return fault.on_connection(number("the number of a connection, from 1"));
+        const std::size_t which = number("the number of a connection, from 1");
+        if (which == 0 && flaw_.empty()) {
+            flaw_ = "connections are counted from 1";
+        }
+        return fault.on_connection(which);
     }
     if (accept("times")) {
         const std::size_t times = number("how often it acts");
@@ -337,6 +354,12 @@ std::string describe(const Fault& fault)
 
 Configured<Fault> parse_fault(std::string_view text)
 {
+    const bool has_controls = std::any_of(text.begin(), text.end(), [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+    });
+    if (has_controls) {
+        return misconfigured({}, "found a control character; expected one line of text");
+    }
     return FaultReader{text}.read();
 }
 

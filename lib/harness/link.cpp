@@ -194,7 +194,8 @@ void Link::tell(Side side, Duration delay)
 
 void Link::tell_now(Side side)
 {
-    if (!std::exchange(end(other(side)).is_gone, true) && observer_ != nullptr) {
+    const bool was_open = ends_[0].was_attached && ends_[1].was_attached;
+    if (!std::exchange(end(other(side)).is_gone, true) && was_open && observer_ != nullptr) {
         observer_->ended(*this, other(side));
     }
     if (LinkEnd* const engine = std::exchange(end(side).engine, nullptr)) {

@@ -128,7 +128,7 @@ private:
         }
     }
     void set_object(ExtensionObject& object);
-    /// Goes behind the point that leads into a structure.
+    /// Steps over the point that leads into a structure.
     [[nodiscard]] bool step()
     {
         if (done_ < path_.size() && path_[done_] == '.') {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <map>
 #include <type_traits>
 
@@ -18,7 +19,24 @@ namespace busbar::harness::detail {
 namespace {
 
 constexpr std::size_t max_elements = 1'000;
+constexpr std::size_t max_fields = 100'000;
 constexpr std::size_t max_summary = 160;
+
+/// Returns a sign of all of a value, since its text may be abridged: " #0123456789abcdef".
+template <typename T>
+std::string sign_of(const T& value)
+{
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    encode(writer, value);
+    std::uint64_t hash = 14'695'981'039'346'656'037U; // FNV-1a
+    for (const std::byte byte : sink.take(writer.written())) {
+        hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 1'099'511'628'211U;
+    }
+    std::array<char, 17> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), hash, 16).ptr;
+    return " #" + std::string{digits.data(), end};
+}
 
 /// Writes down the fields of a structure, one after the other.
 class Collector {
@@ -43,8 +61,10 @@ public:
             leaf(std::to_string(static_cast<long long>(value)));
         } else if constexpr (std::is_same_v<T, DataValue>) {
             add_data_value(value);
-        } else if constexpr (std::is_same_v<T, StatusCode> || std::is_same_v<T, Variant>) {
+        } else if constexpr (std::is_same_v<T, StatusCode>) {
             leaf(text_of(value));
+        } else if constexpr (std::is_same_v<T, Variant>) {
+            leaf_of(value, text_of(value));
         } else if constexpr (std::is_same_v<T, ExtensionObject>) {
             add_object(value);
         } else if constexpr (std::is_same_v<T, DiagnosticInfo>) {
@@ -55,7 +75,7 @@ public:
             visit_fields(value, *this);
         } else if constexpr (requires { Variant{value}; }) {
             const std::string text = text_of(Variant{value});
-            leaf(text.substr(text.find(' ') + 1));
+            leaf_of(value, text.substr(text.find(' ') + 1));
         } else {
             leaf("...");
         }
@@ -70,14 +90,35 @@ public:
             path_.resize(size);
         }
         if (values.empty() || values.size() > max_elements) {
-            leaf(std::to_string(values.size()) + " elements");
+            leaf(
+                std::to_string(values.size()) + " elements" +
+                (values.empty() || values_ == DataValues::Whole ? std::string{} : sign_of(values)));
         }
     }
 
 private:
     void add_object(const ExtensionObject& object);
     void add_data_value(const DataValue& value);
-    void leaf(std::string text) { fields_->push_back({path_, std::move(text)}); }
+    void leaf(std::string text)
+    {
+        if (fields_->size() < max_fields) {
+            fields_->push_back({path_, std::move(text)});
+        } else if (fields_->size() == max_fields) {
+            fields_->push_back({"...", "there are more fields"});
+        }
+    }
+    /// The text may lack a part of the value, which its sign then stands for.
+    template <typename T>
+    void leaf_of(const T& value, std::string text)
+    {
+        constexpr std::size_t most = 256; // bytes of a text that are shown
+        const bool is_abridged = text.size() >= most || text.find("...") != std::string::npos ||
+                                 text.ends_with(" bytes") || text.starts_with("LocalizedText");
+        if (is_abridged && values_ == DataValues::InParts) {
+            text += sign_of(value);
+        }
+        leaf(std::move(text));
+    }
 
     std::vector<MessageField>* fields_;
     DataValues values_;

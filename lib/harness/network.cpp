@@ -139,9 +139,9 @@ std::string Network::trace(std::size_t lines) const
 void Network::begin(const std::shared_ptr<Link>& link)
 {
     links_.erase(std::remove_if(links_.begin(), links_.end(),
-                                [](const auto& known) { return known.expired(); }),
+                                [](const auto& known) { return known.second.expired(); }),
                  links_.end());
-    links_.push_back(link);
+    links_.emplace_back(connection_count_, link);
     for (auto& entry : faults_->entries()) {
         if (is_immediate(entry.fault) && entry.is_for(connection_count_)) {
             faults_->count(entry, connection_count_);
@@ -160,8 +160,10 @@ void Network::act(std::size_t index)
         return;
     }
     bool has_acted = false;
-    for (const auto& known : links_) {
-        if (const auto link = known.lock(); link != nullptr && !link->is_cut()) {
+    for (const auto& [number, known] : links_) {
+        const auto link =
+            fault.connection == 0 || fault.connection == number ? known.lock() : nullptr;
+        if (link != nullptr && !link->is_cut()) {
             faults_->act(fault, *link, Side::Client);
             has_acted = true;
         }
@@ -200,7 +202,7 @@ std::string Network::pending_faults() const
 void Network::cut()
 {
     timeline_->happened(0, "cut");
-    for (const auto& known : links_) {
+    for (const auto& [number, known] : links_) {
         if (const auto link = known.lock()) {
             link->cut();
         }

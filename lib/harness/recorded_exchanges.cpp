@@ -48,7 +48,7 @@ std::string content_of(const RecordedMessage& request)
 {
     std::string text;
     for (const RecordedMessage::Field& field : request.fields) {
-        if (variability_of(field.path) == Variability::None) {
+        if (variability_of(field) == Variability::None) {
             text += field.path + "=" + field.text + "\n";
         }
     }

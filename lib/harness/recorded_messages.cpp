@@ -2,7 +2,9 @@
 
 #include <array>
 #include <map>
+#include <utility>
 
+#include <busbar/core/text.hpp>
 #include <busbar/harness/log_book.hpp>
 
 #include "chunk_fields.hpp"
@@ -143,7 +145,7 @@ std::string write_messages(const std::vector<RecordedMessage>& messages)
         text += "\n" + std::to_string(message.connection) +
                 (message.from == Side::Client ? " > " : " < ") + message.name + "\n";
         for (const RecordedMessage::Field& field : message.fields) {
-            text += "  " + field.path + ": " + symbols.of(field) + "\n";
+            text += "  " + field.path + ": " + printable(symbols.of(field), SIZE_MAX) + "\n";
         }
     }
     return text;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 
 #include <busbar/harness/request_replay.hpp>
@@ -44,7 +45,10 @@ struct RecordedServer::Impl {
         }
         ScriptedServer::OtherAnswer answer;
         answer.body = exchange.response->body;
-        answer.delay = exchange.response->words.time - exchange.request->words.time;
+        // Recorded times never decrease, and are not negative.
+        constexpr Duration most = std::chrono::hours{24};
+        answer.delay =
+            std::min<Duration>(exchange.response->words.time - exchange.request->words.time, most);
         for (const RecordedMessage::Field& field : words.fields) {
             if (field.path == "requestHeader.requestHandle") {
                 static_cast<void>(

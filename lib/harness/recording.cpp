@@ -44,8 +44,10 @@ void Recorder::ended(const Link& link, Side side)
 void Recorder::add(const Link& link, Recording::Entry entry)
 {
     const auto found = numbers_.find(&link);
-    if (found == numbers_.end() || !recording_.is_complete ||
-        recording_.entries.size() >= limits_.max_entries ||
+    if (found == numbers_.end()) {
+        return; // it was never open, or there were too many
+    }
+    if (!recording_.is_complete || recording_.entries.size() >= limits_.max_entries ||
         entry.bytes.size() > limits_.max_bytes - size_) {
         recording_.is_complete = false;
         return;

@@ -22,6 +22,9 @@ public:
         : world_{world}, client_{client}, options_{options}, exchanges_{std::move(exchanges)},
           is_answered_(exchanges_.size(), false)
     {
+        for (std::size_t i = 0; i < exchanges_.size(); ++i) {
+            is_answered_[i] = exchanges_[i].response == nullptr; // and is not waited for
+        }
     }
 
     [[nodiscard]] std::vector<RecordedMessage> run()
@@ -42,7 +45,8 @@ public:
 private:
     [[nodiscard]] Duration time_of(std::size_t i) const
     {
-        return exchanges_[i].request->words.time;
+        constexpr Duration most = std::chrono::hours{24 * 366};
+        return std::min<Duration>(exchanges_[i].request->words.time, most);
     }
     /// Waits for the answers that the recorded client had before it sent this request.
     void await_answers_before(std::size_t i)
@@ -57,7 +61,10 @@ private:
     void await(std::size_t count, Counts counts)
     {
         const auto is_done = [&] {
-            for (std::size_t i = 0; i < count; ++i) {
+            while (first_open_ < exchanges_.size() && is_answered_[first_open_]) {
+                ++first_open_;
+            }
+            for (std::size_t i = first_open_; i < count; ++i) {
                 if (!is_answered_[i] && counts(exchanges_[i])) {
                     return false;
                 }
@@ -109,13 +116,18 @@ private:
         }
         for (const RecordedMessage::Field& field : exchanges_[i].response->words.fields) {
             const std::string kind{detail::kind_of_id(field.path)};
-            if (kind.empty()) {
-                continue;
+            if (kind != "subscription" && kind != "item" && kind != "node") {
+                continue; // not the server's, or of another session
             }
             const auto found = std::find_if(
                 answer.fields.begin(), answer.fields.end(),
                 [&](const RecordedMessage::Field& own) { return own.path == field.path; });
-            if (found != answer.fields.end()) {
+            if (found == answer.fields.end()) {
+                continue;
+            }
+            if (answer.name.starts_with("Create") || answer.name.starts_with("Register")) {
+                ids_.insert_or_assign({kind, field.text}, found->text);
+            } else {
                 ids_.try_emplace({kind, field.text}, found->text);
             }
         }
@@ -126,6 +138,8 @@ private:
     RequestReplayOptions options_;
     std::vector<RecordedExchange> exchanges_;
     std::vector<bool> is_answered_;
+    /// All before it are answered.
+    std::size_t first_open_{0};
     std::vector<RecordedMessage> messages_;
     std::map<std::pair<std::string, std::string>, std::string> ids_;
 };
@@ -144,8 +158,9 @@ Result<std::vector<RecordedMessage>> replay_requests(World& world, const Recordi
     if (const auto opened = client.open(options.answer_limit); !opened) {
         return fail(opened.error());
     }
-    auto came = RequestReplay{world, client, options, detail::exchanges_of(messages)}.run();
-    client.close();
+    RequestReplay replay{world, client, options, detail::exchanges_of(messages)};
+    auto came = replay.run();
+    client.close(); // what was not answered is told to the replay
     constexpr Duration farewell = std::chrono::milliseconds{100};
     world.run_for(farewell);
     return came;

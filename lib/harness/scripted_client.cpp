@@ -32,6 +32,8 @@ Result<void> ScriptedClient::connect()
     if (link_ != nullptr) {
         std::exchange(link_, nullptr)->leave(Side::Client);
     }
+    deadline_.cancel();
+    raw_.clear();
     channel_.reset();
     is_open_ = false;
     closed_by_.reset();

@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 17> noise{"requestHandle",     "clientNon
                                                  "endpointUrl",       "discoveryUrls",
                                                  "discoveryUrl"};
 
-constexpr std::array<std::string_view, 4> times{"timestamp", "createdAt", "startTime",
+constexpr std::array<std::string_view, 5> times{"timestamp", "createdAt", "startTime", "endTime",
                                                 "publishTime"};
 
 template <typename Names>
@@ -57,9 +57,16 @@ std::string_view kind_of_id(std::string_view path)
     return found == ids.end() ? std::string_view{} : found->kind;
 }
 
-Variability variability_of(std::string_view path)
+Variability variability_of(const RecordedMessage::Field& field)
 {
+    const std::string_view path = field.path;
     const std::string_view name = last_name(path);
+    if (name == "eventFields" && field.text.starts_with("DateTime ")) {
+        return Variability::Time;
+    }
+    if (name == "eventFields" && field.text.starts_with("ByteString ")) {
+        return Variability::Noise; // EventId
+    }
     if (!kind_of_id(path).empty()) {
         return Variability::Id;
     }
@@ -71,7 +78,7 @@ Variability variability_of(std::string_view path)
 
 std::string Symbols::of(const RecordedMessage::Field& field)
 {
-    switch (variability_of(field.path)) {
+    switch (variability_of(field)) {
     case Variability::Id: {
         const std::string kind{kind_of_id(field.path)};
         const auto [known, is_new] = known_.try_emplace({kind, field.text}, 0);

@@ -24,8 +24,8 @@ enum class Variability : std::uint8_t {
 
 /// Returns the last name of a path, without an index.
 [[nodiscard]] std::string_view last_name(std::string_view path);
-/// Returns how a field with this path differs from run to run.
-[[nodiscard]] Variability variability_of(std::string_view path);
+/// Returns how a field differs from run to run.
+[[nodiscard]] Variability variability_of(const RecordedMessage::Field& field);
 /// Returns what ids with this name stand for: "subscription" for "subscriptionId" and
 /// "subscriptionIds".
 [[nodiscard]] std::string_view kind_of_id(std::string_view path);

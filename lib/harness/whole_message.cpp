@@ -12,9 +12,13 @@ namespace {
 constexpr std::size_t headers_size =
     channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
 
-std::uint32_t difference(std::size_t more, std::size_t less)
+/// The number of chunks that have sequence numbers which may be changed.
+std::uint32_t numbered(std::span<const DissectedFrame> chunks)
 {
-    return static_cast<std::uint32_t>(more) - static_cast<std::uint32_t>(less);
+    return static_cast<std::uint32_t>(
+        std::count_if(chunks.begin(), chunks.end(), [](const DissectedFrame& chunk) {
+            return chunk.sequence_offset().has_value();
+        }));
 }
 
 /// Returns a chunk with the headers of `model`.
@@ -33,7 +37,7 @@ DissectedFrame chunk_of(const DissectedFrame& model, std::span<const std::byte> 
 
 std::uint32_t WholeMessage::drop()
 {
-    return difference(0, take().size());
+    return 0 - numbered(take());
 }
 
 std::uint32_t WholeMessage::duplicate()
@@ -44,7 +48,7 @@ std::uint32_t WholeMessage::duplicate()
     if (offset) {
         number_from(number_at(copy.front().bytes, *offset));
     }
-    return difference(copy.size(), 0);
+    return numbered(copy);
 }
 
 std::uint32_t WholeMessage::change(const Fault::Edit& edit, std::string& flaw)
@@ -73,18 +77,25 @@ std::uint32_t WholeMessage::change(const Fault::Edit& edit, std::string& flaw)
         chunks_.push_back(chunk_of(earlier.front(), part, rest.empty()));
     } while (!rest.empty());
     number_from(number_at(earlier.front().bytes, sequence_offset));
-    return difference(chunks_.size(), earlier.size());
+    return numbered(chunks_) - numbered(earlier);
 }
 
-void WholeMessage::overtake(std::vector<DissectedFrame> earlier)
+std::uint32_t WholeMessage::wait(std::vector<DissectedFrame>& overtaken)
 {
-    if (earlier.empty()) {
-        return;
-    }
-    const auto offset = earlier.front().sequence_offset();
-    const std::uint32_t first = offset ? number_at(earlier.front().bytes, *offset) : 0;
+    overtaken = take();
+    return 0 - numbered(overtaken);
+}
+
+std::uint32_t WholeMessage::overtake(std::vector<DissectedFrame> earlier)
+{
+    const std::uint32_t more = numbered(earlier);
+    const auto offset = chunks_.front().sequence_offset();
+    const std::uint32_t first = offset ? number_at(chunks_.front().bytes, *offset) : 0;
     std::move(earlier.begin(), earlier.end(), std::back_inserter(chunks_));
-    number_from(first);
+    if (offset) {
+        number_from(first);
+    }
+    return more;
 }
 
 void WholeMessage::number_from(std::uint32_t number)

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <busbar/harness/fault.hpp>
@@ -27,9 +28,10 @@ public:
     std::uint32_t duplicate();
     /// `flaw` says why it cannot be changed, and is empty if it was.
     std::uint32_t change(const Fault::Edit& edit, std::string& flaw);
-    /// Puts a message that was sent before it after it, where that may be done with their sequence
-    /// numbers exchanged.
-    void overtake(std::vector<DissectedFrame> earlier);
+    /// Removes the chunks, which the next message overtakes.
+    std::uint32_t wait(std::vector<DissectedFrame>& overtaken);
+    /// Puts a message that waits after this one.
+    std::uint32_t overtake(std::vector<DissectedFrame> earlier);
 
 private:
     /// Numbers the chunks in their order, from this one on; nothing on a secured channel.

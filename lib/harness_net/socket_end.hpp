@@ -35,7 +35,7 @@ public:
     void link_lost() override;
 
 private:
-    /// What a peer that does not read is allowed to make us hold.
+    /// A peer that does not read makes us hold no more than this.
     static constexpr std::size_t max_unsent = 64U << 20U;
 
     void read();

@@ -1,7 +1,11 @@
+#include <array>
+#include <cstring>
+
 #include <catch2/catch.hpp>
 
 #include <busbar/harness/catch.hpp>
 #include <busbar/harness/connection_host.hpp>
+#include <busbar/harness/recording.hpp>
 #include <busbar/harness/scripted_client.hpp>
 #include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/attribute.hpp>
@@ -195,6 +199,96 @@ TEST_CASE_METHOD(Plant, "faults on messages need one", "[harness]")
     CHECK_THROWS_WITH(play(fault::duplicate().at_byte(7)), Catch::Contains("none is said"));
     CHECK_THROWS_WITH(play(fault::overtake().after(response)), Catch::Contains("say at()"));
     CHECK_THROWS_WITH(play(fault::change({}).at(response)), Catch::Contains("nothing says"));
+}
+
+TEST_CASE_METHOD(Plant, "answers by faults fit in after other faults", "[harness]")
+{
+    const Fault first = GENERATE(fault::drop(), fault::duplicate(), fault::overtake());
+    play(first.at(response));
+    play(fault::answer(status::Bad_TooManyOperations).at(Message{"ReadRequest", 3}));
+    int answers = 0;
+    for (int i = 0; i < 4; ++i) {
+        client.send<ReadResponse>(read_request(), [&](const Result<ReadResponse>&) { ++answers; });
+        world.run_for(10ms);
+    }
+    world.run_for(1s);
+    CHECK(client.is_ready());
+    CHECK(answers == (first.kind == Fault::Kind::Drop ? 3 : 4));
+}
+
+TEST_CASE("a frame without a sequence number is passed on as it is", "[harness]")
+{
+    const Fault fault = GENERATE(fault::duplicate(), fault::overtake(), fault::drop());
+    World world;
+    ScriptedServer server{world, url};
+    channel::ClientChannelConfig config;
+    config.endpoint_url = url;
+    ScriptedClient client{world, config};
+    need(client.open());
+    world.network().play(fault.at(Message{"MSG"}).sent_by(Side::Client).times(0));
+    const std::array<char, 16> frames{'M', 'S', 'G', 'F', 8, 0, 0, 0, 'M', 'S', 'G', 'F', 8};
+    client.send_bytes(std::as_bytes(std::span{frames}));
+    world.run_for(1s);
+    CHECK(world.network().pending_faults() == "");
+}
+
+TEST_CASE("a fault in time acts on its connection only", "[harness]")
+{
+    World world;
+    ScriptedServer server{world, url};
+    server.accept_clients();
+    ConnectionHost first{world};
+    ConnectionHost second{world};
+    need(first.open());
+    need(second.open());
+    world.network().play(fault::cut().after(1s).on_connection(2));
+    world.run_for(2s);
+    CHECK(first.is_ready());
+    CHECK_FALSE(second.is_ready());
+}
+
+TEST_CASE("a scripted client may say nothing after it has said much", "[harness]")
+{
+    World world;
+    ScriptedServer server{world, url};
+    channel::ClientChannelConfig config;
+    config.endpoint_url = url;
+    config.requested_lifetime = 60s;
+    ScriptedClient client{world, config};
+    need(client.open());
+    need(client.dial());
+    world.run_for(2h); // when the token would have been renewed
+    REQUIRE(client.received().size() > 8);
+    CHECK(std::memcmp(client.received().data(), "ERR", 3) == 0); // it says no Hello
+}
+
+/// Takes no connection.
+class Full final : public Acceptor {
+public:
+    [[nodiscard]] bool accept(const std::shared_ptr<Link>&, std::string_view) override
+    {
+        return false;
+    }
+};
+
+TEST_CASE("a connection that is refused does not end a recording", "[harness]")
+{
+    World world;
+    const auto recorder = std::make_shared<Recorder>(world.seed());
+    world.network().set_observer(recorder);
+    Full full;
+    need(world.network().listen("opc.tcp://full:4840", full));
+    ScriptedServer server{world, url};
+    server.accept_clients();
+    client::ConnectionConfig config = open_connection_config();
+    config.channel.endpoint_url = "opc.tcp://full:4840";
+    ConnectionHost refused{world, config};
+    CHECK_FALSE(refused.open());
+    world.run_for(1s);
+    ConnectionHost client{world};
+    need(client.open());
+    CHECK(recorder->recording().is_complete);
+    CHECK(recorder->recording().entries.size() > 4);
 }
 
 } // namespace fault_message_test

@@ -17,7 +17,8 @@ TEST_CASE("a fault is read as it is described", "[harness]")
         "refuse times 3", "drop at PublishResponse 2", "duplicate at WriteRequest 1 always",
         "overtake at ReadResponse 1", "truncate 3 at ReadResponse 1",
         "edit results[0].status = Bad_Timeout at ReadResponse 2",
-        "edit sessionName = at the press at CreateSessionRequest 1");
+        "edit sessionName = at the press at CreateSessionRequest 1",
+        "edit sessionName = at noon before CreateSessionRequest 1", "delay 0.3 s at MSG 1");
     const auto fault = parse_fault(text);
     INFO((fault ? std::string{} : fault.error().text));
     REQUIRE(fault);
@@ -56,6 +57,11 @@ TEST_CASE("what is no fault is told with what is expected", "[harness]")
          {"cut of the cable", "found \"cable\"; expected client or server"},
          {"cut on connection two", "found \"two\"; expected the number"},
          {"cut at OPN times 0", "\"always\""},
+         {"cut on connection 0", "connections are counted from 1"},
+         {"cut at OPN at MSG", "found \"at\"; expected one moment only"},
+         {"cut after -5 s", "its time is negative"},
+         {"corrupt 3 bit 9 at OPN", "found bit 9; expected 0 to 7"},
+         {"cut\nat OPN", "found a control character"},
          {"edit results[0].status Bad_Timeout at ReadResponse", "edit FIELD = VALUE"},
          {"edit results[0].status = Bad_Timeout", "expected the value, and \"at\""},
          {"drop", "neither is said"},

@@ -173,4 +173,55 @@ TEST_CASE("times are compared where they are asked for", "[harness]")
     REQUIRE(compare_messages(before, after, {.with_times = true}).size() == 1);
 }
 
+TEST_CASE("the end of a connection is compared with nothing else", "[harness]")
+{
+    std::vector<RecordedMessage> before(1);
+    before[0].number = 1;
+    before[0].name = "ERR";
+    before[0].from = Side::Server;
+    auto after = read_messages(record({}));
+    CHECK_FALSE(compare_messages(before, after).empty());
+    CHECK_FALSE(compare_messages(after, before).empty());
+    // More than are aligned: one by one.
+    const auto request = after[10];
+    std::vector<RecordedMessage> many(5'000, request);
+    for (std::size_t i = 0; i < many.size(); ++i) {
+        many[i].request_id = static_cast<std::uint32_t>(i);
+    }
+    auto ended = many;
+    ended[0] = before[0];
+    CHECK_FALSE(compare_messages(many, ended, {.max_lines = 3}).empty());
+}
+
+TEST_CASE("values that are not shown whole differ all the same", "[harness]")
+{
+    const auto recorded = [](const Variant& value) {
+        World world;
+        const auto recorder = std::make_shared<Recorder>(1);
+        world.network().set_observer(recorder);
+        ScriptedServer server{world, url};
+        server.accept_clients();
+        server.allow<ReadRequest>(reads(level)).reply(read_response(world, value));
+        ConnectionHost client{world};
+        need(client.open());
+        need(client.call<ReadResponse>(read_request(level)));
+        return read_messages(recorder->recording());
+    };
+    const auto differs = [&](const Variant& a, const Variant& b) {
+        return !compare_messages(recorded(a), recorded(b)).empty() &&
+               compare_messages(recorded(a), recorded(a)).empty();
+    };
+    std::vector<std::int32_t> numbers(20, 1);
+    const Variant first{Array<std::int32_t>{numbers}};
+    numbers.back() = 2;
+    CHECK(differs(first, Variant{Array<std::int32_t>{numbers}}));
+    CHECK(differs(Variant{String{std::string(300, 'a')}},
+                  Variant{String{std::string(299, 'a') + "b"}}));
+    CHECK(differs(Variant{ByteString{std::as_bytes(std::span{"ab", 2})}},
+                  Variant{ByteString{std::as_bytes(std::span{"ac", 2})}}));
+    CHECK(differs(Variant{LocalizedText{"en", "a"}}, Variant{LocalizedText{"de", "a"}}));
+    CHECK(differs(Variant{std::int64_t{9'007'199'254'740'993}},
+                  Variant{std::int64_t{9'007'199'254'740'992}}));
+}
+
 } // namespace recorded_messages_test

@@ -181,4 +181,29 @@ TEST_CASE("a recorded server answers as it did", "[harness]")
     }
 }
 
+TEST_CASE("what a recorded client did not wait for is not waited for", "[harness]")
+{
+    Plant first{1.5};
+    {
+        ConnectionHost client{first.bench.world()};
+        need(client.open());
+        need(client.call<ReadResponse>(read_request(first.level)));
+        CreateSubscriptionRequest create;
+        create.requested_publishing_interval = 1'000;
+        create.requested_lifetime_count = 1'000;
+        create.requested_max_keep_alive_count = 100;
+        need(client.call<CreateSubscriptionResponse>(create));
+        for (int i = 0; i < 3; ++i) {
+            client.send<PublishResponse>(PublishRequest{}, [](const Result<PublishResponse>&) {});
+        }
+        first.bench.run_for(10ms);
+        client.drop();
+        first.bench.run_for(1s);
+    }
+    const Recording recording = first.recorder->recording();
+    const TimePoint begin = first.bench.world().now();
+    CHECK(repeat(recording, first) == Lines{});
+    CHECK(first.bench.world().now() - begin < 5s);
+}
+
 } // namespace request_replay_test

@@ -131,6 +131,26 @@ run 0 --insecure read "$served" "$level"
 says 1.5
 stop 0
 
+# A server from a file, which passes values, takes some, and is late as it is told.
+cat > tank.sim << END
+# a tank
+Level    Double  steps 1.5 2.5 50ms
+Setpoint Int16   50 write
+END
+"$busbar" simulate tank.sim --fault 'delay 300ms at WriteResponse' > tank.out 2> tank.err < /dev/null &
+pid=$!
+await grep -q -s ' is at ' tank.err
+tank=$(sed -n 's/^busbar: .* is at //p' tank.err)
+run 0 --insecure read "$tank" 'ns=1;s=Level' --json
+says '[12]\.5'
+run 0 --insecure write "$tank" 'ns=1;s=Setpoint' 60
+run 0 --insecure read "$tank" 'ns=1;s=Setpoint'
+says ' 60 '
+run 1 --insecure write "$tank" 'ns=1;s=Level' 7
+says Bad_NotWritable
+stop 0
+grep -q 'server -> WriteResponse Good' tank.out || fail "the simulation does not show the response"
+
 # Mistakes.
 run 2 show machine-1.5.toml
 says 'machine-1.5.toml: found no recording; expected a file that begins with "busbar-recording 1"'

@@ -9,7 +9,7 @@ namespace busbar::channel {
 
 /// Sees the MSG and CLO chunks that a channel sends, and may change them: for test benches, whose
 /// peers must be able to be wrong, and which show what is sent on secured channels. Null in every
-/// product. Called by the thread of the channel; must not call it.
+/// product. Called by the thread of the channel; must not call the channel.
 class BUSBAR_API ChunkHook {
 public:
     ChunkHook() = default;

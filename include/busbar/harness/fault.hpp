@@ -19,7 +19,8 @@
 namespace busbar::harness {
 
 /// The `number`th message of a connection with this name, from 1: a message type ("HEL", "ACK",
-/// "OPN", "MSG", "CLO", "ERR") or, on a channel with policy None, where it is readable, the name of
+/// "OPN", "MSG", "CLO", "ERR") or, where it can be read (with policy None, or from a host of this
+/// world), the name of
 /// the structure it carries ("ReadRequest", "PublishResponse"). Each name is counted separately, on
 /// each connection, from the time when the script was played.
 struct Message {
@@ -132,8 +133,9 @@ namespace fault {
 /// The sender's next message overtakes this one, which does not arrive if there is none; the
 /// sequence numbers likewise.
 [[nodiscard]] BUSBAR_API Fault overtake();
-/// The message has a body of the test's making, in as many chunks as before unless it is larger.
-/// Only on a channel with policy None, as edit() and truncate(). Without an edit it does not act.
+/// Gives the message another body. It is sent in one chunk if it came in one, else in chunks as
+/// large as its first one. Needs a channel with policy None, as do edit() and truncate();
+/// Network::play() refuses it without an edit.
 [[nodiscard]] BUSBAR_API Fault change(Fault::Edit edit, std::string text = "change");
 /// The structure of the message is changed; those of other types stay as they are:
 ///
@@ -175,6 +177,7 @@ template <typename Structure, typename Work>
 /// Reads what describe() writes, but for changes that are a test's code: what happens, "before",
 /// "at" or "after" which message (1 if no number follows) or time, or "at byte" N, then "of the
 /// client" or "server", "on connection" N, "times" N or "always". Times have a unit: ms, s, min, h.
+/// An edit has a text that is not empty.
 /// The Problem says what was found and what is expected, or why the fault could never act.
 [[nodiscard]] BUSBAR_API Configured<Fault> parse_fault(std::string_view text);
 

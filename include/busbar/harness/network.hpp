@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/channel/chunk_hook.hpp>
@@ -112,7 +113,8 @@ private:
     std::shared_ptr<detail::ChunkTap> tap_;
     std::shared_ptr<detail::ActingFaults> faults_;
     std::shared_ptr<LinkObserver> observer_;
-    std::vector<std::weak_ptr<Link>> links_;
+    /// With the numbers of their connections.
+    std::vector<std::pair<std::size_t, std::weak_ptr<Link>>> links_;
     std::size_t connection_count_{0};
     bool refuses_{false};
     bool forgives_pending_{false};

@@ -31,7 +31,7 @@ struct BUSBAR_API RecordedMessage {
     Side from{Side::Client};
     /// Its structure, "ReadRequest"; its type, "HEL", for those that have none or cannot be read.
     std::string name;
-    /// A response has its request's; 0 for messages that have none.
+    /// The RequestId, which a response shares with its request; 0 without one.
     std::uint32_t request_id{0};
     /// In wire order. Fields of a DataValue are told apart; those that are null, Good or nothing
     /// are left out.
@@ -57,7 +57,7 @@ private:
 };
 
 /// Returns the messages of a recording in the order in which they arrived. Those on secured
-/// channels have a name and no fields.
+/// channels have only their type, such as "MSG".
 [[nodiscard]] BUSBAR_API std::vector<RecordedMessage> read_messages(const Recording& recording);
 
 /// Returns one line about a message: "0.012 s client -> ReadRequest ns=1;s=Level".

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +28,8 @@ struct RequestReplayOptions {
 /// `config` says where and as whom; the world, which may be a RealWorld, runs until all is over.
 /// The recorded channel must have been readable (policy None), the new one may have any security.
 /// ContinuationPoints are those of the recording, since they are not told apart: a server answers
-/// BrowseNext with Bad_ContinuationPointInvalid. The error is that of the session.
+/// BrowseNext with Bad_ContinuationPointInvalid. Items of two Subscriptions with one id at the old
+/// server are taken for one. The error is that of the session.
 [[nodiscard]] BUSBAR_API Result<std::vector<RecordedMessage>>
 replay_requests(World& world, const Recording& recording, client::ConnectionConfig config,
                 const ClientParts& parts = {}, const RequestReplayOptions& options = {});
@@ -38,9 +40,9 @@ replay_requests(World& world, const Recording& recording, client::ConnectionConf
 
 /// Answers requests as a recorded server did. A request is answered as the first recorded one with
 /// the same content that was not used yet, or as the last one if all were; a Publish only by one
-/// that was not. Sessions are made for every client, and the server's state is its own; what was
-/// not recorded is answered by Bad_ServiceUnsupported and reported. One thread; world and recording
-/// must outlive it.
+/// that was not. The server creates sessions of its own for every client, and its state is its own;
+/// what was not recorded is answered by Bad_ServiceUnsupported and reported. One thread; world and
+/// recording must outlive it.
 class BUSBAR_API RecordedServer {
 public:
     RecordedServer(World& world, std::string_view url, const Recording& recording,

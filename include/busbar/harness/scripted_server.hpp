@@ -89,14 +89,15 @@ public:
         }
         hold_->waiting.clear();
     }
-    /// The number of answers that wait.
+    /// The number of answers that wait, those of lost connections among them.
     [[nodiscard]] std::size_t count() const { return hold_->waiting.size(); }
 
 private:
     std::shared_ptr<detail::Hold> hold_;
 };
 
-/// The reaction of a scripted server to a Request; nothing, unless one of these is called.
+/// The reaction of a scripted server to a Request; nothing, unless one of these is called. Must not
+/// be used once its request has arrived, or the server has ended.
 template <typename Request>
 class Expectation {
 public:
@@ -122,7 +123,7 @@ public:
         fault.response_header.service_result = status;
         return reply(std::move(fault), delay);
     }
-    /// The answer, which was said before, departs from the protocol.
+    /// Makes the answer depart from the protocol; replaces an earlier wrong() or twice().
     Expectation wrong(const Wrong& how)
     {
         step_->wrong = how;
@@ -178,8 +179,7 @@ private:
     detail::ScriptStep* step_;
 };
 
-/// Returns what tells requests to read the Value of this node from others, for
-/// ScriptedServer::expect().
+/// Returns a condition for ScriptedServer::expect(): the request reads the Value of this node.
 [[nodiscard]] BUSBAR_API std::function<bool(const ReadRequest&)> reads(const NodeId& node);
 
 /// The parts that a scripted server needs for policies other than None. All pointers must outlive

@@ -23,13 +23,13 @@ struct Wrong {
     };
 
     Sequence sequence{Sequence::Right};
-    /// In the header of a response.
+    /// Sent in the header of the response.
     std::optional<std::uint32_t> request_handle{};
-    /// In the sequence header of each chunk.
+    /// Sent in the sequence header of each chunk.
     std::optional<std::uint32_t> request_id{};
-    /// In the message header of each chunk.
+    /// Sent in the message header of each chunk.
     std::optional<std::uint32_t> channel_id{};
-    /// In the security header of each chunk.
+    /// Sent in the security header of each chunk.
     std::optional<std::uint32_t> token_id{};
     /// The last byte of each chunk, which is of its signature or the signature's cipher. Without
     /// security it is the body's.

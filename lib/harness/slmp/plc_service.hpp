@@ -17,7 +17,7 @@ struct PlcMishap {
     std::uint16_t end_code{0};
 };
 
-/// What the connections to a PLC share.
+/// The state that the connections to a PLC share.
 struct SharedPlc {
     SlmpPlcOptions options;
     PlcMemory memory{};
@@ -38,7 +38,7 @@ struct SharedPlc {
     static constexpr backend::SlmpDevice mode_device{0xA9, 203};
 };
 
-/// What a PLC does of the operations of one connection, whatever the frames are that they come in.
+/// Serves the operations of one connection, whatever the frames are that they come in.
 class PlcService {
 public:
     /// `plc` must outlive the object.

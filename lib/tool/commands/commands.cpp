@@ -40,6 +40,7 @@ void add_commands(CLI::App& app, Run& run)
     add_bench(app, run);
 #ifdef BUSBAR_TOOL_HARNESS
     add_proxy(app, run);
+    add_simulate(app, run);
     add_show(app, run);
     add_diff(app, run);
     add_replay(app, run);

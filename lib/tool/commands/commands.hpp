@@ -38,6 +38,7 @@ void add_check(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 /// These need the harness, which a build may lack.
 void add_proxy(CLI::App& app, Run& run);
+void add_simulate(CLI::App& app, Run& run);
 void add_show(CLI::App& app, Run& run);
 void add_diff(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);

@@ -34,6 +34,8 @@ void add_diff(CLI::App& app, Run& run)
             unmark(arguments->after);
             const auto before = harness::read_messages(read_recording_file(arguments->before));
             const auto after = harness::read_messages(read_recording_file(arguments->after));
+            need_readable(arguments->before, before);
+            need_readable(arguments->after, after);
             return print_differences(
                 context, harness::compare_messages(before, after, arguments->options),
                 arguments->before + " and " + arguments->after, arguments->junit);

@@ -1,5 +1,7 @@
 #include "recording_file.hpp"
 
+#include <algorithm>
+
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
@@ -45,6 +47,18 @@ harness::Recording read_recording_file(const std::string& path)
                       "`busbar proxy --record FILE` writes one"};
     }
     return *std::move(recording);
+}
+
+void need_readable(const std::string& path, const std::vector<harness::RecordedMessage>& messages)
+{
+    const bool has_some =
+        std::any_of(messages.begin(), messages.end(), [](const harness::RecordedMessage& message) {
+            return !message.fields.empty();
+        });
+    if (!has_some) {
+        throw Failure{Exit::Usage, path + ": no message in it can be read",
+                      "its channels were secured, or there were none; record policy None"};
+    }
 }
 
 void write_recording_file(const std::string& path, const harness::Recording& recording)

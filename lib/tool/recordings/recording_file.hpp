@@ -13,6 +13,8 @@ namespace busbar::tool {
 
 /// Reads a recording; throws Failure, which says what the file is not.
 [[nodiscard]] harness::Recording read_recording_file(const std::string& path);
+/// Throws Failure if no message of the recording can be read, since its channels were secured.
+void need_readable(const std::string& path, const std::vector<harness::RecordedMessage>& messages);
 /// Writes one; throws Failure.
 void write_recording_file(const std::string& path, const harness::Recording& recording);
 

@@ -27,8 +27,9 @@ Exit replay_to(Context& context, const ReplayArguments& arguments)
                       "say --insecure if that is meant, for a test bench"};
     }
     const harness::Recording recording = read_recording_file(arguments.places.back());
-    LiveWorld live;
-    if (const auto reached = live.world().reach(context.options.url); !reached) {
+    need_readable(arguments.places.back(), harness::repeated_messages(recording));
+    harness::RealWorld world;
+    if (const auto reached = world.reach(context.options.url); !reached) {
         throw Failure{reached.error(), context.options.url};
     }
     client::ConnectionConfig config = harness::open_connection_config();
@@ -37,8 +38,7 @@ Exit replay_to(Context& context, const ReplayArguments& arguments)
     options.keeps_pace = arguments.keeps_pace;
     options.answer_limit = std::chrono::duration_cast<Duration>(
         std::chrono::duration<double>{context.options.timeout});
-    const auto came =
-        harness::replay_requests(live.world(), recording, std::move(config), {}, options);
+    const auto came = harness::replay_requests(world, recording, std::move(config), {}, options);
     if (!came) {
         throw Failure{came.error(), context.options.url};
     }

@@ -1,0 +1,256 @@
+#include "simulation.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include <busbar/client/value_text.hpp>
+#include <busbar/core/built_in_type.hpp>
+#include <busbar/core/text.hpp>
+
+namespace busbar::tool {
+
+namespace {
+
+constexpr std::size_t max_variables = 10'000;
+constexpr std::size_t max_values = 1'000;
+
+/// The words of a line; one in quotes may have spaces.
+std::vector<std::string> words_of(std::string_view line)
+{
+    std::vector<std::string> words;
+    for (std::size_t at = 0; at < line.size();) {
+        if (line[at] == ' ' || line[at] == '\t' || line[at] == '\r') {
+            ++at;
+            continue;
+        }
+        const bool is_quoted = line[at] == '"';
+        const std::size_t begin = is_quoted ? at + 1 : at;
+        const std::size_t end = std::min(
+            is_quoted ? line.find('"', begin) : line.find_first_of(" \t\r", begin), line.size());
+        words.emplace_back(line.substr(begin, end - begin));
+        at = end + 1;
+    }
+    return words;
+}
+
+std::optional<BuiltInType> type_of(std::string_view text)
+{
+    for (std::uint8_t i = 1; i <= last_built_in_type; ++i) {
+        if (name(BuiltInType{i}) == text) {
+            return BuiltInType{i};
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<Duration> period_of(std::string_view text)
+{
+    double number = 0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), number);
+    const std::string_view unit = text.substr(static_cast<std::size_t>(end.ptr - text.data()));
+    const double seconds = unit == "ms" ? number / 1'000 : unit == "s" ? number : number * 60;
+    constexpr double most = 86'400;
+    if (end.ec != std::errc{} || (unit != "ms" && unit != "s" && unit != "min") ||
+        !(seconds >= 0.01 && seconds <= most)) {
+        return std::nullopt;
+    }
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{seconds});
+}
+
+/// The number in a Variant of a numeric type.
+std::optional<double> number_in(const Variant& value)
+{
+    std::optional<double> number;
+    const auto look = [&]<typename T>(const T*) {
+        if (const T* const found = value.get_if<T>()) {
+            number = static_cast<double>(*found);
+        }
+    };
+    look(static_cast<const std::int8_t*>(nullptr));
+    look(static_cast<const std::uint8_t*>(nullptr));
+    look(static_cast<const std::int16_t*>(nullptr));
+    look(static_cast<const std::uint16_t*>(nullptr));
+    look(static_cast<const std::int32_t*>(nullptr));
+    look(static_cast<const std::uint32_t*>(nullptr));
+    look(static_cast<const std::int64_t*>(nullptr));
+    look(static_cast<const std::uint64_t*>(nullptr));
+    look(static_cast<const float*>(nullptr));
+    look(static_cast<const double*>(nullptr));
+    return number;
+}
+
+/// A number of the same type as `model`; the nearest one that it has.
+Variant number_like(const Variant& model, double number)
+{
+    Variant made;
+    const auto make = [&]<typename T>(const T*) {
+        if (model.get_if<T>() == nullptr) {
+            return;
+        }
+        if constexpr (std::is_floating_point_v<T>) {
+            made = Variant{static_cast<T>(number)};
+        } else {
+            using Limits = std::numeric_limits<T>;
+            made = number <= static_cast<double>(Limits::min()) ? Variant{Limits::min()}
+                   : number >= static_cast<double>(Limits::max())
+                       ? Variant{Limits::max()}
+                       : Variant{static_cast<T>(std::llround(number))};
+        }
+    };
+    make(static_cast<const std::int8_t*>(nullptr));
+    make(static_cast<const std::uint8_t*>(nullptr));
+    make(static_cast<const std::int16_t*>(nullptr));
+    make(static_cast<const std::uint16_t*>(nullptr));
+    make(static_cast<const std::int32_t*>(nullptr));
+    make(static_cast<const std::uint32_t*>(nullptr));
+    make(static_cast<const std::int64_t*>(nullptr));
+    make(static_cast<const std::uint64_t*>(nullptr));
+    make(static_cast<const float*>(nullptr));
+    make(static_cast<const double*>(nullptr));
+    return made;
+}
+
+/// Reads one line, which has words.
+class LineReader {
+public:
+    explicit LineReader(std::vector<std::string> words) : words_{std::move(words)} {}
+
+    [[nodiscard]] Expected<SimulatedVariable, std::string> read()
+    {
+        SimulatedVariable variable;
+        variable.name = words_[0];
+        if (words_.size() < 3) {
+            return Unexpected{std::string{"found " + std::to_string(words_.size()) +
+                                          " words; expected NAME TYPE and a value or a signal"}};
+        }
+        const auto type = type_of(words_[1]);
+        if (!type) {
+            return Unexpected{"found the type \"" + printable(words_[1]) +
+                              "\"; expected a built-in type, as Double, Int32, Boolean or String"};
+        }
+        type_ = *type;
+        if (words_.back() == "write") {
+            variable.is_writable = true;
+            words_.pop_back();
+        }
+        if (auto flaw = read_signal(variable.signal); !flaw.empty()) {
+            return Unexpected{std::move(flaw)};
+        }
+        return variable;
+    }
+
+private:
+    [[nodiscard]] std::string read_signal(SimulatedSignal& signal)
+    {
+        const std::string& kind = words_.size() > 2 ? words_[2] : words_[1];
+        const bool is_ramp = kind == "ramp";
+        const bool is_sine = kind == "sine";
+        if (!is_ramp && !is_sine && kind != "steps") {
+            if (words_.size() != 3) {
+                return "found " + std::to_string(words_.size() - 2) +
+                       " words after the type; expected one value, or ramp, sine or steps";
+            }
+            return add(signal, words_[2]);
+        }
+        signal.kind = is_ramp   ? SimulatedSignal::Kind::Ramp
+                      : is_sine ? SimulatedSignal::Kind::Sine
+                                : SimulatedSignal::Kind::Steps;
+        const std::size_t count = words_.size() - 3;
+        if (kind == "steps" ? count < 2 || count > max_values : count != 3) {
+            return kind == "steps"
+                       ? "expected steps, 1 to 1000 values and a period, as steps 1 2 3 5s"
+                       : "expected " + kind + ", two numbers and a period, as " + kind +
+                             " 0 100 60s";
+        }
+        const auto period = period_of(words_.back());
+        if (!period) {
+            return "found the period \"" + printable(words_.back()) +
+                   "\"; expected 10ms to 1440min, as 500ms, 5s or 2min";
+        }
+        signal.period = *period;
+        for (std::size_t i = 3; i + 1 < words_.size(); ++i) {
+            if (auto flaw = add(signal, words_[i]); !flaw.empty()) {
+                return flaw;
+            }
+        }
+        if (kind != "steps" && !number_in(signal.values[0])) {
+            return kind + " is for numbers, and not for " + std::string{name(type_)};
+        }
+        return {};
+    }
+    [[nodiscard]] std::string add(SimulatedSignal& signal, const std::string& text) const
+    {
+        client::ValueType type;
+        type.built_in = type_;
+        auto value = client::parse_value(text, type);
+        if (!value) {
+            return value.error().message;
+        }
+        signal.values.push_back(*std::move(value));
+        return {};
+    }
+
+    std::vector<std::string> words_;
+    BuiltInType type_{BuiltInType::Double};
+};
+
+} // namespace
+
+Variant SimulatedSignal::at(Duration time) const
+{
+    if (kind == Kind::Constant) {
+        return values[0];
+    }
+    const double periods = std::chrono::duration<double>{time} / period;
+    if (kind == Kind::Steps) {
+        return values[static_cast<std::size_t>(
+            std::fmod(std::floor(periods), static_cast<double>(values.size())))];
+    }
+    const double first = number_in(values[0]).value_or(0);
+    const double second = number_in(values[1]).value_or(0);
+    const double part = periods - std::floor(periods);
+    return number_like(values[0], kind == Kind::Ramp
+                                      ? first + (second - first) * part
+                                      : first + second * std::sin(2 * std::numbers::pi * part));
+}
+
+Configured<std::vector<SimulatedVariable>> read_simulation(std::string_view text,
+                                                           std::string_view file)
+{
+    std::vector<SimulatedVariable> variables;
+    std::set<std::string> names;
+    std::size_t number = 0;
+    while (!text.empty()) {
+        const std::size_t end = text.find('\n');
+        const std::string_view line = text.substr(0, end);
+        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+        ++number;
+        auto words = words_of(line);
+        if (words.empty() || words[0].starts_with('#')) {
+            continue;
+        }
+        const std::string where = std::string{file} + ":" + std::to_string(number);
+        auto variable = LineReader{std::move(words)}.read();
+        if (!variable) {
+            return misconfigured(where, std::move(variable.error()));
+        }
+        if (!names.insert(variable->name).second) {
+            return misconfigured(where, printable(variable->name) + " is there twice");
+        }
+        if (variables.size() == max_variables) {
+            return misconfigured(where, "there are more than 10000 variables");
+        }
+        variables.push_back(*std::move(variable));
+    }
+    if (variables.empty()) {
+        return misconfigured(std::string{file}, "found no variable; expected lines as "
+                                                "\"Level Double ramp 0 100 60s\"");
+    }
+    return variables;
+}
+
+} // namespace busbar::tool
