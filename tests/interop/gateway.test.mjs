@@ -236,12 +236,8 @@ table = "${table}"` });
     await plc.exit;
     await until(() => all(StatusCodes.BadNoCommunication) === words, () => `${all(StatusCodes.BadNoCommunication)} are bad`);
     plc = await startPlc("another1");
-    await until(async () => (await read("mixer Connection.Trouble")).value.value === "C810: the remote password is wrong",
-      () => "it is told");
+    await until(async () => (await read("mixer Connection.Trouble")).value.value
+      .startsWith("C810: the remote password is wrong"), () => "it is told");
     assert.equal(all(StatusCodes.BadNoCommunication), words);
-    plc.process.kill("SIGKILL");
-    await plc.exit;
-    plc = await startPlc("secret1");
-    await until(() => all(StatusCodes.Good) === words, () => `${all(StatusCodes.Good)} are good`);
   });
 });

@@ -1,10 +1,12 @@
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "product/configuration/config.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace config_test {
 
@@ -457,6 +459,55 @@ TEST_CASE("clients get no folder in which a machine keeps its own files", "[atta
     CHECK(complaint(here).find("\"plant.toml\", the configuration") != std::string::npos);
     CHECK_NOTHROW(parse(with("card/recipes")));
     CHECK_NOTHROW(parse(with("keptwell")));
+}
+
+TEST_CASE("clients get no folder with a file of a program or the password of a PLC", "[attack]")
+{
+    const test::TemporaryFolder folder;
+    const auto at = [&](const std::string& name) { return folder.path.string() + "/" + name; };
+    const auto write = [&](const std::string& name, const std::string& text) {
+        std::filesystem::create_directories(std::filesystem::path{at(name)}.parent_path());
+        std::ofstream{at(name)} << text;
+    };
+    write("p/x.st", "VAR_GLOBAL\n  speed : INT;\nEND_VAR\n");
+    write("files/b.st", "VAR_GLOBAL\n  level : INT;\nEND_VAR\n");
+    write("q/GVLs/A.TcGVL",
+          "<TcPlcObject><GVL Name=\"A\"><Declaration><![CDATA[VAR_GLOBAL a : INT; "
+          "END_VAR]]></Declaration></GVL></TcPlcObject>");
+    write("q/q.plcproj", "<Project><ItemGroup><Compile Include=\"GVLs\\A.TcGVL\"/></ItemGroup>"
+                         "</Project>");
+    write("secrets/plc.password", "secret\n");
+    const auto with = [&](const std::string& text, const std::string& files) {
+        return text + "\n[[files]]\nname = \"a\"\nfolder = \"" + at(files) + "\"\n";
+    };
+    const std::string list = "[\"" + at("p/x.st") + "\", \"" + at("files/b.st") + "\"]";
+    const std::string project = "\"" + at("q/q.plcproj") + "\"";
+    const std::string slmp = "address = \"192.0.2.20:5000\"\nremote_password_file = \"" +
+                             at("secrets/plc.password") + "\"\n";
+    const std::string machine = "the machine's program";
+    const std::string labels = "the program of the labels";
+    struct Row {
+        std::string text;
+        std::string files;
+        std::string said;
+    };
+    const Row rows[] = {
+        {"[machine]\nprogram = " + list, "files", at("files/b.st") + "\", " + machine},
+        {"[machine]\nprogram = " + list, "p", at("p/x.st") + "\", " + machine},
+        {"[machine]\nprogram = " + project, "q/GVLs", at("q") + "\", " + machine},
+        {"[machine]\nprogram = [" + project + "]", "q/GVLs", at("q") + "\", " + machine},
+        {"[labels]\nprogram = \"" + at("files/b.st") + "\"", "files", labels},
+        {"[labels]\nprogram = " + list, "p", labels},
+        {"[labels]\nprogram = " + project, "q/GVLs", labels},
+        {"[labels]\nbackend = \"slmp\"\n" + slmp, "secrets", "the password of a PLC"},
+        {"[[backend]]\nname = \"press\"\nprotocol = \"slmp\"\n" + slmp, "secrets",
+         "the password of a PLC"},
+    };
+    for (const auto& [text, files, said] : rows) {
+        INFO(text << "\n" << files << ": " << complaint(with(text, files)));
+        CHECK(complaint(with(text, files)).find(said) != std::string::npos);
+        CHECK(complaint(with(text, "recipes")) == "nothing");
+    }
 }
 
 TEST_CASE("names that become nodes have at most 512 bytes, and the file's line is told")

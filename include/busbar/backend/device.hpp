@@ -103,6 +103,9 @@ public:
     [[nodiscard]] virtual bool is_closed() const = 0;
     /// The reason, as a sentence without a full stop; empty if the other side closed it.
     [[nodiscard]] virtual std::string reason() const = 0;
+    /// True if the PLC has refused the password of this connection. The Device connects again only
+    /// after a long pause, because some PLCs count wrong passwords and stay locked.
+    [[nodiscard]] virtual bool is_denied() const { return false; }
     /// Returns what the PLC says of itself; empty if it was not asked or does not say.
     [[nodiscard]] virtual DeviceIdentity identity() const { return {}; }
 };
@@ -148,7 +151,8 @@ struct DeviceConfig {
     /// Pause after the first failed connection; it doubles with each further one.
     Duration first_pause{std::chrono::milliseconds{500}};
     /// The longest pause. Each one is shortened by up to a quarter, differently for each name and
-    /// attempt, so that PLCs behind one switch are not asked all at once.
+    /// attempt, so that PLCs behind one switch are not asked all at once. After a refused password
+    /// the pause is at least 10 minutes.
     Duration longest_pause{std::chrono::seconds{30}};
 };
 
@@ -206,6 +210,8 @@ public:
     [[nodiscard]] DeviceState state() const;
     /// The reason for not being Online, for people; empty while it is.
     [[nodiscard]] const std::string& trouble() const;
+    /// True while it waits because the PLC has refused the password.
+    [[nodiscard]] bool is_denied() const;
     /// Returns what the PLC said of itself when it was last Online, without what cannot be shown.
     [[nodiscard]] const DeviceIdentity& identity() const;
     /// The same in one line: "Maker Type 1.0"; empty if it said nothing.

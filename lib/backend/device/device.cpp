@@ -13,6 +13,10 @@ namespace {
 
 constexpr std::size_t most_told = 16;
 
+/// Shortest pause after a refused password, and what the trouble says of it.
+constexpr Duration denied_pause = std::chrono::minutes{10};
+constexpr const char* denied_text = "; it is tried again after 10 minutes, or at a restart";
+
 /// FNV-1a: the same on each machine.
 std::uint64_t hash_of(std::string_view text, std::uint64_t attempt)
 {
@@ -53,7 +57,7 @@ struct Device::Impl {
     void learn_rules(TimePoint now);
     void refuse(const DeviceAnswer& answer, TimePoint now);
     void step(TimePoint now);
-    void end(const std::string& reason, TimePoint now);
+    void end(std::string reason, TimePoint now);
     void tell(LogLevel level, const std::string& text)
     {
         log->write(level, "backend", config.name + ": " + text);
@@ -75,6 +79,7 @@ struct Device::Impl {
     std::unique_ptr<DeviceLine> line;
     DeviceState state{DeviceState::Waiting};
     std::string trouble{"not connected yet"};
+    bool is_denied{false};
     /// Reasons that were told since the PLC last answered.
     std::vector<std::string> told;
     DeviceIdentity identity;
@@ -198,9 +203,13 @@ void Device::Impl::step(TimePoint now)
     changed();
 }
 
-void Device::Impl::end(const std::string& reason, TimePoint now)
+void Device::Impl::end(std::string reason, TimePoint now)
 {
     const bool was_online = state == DeviceState::Online;
+    is_denied = line != nullptr && line->is_denied();
+    if (is_denied) {
+        reason += denied_text;
+    }
     // A connection without an answer is one more attempt that failed.
     const bool had_answered = std::exchange(has_answered, false);
     is_connection_told = is_connection_told && !had_answered;
@@ -208,7 +217,7 @@ void Device::Impl::end(const std::string& reason, TimePoint now)
     is_late = false;
     state = DeviceState::Waiting;
     ++failures;
-    until = now + pause();
+    until = now + (is_denied ? std::max(pause(), denied_pause) : pause());
     plan.fail_all(status::Bad_NoCommunication);
     // The same reasons again and again are told once.
     const bool is_known = std::ranges::find(told, reason) != told.end();
@@ -219,7 +228,7 @@ void Device::Impl::end(const std::string& reason, TimePoint now)
         tell(LogLevel::Warning, (was_online ? "the connection ended: " : "no connection: ") +
                                     reason + "; its values have Bad_NoCommunication until then");
     }
-    trouble = reason;
+    trouble = std::move(reason);
     changed();
 }
 
@@ -287,6 +296,11 @@ DeviceState Device::state() const
 const std::string& Device::trouble() const
 {
     return impl_->trouble;
+}
+
+bool Device::is_denied() const
+{
+    return impl_->is_denied && impl_->state == DeviceState::Waiting;
 }
 
 const DeviceIdentity& Device::identity() const

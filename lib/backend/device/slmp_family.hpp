@@ -57,7 +57,7 @@ struct SlmpLimits {
 };
 [[nodiscard]] SlmpLimits limits_of(const SlmpFindings& findings, bool is_datagram);
 
-/// What is known at first.
+/// Returns what is known at first.
 [[nodiscard]] SlmpFindings findings_of(const SlmpProtocolOptions& options);
 
 } // namespace busbar::backend::detail

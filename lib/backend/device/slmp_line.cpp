@@ -10,6 +10,7 @@ namespace busbar::backend::detail {
 namespace {
 
 constexpr std::uint16_t locked = 0xC201;
+constexpr std::uint16_t wrong_password = 0xC810;
 
 SlmpClientOptions client_of(const SlmpProtocolOptions& options, const SlmpFindings& findings)
 {
@@ -86,8 +87,8 @@ void SlmpLine::take_first(const SlmpEvent& event)
         ask_first(SlmpCommand::TypeName, {});
         return;
     }
-    // A wrong password again and again locks the port for a while; the device's pauses grow, as
-    // nothing was answered on this connection.
+    // A PLC that counts wrong passwords would stay locked: the device waits long before the next.
+    is_denied_ = code == wrong_password;
     std::string trouble = command_ == SlmpCommand::Unlock || code == locked
                               ? slmp_end_code_text(code)
                               : findings_.learn(event.answer.text, code);

@@ -28,6 +28,7 @@ public:
     void handle_deadline(TimePoint now) override;
     [[nodiscard]] bool is_closed() const override { return client_.is_closed(); }
     [[nodiscard]] std::string reason() const override { return reason_; }
+    [[nodiscard]] bool is_denied() const override { return is_denied_; }
     [[nodiscard]] DeviceIdentity identity() const override { return identity_; }
 
     /// Sends an operation; errors of SlmpClient::send().
@@ -58,6 +59,7 @@ private:
     SlmpCommand command_{SlmpCommand::TypeName};
     bool is_ready_{false};
     bool has_answered_{false};
+    bool is_denied_{false};
     DeviceIdentity identity_;
     std::string reason_;
 };

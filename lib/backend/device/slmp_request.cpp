@@ -12,7 +12,7 @@ namespace busbar::backend::detail {
 namespace {
 
 constexpr std::uint32_t bits_of_word = 16;
-/// What a block costs of the words of a block write, as R08CPU was measured.
+/// The words that a block takes of those of a block write, as R08CPU was measured.
 constexpr std::uint32_t cost_of_written_block = 9;
 
 /// Contacts and coils of timers and counters, which random and block reads must not name.

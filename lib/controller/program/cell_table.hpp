@@ -34,14 +34,14 @@ inline constexpr std::size_t max_table_cells = 64;
 /// Cuts the line that begins there.
 [[nodiscard]] TableLine table_line(std::string_view text, std::size_t begin, TableForm form);
 
-/// What a line of a table declares. All texts are as in declarations.
+/// The declaration in a line of a table. All texts are as in declarations.
 struct TableRow {
     TableCell name{};
     TableCell type{};
     TableCell initial{};
     /// The rest of the variable.
     GlobalVariable variable{};
-    /// Why the line cannot be served, and the cell with that; empty if it can.
+    /// The reason why the line cannot be served, and the cell with that; empty if it can.
     std::string problem{};
     std::size_t problem_offset{0};
 };

@@ -100,7 +100,7 @@ constexpr std::array gx_type_names{
     GxTypeName{"ロングカウンタ", "LCOUNTER"},
 };
 
-/// Where the columns are, and where the lines after the titles begin.
+/// Says where the columns are, and where the lines after the titles begin.
 struct GxLayout {
     std::array<std::size_t, GxColumn::count> places{};
     std::size_t begin{0};

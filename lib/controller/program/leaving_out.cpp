@@ -95,7 +95,7 @@ void ProgramSieve::add_users(std::vector<Found>& problems) const
             }
             return true;
         });
-        // A second type of the same name is used by nobody.
+        // A second type of the same name is not used.
         if (problems[i] && types_.find(types[i].name) == &types[i]) {
             bad.push_back(i);
         }

@@ -19,13 +19,13 @@
 
 namespace busbar::controller::detail {
 
-/// What the parts of a program share while all of them are read once.
+/// The state that the parts of a program share while all of them are read once.
 struct ReadingPass {
     ConstantTable& constants;
     MemoryBudget& memory;
     const DeclarationLimits& limits;
     Unserved unserved{Unserved::Refuse};
-    /// What is read so far, to which each part adds its own.
+    /// The program so far, to which each part adds its own.
     Program program{};
     /// The structures among its types that extend others.
     std::vector<Extension> extensions{};

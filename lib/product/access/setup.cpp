@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "first_account.hpp"
 #include "product/configuration/toml_reader.hpp"
 
@@ -19,7 +21,7 @@ constexpr std::uint8_t all_access = 0xFF;
 Setup::~Setup()
 {
     if (takes_code_back_) { // the start failed after begin(): the next one makes another code
-        static_cast<void>(files_.remove(code_file));
+        busbar::detail::attempt([&] { static_cast<void>(files_.remove(code_file)); });
     }
 }
 
@@ -41,14 +43,18 @@ std::optional<crypto::Secret> Setup::begin(crypto::Random& random, const crypto:
     std::optional<std::string> hash = kept_hash();
     if (!hash) {
         code = new_password(random);
-        hash = crypto::hash_password(code->text(), random, cost).value_or(std::string{});
+        auto made = crypto::hash_password(code->text(), random, cost);
+        if (!made) {
+            throw ConfigError{files_.place(code_file), "the code cannot be hashed"};
+        }
+        hash = *std::move(made);
     }
     server::PasswordUsers::Change change;
     if (!change.set_code(user_name, *hash, {all_access, {"SecurityAdmin", "ConfigureAdmin"}})) {
         throw ConfigError{files_.place(code_file),
                           "found no hash of a code; remove the file to get a new code"};
     }
-    // The file comes last: once it is there, nothing may fail, since nobody would know the code.
+    // The file comes last: once it is there, nothing may fail, since the code would not be known.
     if (code && (!files_.make_folder("", FileAccess::Everyone) ||
                  !files_.replace(code_file, std::as_bytes(std::span{*hash}), FileAccess::Owner))) {
         throw ConfigError{files_.place(code_file),

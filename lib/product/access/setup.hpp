@@ -28,7 +28,7 @@ public:
     {
     }
 
-    /// Takes a new code back that nobody was shown.
+    /// Takes a new code back that was not shown.
     ~Setup() override;
 
     /// Admits the user. Returns the code if it is new: show it once, call code_is_shown(), and

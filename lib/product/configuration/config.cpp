@@ -214,10 +214,10 @@ ControllerConfig read_root(const TomlTable& root)
     read_users(root.table("users"), config);
     read_endpoints(root, config);
     read_machine(root.table("machine"), config);
-    check_files(root, config);
     read_labels(root.table("labels"), config);
     read_plc_of_program(root.table("plc"), config);
     config.backends = read_backends(root);
+    check_files(root, config);
     check_memory(root.table("limits"), config);
     return config;
 }

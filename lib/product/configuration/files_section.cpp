@@ -7,6 +7,9 @@
 
 #include <busbar/controller/execution_log.hpp>
 
+#include "core/ascii_case.hpp"
+#include "product/machine/program_file.hpp"
+
 namespace busbar::product {
 
 namespace {
@@ -65,6 +68,52 @@ FilesConfig read_folder(const TomlTable& entry, const CertificateConfig& certifi
     return files;
 }
 
+/// A file or folder that is not for clients.
+struct Own {
+    std::string path;
+    const char* use;
+};
+
+/// Adds the files of a program. Those of a .plcproj are anywhere in its folder.
+void add_program(std::vector<Own>& all, const std::string& program_file, const char* use)
+{
+    for (const std::string& each : paths_of(program_file)) {
+        const std::filesystem::path path{each};
+        const bool is_list =
+            busbar::detail::is_same_ignoring_case(path.extension().string(), ".plcproj");
+        const std::filesystem::path folder =
+            path.has_parent_path() ? path.parent_path() : std::filesystem::path{"."};
+        all.push_back({is_list ? folder.string() : each, use});
+    }
+}
+
+/// Adds the file of the password of a PLC.
+void add_password(std::vector<Own>& all, const TomlTable& table)
+{
+    if (std::string path = table.text("remote_password_file", ""); !path.empty()) {
+        all.push_back({std::move(path), "the password of a PLC"});
+    }
+}
+
+std::vector<Own> own_files(const TomlTable& root, const ControllerConfig& config)
+{
+    std::vector<Own> all{{root.file(), "the configuration"}};
+    if (const MachineConfig& machine = config.machine; !machine.program_file.empty()) {
+        constexpr const char* of_machine = "where the machine keeps its own files";
+        const std::filesystem::path log = controller::ExecutionLogOptions{}.folder;
+        add_program(all, machine.program_file, "the machine's program");
+        all.push_back({machine.state_folder, of_machine});
+        all.push_back(
+            {std::filesystem::path{machine.medium_folder} / log.parent_path(), of_machine});
+    }
+    add_program(all, config.labels.program_file, "the program of the labels");
+    add_password(all, root.table("labels"));
+    for (const TomlTable& entry : root.tables("backend")) {
+        add_password(all, entry);
+    }
+    return all;
+}
+
 } // namespace
 
 std::vector<FilesConfig> read_files(const TomlTable& root, const CertificateConfig& certificates)
@@ -92,19 +141,7 @@ std::vector<FilesConfig> read_files(const TomlTable& root, const CertificateConf
 
 void check_files(const TomlTable& root, const ControllerConfig& config)
 {
-    struct Own {
-        std::string path;
-        const char* use;
-    };
-    std::vector<Own> all{{root.file(), "the configuration"}};
-    if (const MachineConfig& machine = config.machine; !machine.program_file.empty()) {
-        constexpr const char* of_machine = "where the machine keeps its own files";
-        const std::filesystem::path log = controller::ExecutionLogOptions{}.folder;
-        all.push_back({machine.program_file, "the machine's program"});
-        all.push_back({machine.state_folder, of_machine});
-        all.push_back(
-            {std::filesystem::path{machine.medium_folder} / log.parent_path(), of_machine});
-    }
+    const std::vector<Own> all = own_files(root, config);
     const std::vector<TomlTable> entries = root.tables("files");
     for (std::size_t i = 0; i < entries.size(); ++i) {
         for (const auto& [path, use] : all) {

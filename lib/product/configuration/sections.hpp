@@ -23,8 +23,9 @@ void read_certificates(const TomlTable& table, ControllerConfig& config);
 [[nodiscard]] std::vector<FilesConfig> read_files(const TomlTable& root,
                                                   const CertificateConfig& certificates);
 
-/// Refuses folders with files that are not for clients: the configuration, the machine's program
-/// and what the machine keeps. Call it after read_machine().
+/// Refuses folders with files that are not for clients: the configuration, the programs of the
+/// machine and of the labels, the passwords of PLCs, and what the machine keeps. Call it after
+/// everything is read.
 void check_files(const TomlTable& root, const ControllerConfig& config);
 
 /// Reads the rest of [limits], and [users.passwords].

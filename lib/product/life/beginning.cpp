@@ -28,7 +28,11 @@ Standing standing_of(const ControllerConfig& config)
                       .discovery = config.discovery,
                       .application_uri = {},
                       .key_log = config.key_log,
-                      .field_labels = config.labels.field_text};
+                      .field_labels = config.labels.field_text,
+                      .field_password = {}};
+    if (config.labels.field != nullptr) {
+        standing.field_password = config.labels.field->protocol.password;
+    }
     if (!config.discovery.url.empty()) {
         ControllerConfig named = config;
         set_names(named);
@@ -147,7 +151,8 @@ void RunningController::listen_as_told()
                          listening_.stay();
                          pending_.done(PendingChanges::By::Listeners);
                      },
-                 .refused = [this](const ConfigError&) { listening_.go_back(); }});
+                 .refused = [this](const ConfigError&) { listening_.go_back(); },
+                 .is_of_last = true});
     });
 }
 

@@ -67,7 +67,10 @@ Configured<void> Listening::begin()
 Configured<void> Listening::listen()
 {
     is_reserving_ = false;
-    return loop_->listen_on_reserved() ? Configured<void>{} : cannot_listen(told_.front());
+    // Any of the ports may be the one that fails.
+    return loop_->listen_on_reserved()
+               ? Configured<void>{}
+               : misconfigured("server.port", "cannot listen, as the log says");
 }
 
 Configured<void> Listening::begin_elsewhere(Listeners last)

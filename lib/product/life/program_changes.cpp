@@ -125,7 +125,7 @@ bool RunningController::download(const std::optional<PreparedProgram>& program)
         return false;
     }
     check_left_out(reading.config);
-    const std::string file = machine.program_name;
+    const std::string file = paths_in_line(machine.program_name);
     const auto edited = current_->edit(reading, program);
     if (edited) {
         edited_online(file);
@@ -147,7 +147,7 @@ bool RunningController::download(const std::optional<PreparedProgram>& program)
 
 void RunningController::edited_online(const std::string& name)
 {
-    log_.write(LogLevel::Info, "controller", "edited online: " + name);
+    log_.write(LogLevel::Info, "controller", "edited online: " + paths_in_line(name));
     pending_.done(PendingChanges::By::Download);
     refused_program_.reset();
     keep();
@@ -159,7 +159,7 @@ void RunningController::tell_of_other_file()
     if (now.is_received && now.is_file_other) {
         log_.write(
             LogLevel::Warning, "controller",
-            now.file + " is not used: " + now.name +
+            paths_in_line(now.file) + " is not used: " + paths_in_line(now.name) +
                 ", which was sent over OPC UA, is used until `busbar admin program restore`");
     }
 }
@@ -209,11 +209,14 @@ Configured<ProgramVerdict> RunningController::change_program(const ProgramChange
         const auto known = texts.find(current_->sources().received_place());
         auto before = known != texts.end() ? std::optional{*known->second} : std::nullopt;
         expect(current_->keep_program(change.document));
+        std::string reason_before = download_reason();
         refused_program_.reset();
         if (change.step == Step::Download) {
             download_soon(change, std::move(next), std::move(before));
         } else if (const auto edited = current_->edit(next, change.prepared); !edited) {
-            refuse_program({.why = text(edited.error()), .before = std::move(before)});
+            refuse_program({.why = text(edited.error()),
+                            .before = std::move(before),
+                            .reason_before = std::move(reason_before)});
             return Unexpected{edited.error()};
         } else {
             edited_online(next.config.machine.program_name);
@@ -231,7 +234,7 @@ void RunningController::download_soon(ProgramChange change, Reading reading,
     pending_.done(PendingChanges::By::Download);
     const auto read_then = std::make_shared<Reading>(std::move(reading));
     replace_soon([this, change = std::move(change), read_then, before = std::move(before)] {
-        const std::string name = read_then->config.machine.program_name;
+        const std::string name = paths_in_line(read_then->config.machine.program_name);
         // Use the settings that are in force by now, if they were changed in between.
         std::optional<Reading> unchanged;
         if (current_->has_settings_of(*read_then)) {
@@ -262,20 +265,26 @@ void RunningController::refuse_program(RefusedProgram refused)
     }
 }
 
+std::string RunningController::download_reason() const
+{
+    if (!refused_program_) {
+        return pending_.reason(PendingChanges::By::Download);
+    }
+    return refused_program_->was_accepted ? refused_program_->why : refused_program_->reason_before;
+}
+
 Configured<void> RunningController::put_back()
 {
     if (!refused_program_) {
         return {};
     }
     const auto done = current_->keep_program(refused_program_->before);
-    std::string why;
+    std::string why = download_reason();
     if (!done) {
         why = refused_program_->why +
               "; it is stored all the same, and a start tries it again, "
               "until it can be replaced: " +
               text(done.error());
-    } else if (refused_program_->was_accepted) {
-        why = refused_program_->why;
     }
     pending_.ask(PendingChanges::By::Download, std::move(why));
     if (done) {
@@ -297,19 +306,19 @@ void RunningController::read_again_with_labels(const SourceFiles::Prepared& labe
             return read_files_again();
         }
         check_left_out(next.config);
-        download_labels(next.config,
-                        [this, sources = next.settings->sources(),
-                         file = next.config.labels.program_file](const Problem* why_not) {
-                            try_to_read([&] {
-                                if (why_not != nullptr) {
-                                    throw ConfigError{*why_not};
-                                }
-                                current_->use(sources);
-                                keep();
-                                log_.write(LogLevel::Info, "controller", "downloaded: " + file);
-                                read_files_again();
-                            });
-                        });
+        download_labels(
+            next.config, [this, sources = next.settings->sources(),
+                          file = next.config.labels.program_file](const Problem* why_not) {
+                try_to_read([&] {
+                    if (why_not != nullptr) {
+                        throw ConfigError{*why_not};
+                    }
+                    current_->use(sources);
+                    keep();
+                    log_.write(LogLevel::Info, "controller", "downloaded: " + paths_in_line(file));
+                    read_files_again();
+                });
+            });
     });
 }
 

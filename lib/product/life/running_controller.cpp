@@ -167,7 +167,7 @@ void RunningController::restart(const administration::RestartWish& wish)
     });
 }
 
-/// As at a start: otherwise a server that is out would be lost to administrators who are not there.
+/// Restarts as at a start: otherwise a server that is out would be lost to administrators far away.
 void RunningController::restart_with_last(const administration::RestartWish& wish, std::string why)
 {
     replace_soon([this, wish, refusal = std::move(why)] {
@@ -183,7 +183,8 @@ void RunningController::restart_with_last(const administration::RestartWish& wis
                          if (machine_) {
                              machine_->refuse_configuration(refusal);
                          }
-                     }});
+                     },
+                 .is_of_last = true});
     });
 }
 

@@ -55,6 +55,8 @@ struct Standing {
     std::string key_log;
     /// The PLC on the network that has the labels; empty for none.
     std::string field_labels;
+    /// The remote password of that PLC, whose file may change while its path stays. Never logged.
+    std::string field_password;
 
     friend bool operator==(const Standing&, const Standing&) = default;
 };
@@ -158,6 +160,8 @@ private:
         int attempts{0};
         /// See ProgramChange.
         bool leaves_out{false};
+        /// True if read() returns reading_of_last(): the files may have something else.
+        bool is_of_last{false};
     };
     struct Successor;
     /// Calls `act` soon on the thread of run(), when no generation is being created. Thread-safe.
@@ -248,7 +252,12 @@ private:
         std::optional<std::string> before;
         /// True if the requester was told otherwise before, so that the status must tell.
         bool was_accepted{false};
+        /// The reason that the status gave before; it is given again unless `why` replaces it.
+        std::string reason_before{};
     };
+    /// Returns the reason that the status gives once the document of before a refused program, if
+    /// there is one, is stored.
+    [[nodiscard]] std::string download_reason() const;
     /// Stores the document of before a refused program, if there is one. The pending change tells
     /// if that fails.
     [[nodiscard]] Configured<void> put_back();

@@ -215,8 +215,10 @@ void RunningController::succeed(Successor& next)
     }
     pending_.done(PendingChanges::By::Start);
     pending_.done(PendingChanges::By::Reload);
-    pending_.done(PendingChanges::By::Download);
-    refused_program_.reset();
+    if (!next.wish.is_of_last) { // else a refused program may still be on the medium
+        pending_.done(PendingChanges::By::Download);
+        refused_program_.reset();
+    }
     standing_ = std::move(next.standing);
     if (labels_ && labels_->is_other(current_->config())) {
         download_labels(current_->config(), [this](const Problem* why_not) {
@@ -268,7 +270,7 @@ void RunningController::take_over(std::unique_ptr<Generation> next, net::Handove
     look_soon();
 }
 
-/// Not yet where nobody is connected, as this is called while it is being handed over then.
+/// Not yet where there are no connections, as this is called while it is being handed over then.
 void RunningController::release(const Generation& gone)
 {
     loop_.post([this, &gone] {

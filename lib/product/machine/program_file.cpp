@@ -32,13 +32,6 @@ bool is_read_so(std::string_view text, controller::TextEncoding asked,
     return controller::program_encoding(text, asked) == before;
 }
 
-/// Writes a path of several files in one line.
-std::string paths_in_line(std::string path)
-{
-    std::ranges::replace(path, '\n', ' ');
-    return path;
-}
-
 Problem in_file(Problem problem, const std::string& file)
 {
     const std::string name = paths_in_line(file);
@@ -63,16 +56,14 @@ ReadProgram program_of(const TomlTable& table, const std::string& place, std::st
 Configured<controller::Program> read_unchecked(std::string_view text, const std::string& name,
                                                const ProgramReading& reading)
 {
-    return controller::read_program_text(text, name, {}, reading.unserved, reading.encoding);
+    return controller::read_program_text(text, paths_in_line(name), {}, reading.unserved,
+                                         reading.encoding);
 }
 
 std::shared_ptr<const std::string> text_of_file(const TomlTable& table, const std::string& key)
 {
     const std::size_t most = controller::DeclarationLimits{}.max_text_size;
     auto text = table.sources().program_text(read_program_path(table, key), most);
-    if (!text && text.error().status == status::Bad_EncodingLimitsExceeded) {
-        table.fail(key, "a file of at most " + std::to_string(most) + " bytes");
-    }
     if (!text) {
         if (text.error().status == status::Bad_NotFound) {
             table.fail(key, "a file of declarations (IEC 61131-3), PLCopen XML, IEC 61131-10 or "
@@ -118,7 +109,7 @@ ProgramFile<controller::Program> read_labels_program(const TomlTable& table, con
         labels = expect(read_labels(*text, path, reading));
     }
     check_strict(table, *labels, path);
-    return {std::move(text), labels, path};
+    return {std::move(text), labels, paths_in_line(path)};
 }
 
 ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& table,
@@ -129,7 +120,7 @@ ProgramFile<controller::CheckedProgram> read_machine_program(const TomlTable& ta
     if (!document) {
         auto text = text_of_file(table, key);
         const std::string path = read_program_path(table, key);
-        auto program = program_of(table, path, *text, path);
+        auto program = program_of(table, path, *text, paths_in_line(path));
         return {std::move(text), std::move(program), path};
     }
     auto received = expect(read_received(**document, sources.received_place()));
@@ -208,6 +199,25 @@ std::string read_program_path(const TomlTable& table, const std::string& key)
         all += (all.empty() ? "" : "\n") + path;
     }
     return all;
+}
+
+std::vector<std::string> paths_of(const std::string& program_file)
+{
+    std::vector<std::string> all;
+    for (std::size_t begin = 0; begin < program_file.size();) {
+        const std::size_t end = std::min(program_file.find('\n', begin), program_file.size());
+        if (end > begin) {
+            all.push_back(program_file.substr(begin, end - begin));
+        }
+        begin = end + 1;
+    }
+    return all;
+}
+
+std::string paths_in_line(std::string path)
+{
+    std::ranges::replace(path, '\n', ' ');
+    return path;
 }
 
 std::string program_name_of(const std::string& path)

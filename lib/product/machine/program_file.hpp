@@ -21,7 +21,8 @@ struct ProgramFile {
     /// The file's text, for comparing.
     std::shared_ptr<const std::string> text;
     std::shared_ptr<const Program> program;
-    /// The file's name in messages.
+    /// The file's name in messages. For a machine it is the path as configured, which may be that
+    /// of several files (see paths_in_line), or the name of the ReceivedProgram.
     std::string name;
 };
 
@@ -45,6 +46,10 @@ read_labels(std::string_view text, const std::string& name, const ProgramReading
 
 /// Reads the path of a program as SourceFiles::program_text() takes it: a text, or a list of texts.
 [[nodiscard]] std::string read_program_path(const TomlTable& table, const std::string& key);
+/// Returns the paths of the files and folders in such a path; none if it is empty.
+[[nodiscard]] std::vector<std::string> paths_of(const std::string& program_file);
+/// Writes such a path in one line, for messages.
+[[nodiscard]] std::string paths_in_line(std::string path);
 /// Returns the name of a program at such a path: without folders, as is_program_name() allows.
 [[nodiscard]] std::string program_name_of(const std::string& path);
 

@@ -175,9 +175,9 @@ std::string ProgramService::status_text() const
     const ProgramInForce now = needs_.program();
     detail::JsonWriter json;
     json.begin_object();
-    write_member(json, "name", now.name);
+    write_member(json, "name", paths_in_line(now.name));
     write_member(json, "source", now.is_received ? "received" : "file");
-    write_member(json, "file", now.file);
+    write_member(json, "file", paths_in_line(now.file));
     write_member(json, "user", now.user);
     write_member(json, "received", now.is_received ? to_string(now.time) : "");
     write_member(json, "checksum", controller::detail::checksum_text(*now.text));

@@ -20,11 +20,11 @@ namespace busbar::product {
 
 /// The program that a machine runs, for reports.
 struct ProgramInForce {
-    /// The program's name in messages.
+    /// The program's name in messages, which may be that of several files (see paths_in_line).
     std::string name;
     std::shared_ptr<const std::string> text;
     std::shared_ptr<const controller::CheckedProgram> program;
-    /// The configured file.
+    /// The configured file, as SourceFiles::program_text() takes it.
     std::string file;
     /// True if the program was received and replaces that file.
     bool is_received{false};

@@ -41,8 +41,8 @@ struct Asked {
     /// PLC count wrong passwords.
     [[nodiscard]] bool is_waiting() const
     {
-        const bool has_failed =
-            device.state() == DeviceState::Waiting && device.counters().attempts >= 2;
+        const bool has_failed = device.state() == DeviceState::Waiting &&
+                                (device.counters().attempts >= 2 || device.is_denied());
         return !batch && !result && !has_failed;
     }
     [[nodiscard]] std::optional<Variant> value_of(std::size_t variable) const
@@ -64,7 +64,7 @@ struct Asked {
             backend::read_point(config.variables[variable].point, result->words_of(read));
         return value ? read.status : value.error();
     }
-    /// What the PLC says of a variable that it refuses; empty if it says nothing.
+    /// Returns what the PLC says of a variable that it refuses; empty if it says nothing.
     [[nodiscard]] std::string reason_of(std::size_t variable) const
     {
         const std::uint16_t code = result->values[variable].code;

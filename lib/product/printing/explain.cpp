@@ -19,6 +19,7 @@
 #include "product/configuration/setting_keys.hpp"
 #include "product/configuration/setting_overlay.hpp"
 #include "product/configuration/settings.hpp"
+#include "product/machine/program_file.hpp"
 
 namespace busbar::product {
 
@@ -105,13 +106,8 @@ std::string list_names(const std::vector<std::string>& names)
 /// Writes the path of a program, or the list of several.
 std::string paths_text(const std::string& paths)
 {
-    std::vector<std::string> names;
-    for (std::size_t begin = 0; begin <= paths.size();) {
-        const std::size_t end = std::min(paths.find('\n', begin), paths.size());
-        names.push_back(paths.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return names.size() == 1 ? in_quotes(paths) : list_names(names);
+    const std::vector<std::string> names = paths_of(paths);
+    return names.size() > 1 ? list_names(names) : in_quotes(paths);
 }
 
 std::string encoding_text(controller::TextEncoding encoding)

@@ -21,7 +21,7 @@ namespace log {
 namespace {
 
 constexpr std::size_t most_entries = 1'000'000;
-/// How often --follow looks for what is new.
+/// --follow looks for what is new once in this time.
 constexpr std::chrono::seconds follow_period{1};
 
 controller::ExecutionLogFilter filter_of(const LogChoice& choice)

@@ -359,17 +359,24 @@ void add_program(CLI::App& admin, Run& run)
             "the program that runs has not: they are left out");
         return command;
     };
+    const auto takes_file = [](CLI::App* command) {
+        command->get_option("FILE")->description(
+            "[URL] before a file with declarations, a folder or a .plcproj of such");
+        return command;
+    };
     asks(group.add("show", "Shows what runs, and where it is from.", 0, "URL", program::show))
         ->add_option("--save", arguments.save_to, "a file that the program is written to instead");
-    leaves_out(group.add("check", "Tells whether a controller would take a program, and how.", 1,
-                         "FILE", program::check));
-    group.add("compare", "Lists what differs between a program and that of a controller.", 1,
-              "FILE", program::compare);
     leaves_out(
-        asks(group.add("download", "Replaces the program, in PROGRAM mode, whole or not at all.", 1,
-                       "FILE", program::download)));
-    leaves_out(asks(group.add("edit", "Adds and deletes variables while the program runs.", 1,
-                              "FILE", program::edit)));
+        takes_file(group.add("check", "Tells whether a controller would take a program, and how.",
+                             1, "FILE", program::check)));
+    takes_file(group.add("compare",
+                         "Lists what differs between a program and that of a controller.", 1,
+                         "FILE", program::compare));
+    leaves_out(asks(takes_file(
+        group.add("download", "Replaces the program, in PROGRAM mode, whole or not at all.", 1,
+                  "FILE", program::download))));
+    leaves_out(asks(takes_file(group.add(
+        "edit", "Adds and deletes variables while the program runs.", 1, "FILE", program::edit))));
     leaves_out(asks(group.add("restore", "Goes back to the program of the controller's own file.",
                               0, "URL", program::restore)));
 }

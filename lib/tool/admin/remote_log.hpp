@@ -52,7 +52,7 @@ private:
     std::uint64_t offset_{0};
     /// True if that file has become shorter.
     bool is_shorter_{false};
-    /// Of the last record so far.
+    /// Belongs to the last record so far.
     std::optional<std::uint16_t> serial_number_;
 };
 

@@ -163,9 +163,9 @@ Exit change(Context& context, Connection& connection, const std::vector<std::str
              {Variant{std::move(all)}, Variant{Array<Variant>{values}}}, "changing settings");
     if (outputs.size() != 2 || !outputs[0].value_or<bool>(false)) {
         throw Failure{Exit::Failed,
-                      "nothing was changed: " + (outputs.size() == 2
-                                                     ? safe_line(outputs[1].value_or<String>({}).view())
-                                                     : "the answer is not one of settings"),
+                      "nothing was changed: " +
+                          (outputs.size() == 2 ? safe_line(outputs[1].value_or<String>({}).view())
+                                               : "the answer is not one of settings"),
                       "see `busbar admin setting list`"};
     }
     std::string waiting;

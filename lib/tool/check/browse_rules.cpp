@@ -149,23 +149,23 @@ Answer of_other_session(Subject& subject)
     });
 }
 
+/// Uses the last continuation point twice: until then a server may continue with the same one.
 Answer used_twice(Subject& subject)
 {
     return continued(subject, [&](const BrowseResult& result) {
-        const auto response = next(subject, result.continuation_point);
-        if (!response || response->results.size() != 1) {
-            return wrong("BrowseNext failed");
+        ByteString point = result.continuation_point;
+        for (;;) {
+            const auto response = next(subject, point);
+            if (!response || response->results.size() != 1 ||
+                response->results[0].status_code.is_bad()) {
+                return wrong("BrowseNext failed");
+            }
+            const ByteString& following = response->results[0].continuation_point;
+            if (following.empty()) {
+                return operation_result(next(subject, point));
+            }
+            point = following;
         }
-        const ByteString& again = response->results[0].continuation_point;
-        if (again == result.continuation_point) {
-            static_cast<void>(next(subject, again, true));
-            return not_applicable("the server continues with the same continuation point");
-        }
-        const Answer answer = operation_result(next(subject, result.continuation_point));
-        if (!again.empty()) {
-            static_cast<void>(next(subject, again, true));
-        }
-        return answer;
     });
 }
 
@@ -423,8 +423,8 @@ const SpecRule rules[] = {
      "releaseContinuationPoints = true", "no reference", "Part 4, 5.9.3.2", RuleNeed::Session,
      release_returns_nothing},
     {"next-used", "BrowseNext", "A continuation point serves once",
-     "a continuation point for the second time", status::Bad_ContinuationPointInvalid,
-     "Part 4, 7.9", RuleNeed::Session, used_twice},
+     "the last continuation point, twice", status::Bad_ContinuationPointInvalid, "Part 4, 7.9",
+     RuleNeed::Session, used_twice},
     {"next-other-session", "BrowseNext", "A continuation point belongs to its session",
      "a continuation point of another session", status::Bad_ContinuationPointInvalid,
      "Part 4, 5.9.3.1", RuleNeed::Session, of_other_session},

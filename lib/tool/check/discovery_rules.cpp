@@ -63,11 +63,12 @@ bool has_own_uri(const EndpointDescription& endpoint)
     return !chain || chain->front().application_uri() == endpoint.server.application_uri.view();
 }
 
+/// Part 4, 7.41: one of them may be null or empty.
 bool has_token_ids(const EndpointDescription& endpoint)
 {
     std::set<std::string_view> ids;
     for (const UserTokenPolicy& policy : endpoint.user_identity_tokens) {
-        if (policy.policy_id.empty() || !ids.insert(policy.policy_id.view()).second) {
+        if (!ids.insert(policy.policy_id.view()).second) {
             return false;
         }
     }
@@ -157,7 +158,7 @@ const SpecRule rules[] = {
          });
      }},
     {"endpoints-certificate", "GetEndpoints", "An endpoint with security has a certificate", "any",
-     "a certificate", describing, RuleNeed::OpenChannel,
+     "a certificate", "Part 4, 5.5.4.1", RuleNeed::OpenChannel,
      [](Subject& subject) {
          return each_endpoint(subject, [](const EndpointDescription& each) {
              return is_none(each) ||
@@ -168,7 +169,7 @@ const SpecRule rules[] = {
      "the same URI in both", "Part 6, 6.2.2", RuleNeed::OpenChannel,
      [](Subject& subject) { return each_endpoint(subject, has_own_uri); }},
     {"endpoints-token-ids", "GetEndpoints", "Token policies have ids of their own", "any",
-     "different policyIds", "Part 4, 7.42", RuleNeed::OpenChannel,
+     "different policyIds", "Part 4, 7.41", RuleNeed::OpenChannel,
      [](Subject& subject) { return each_endpoint(subject, has_token_ids); }},
     {"servers-itself", "FindServers", "A server finds itself", "a request without a session",
      "its ApplicationUri", "Part 4, 5.5.2.1", RuleNeed::OpenChannel,
@@ -190,7 +191,7 @@ const SpecRule rules[] = {
                         });
      }},
     {"servers-discovery-url", "FindServers", "A server has a URL for discovery", "any",
-     "discoveryUrls", "Part 4, 7.2", RuleNeed::OpenChannel,
+     "discoveryUrls", "Part 12, 4.3.2", RuleNeed::OpenChannel,
      [](Subject& subject) {
          return own_entry(subject, {}, [](const ApplicationDescription& each) {
              return !each.discovery_urls.empty();

@@ -132,12 +132,13 @@ std::vector<MonitoredItemNotification> overflown(Subject& subject, std::uint32_t
         throw Refused{status::Bad_UnexpectedError, "a queue of this size"};
     }
     const double interval = std::max(created->results[0].revised_sampling_interval, 50.0);
-    const Duration samples = std::chrono::milliseconds{static_cast<int>(interval * 3.5)};
-    if (samples > subject.limit().left() / 2) {
+    // The server's number may be infinite, or not a number: compare before converting it.
+    const std::chrono::duration<double, std::milli> samples{interval * 3.5};
+    if (!(samples <= subject.limit().left() / 2)) {
         throw Refused{status::Bad_ServiceUnsupported,
                       "a sampling interval that is short enough, see --rule-timeout"};
     }
-    subscription.wait(samples);
+    subscription.wait(std::chrono::duration_cast<Duration>(samples));
     return values_of(subscription.next_data());
 }
 
@@ -394,14 +395,13 @@ const SpecRule rules[] = {
                                std::to_string(result.revised_queue_size));
              });
      }},
-    {"item-queue-large", create, "A queue that is too large is revised", "queueSize = 4294967295",
-     "a smaller revisedQueueSize above 0", "Part 4, 7.21", RuleNeed::Session,
+    {"item-queue-large", create, "A very large queue is granted or revised",
+     "queueSize = 4294967295", "a revisedQueueSize above 0", "Part 4, 7.21", RuleNeed::Session,
      [](Subject& subject) {
          return revised(
              subject, [](MonitoringParameters& asked) { asked.queue_size = 0xFFFF'FFFFU; },
              [](const MonitoredItemCreateResult& result) {
-                 return expect(result.revised_queue_size > 0 &&
-                                   result.revised_queue_size < 0xFFFF'FFFFU,
+                 return expect(result.revised_queue_size > 0,
                                std::to_string(result.revised_queue_size));
              });
      }},

@@ -79,7 +79,8 @@ bool Line::take_event(Duration time)
         return false;
     }
     if (event->kind == client::ConnectionEvent::Kind::Response) {
-        answers_.insert_or_assign(event->handle, *std::move(event));
+        const std::uint32_t handle = event->handle;
+        answers_.insert_or_assign(handle, *std::move(event));
     } else if (event->kind == client::ConnectionEvent::Kind::Closed) {
         is_closed_ = true;
         why_closed_ = event->status;
@@ -172,7 +173,7 @@ std::string Subject::lacks(RuleNeed need)
 
 Line& Subject::session()
 {
-    if (!session_ || session_->is_closed()) {
+    if (!has_session()) {
         session_.reset();
         try {
             session_.emplace(config_, *environment_, limit_);

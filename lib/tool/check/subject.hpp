@@ -144,6 +144,8 @@ public:
 
     /// Notes that no connection can be made any more; false if that was known.
     [[nodiscard]] bool note_unreachable() { return !std::exchange(is_unreachable_, true); }
+    /// True if session() would not have to connect.
+    [[nodiscard]] bool has_session() { return session_ && !session_->is_closed(); }
     /// The session of all rules that do not harm it; another one if it was lost. Throws
     /// Unreachable.
     [[nodiscard]] Line& session();

@@ -30,8 +30,8 @@ Subscribed::Subscribed(Subject& subject, std::uint32_t max_notifications) : subj
 
 Subscribed::~Subscribed()
 {
-    if (id_ == 0) {
-        return;
+    if (id_ == 0 || !subject_->has_session()) {
+        return; // the server ends the Subscription of a lost session by itself
     }
     try {
         DeleteSubscriptionsRequest request;
@@ -40,6 +40,8 @@ Subscribed::~Subscribed()
         static_cast<void>(subject_->ask<DeleteSubscriptionsResponse>(std::move(request)));
     } catch (const NoAnswer&) {
         // The verdict is there already; the next rule meets a lost session by itself.
+    } catch (const Unreachable&) {
+        // The next rule meets that by itself, too.
     }
 }
 

@@ -290,15 +290,22 @@ Result<TransferSubscriptionsResponse> transfer(Line& line, Array<std::uint32_t> 
     return line.ask<TransferSubscriptionsResponse>(std::move(request));
 }
 
-bool is_anonymous(const Subject& subject)
+/// True if nothing proves to the server that two sessions are the same client's (Part 4, 5.14.7.1).
+bool is_unproven(const Subject& subject)
 {
-    return std::holds_alternative<client::AnonymousUser>(subject.config().identity);
+    return std::holds_alternative<client::AnonymousUser>(subject.config().identity) &&
+           subject.endpoint().security_mode == MessageSecurityMode::None;
+}
+
+Answer no_transfer()
+{
+    return not_applicable("an anonymous user without security may not take Subscriptions over");
 }
 
 Answer transferred(Subject& subject)
 {
-    if (is_anonymous(subject)) {
-        return not_applicable("an anonymous user may not take Subscriptions over");
+    if (is_unproven(subject)) {
+        return no_transfer();
     }
     Subscribed subscription{subject};
     Line other = subject.other_session();
@@ -311,8 +318,8 @@ Answer transferred(Subject& subject)
 
 Answer told_of_transfer(Subject& subject)
 {
-    if (is_anonymous(subject)) {
-        return not_applicable("an anonymous user may not take Subscriptions over");
+    if (is_unproven(subject)) {
+        return no_transfer();
     }
     Subscribed subscription{subject};
     static_cast<void>(subscription.publish());

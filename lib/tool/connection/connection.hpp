@@ -55,7 +55,7 @@ public:
         const auto answer = std::make_shared<std::optional<T>>();
         start([answer](T result) { *answer = std::move(result); });
         wait_until([&answer] { return answer->has_value(); });
-        return **std::move(answer);
+        return *std::move(*answer);
     }
     /// The types of the server's structures, those of `values` among them as far as the server
     /// describes them.

@@ -97,7 +97,7 @@ std::vector<RemoteNode> follow_references(Connection& connection, std::vector<No
     return nodes;
 }
 
-/// Have the nodes of sessions and Subscriptions.
+/// The nodes of sessions and Subscriptions are below these.
 constexpr std::uint32_t diagnostics[] = {
     id::Server_ServerDiagnostics_SessionsDiagnosticsSummary,
     id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,

@@ -157,7 +157,8 @@ void add_check(CLI::App& project, Run& run)
                               "FILE", check_project, arguments);
     check
         ->add_option("--program", arguments->program,
-                     "declarations of a PLC; every label must be one of their variables")
+                     "declarations of a PLC, a folder or a .plcproj of such; every label must be "
+                     "one of their variables")
         ->type_name("PROGRAM");
     check
         ->add_option("--encoding", arguments->encoding,

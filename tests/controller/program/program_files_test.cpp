@@ -130,6 +130,43 @@ TEST_CASE_METHOD(Folder, "A .plcproj names the files of a program")
     CHECK(shown(at("q.plcproj")).starts_with("~/q.plcproj: is not well-formed XML"));
 }
 
+TEST_CASE_METHOD(Folder, "A .plcproj that compiles no file with declarations is refused")
+{
+    write("a.TcGVL", object("GVL", "A", "VAR_GLOBAL a : INT; END_VAR"));
+    const std::string refusal = "~/p.plcproj: compiles no file with declarations; expected .TcGVL, "
+                                ".TcDUT, .TcPOU or .TcIO in its <Compile Include>";
+    const std::string list = GENERATE(
+        std::string{"<Project><ItemGroup/></Project>"}, std::string{"<Project/>"},
+        list_of({"Task.TcTTO", "View.TcVIS", "", "a.TcGVL.bak"}),
+        std::string{"<Project><ItemGroup><Compile Include=\"a.TcGVL\"><ExcludeFromBuild>true"
+                    "</ExcludeFromBuild></Compile></ItemGroup></Project>"},
+        std::string{"<Project><ItemGroup><None Include=\"a.TcGVL\"/></ItemGroup></Project>"});
+    CAPTURE(list);
+    write("p.plcproj", list);
+    CHECK(shown(at("p.plcproj")) == refusal);
+    CHECK(shown(path.string()) == refusal);
+    CHECK(shown(at("a.TcGVL") + "\n" + at("p.plcproj")) == refusal);
+    // One that is missing is told as such.
+    write("p.plcproj", list_of({"none.TcGVL"}));
+    CHECK(shown(at("p.plcproj")) == "- ~/none.TcGVL the file is missing");
+}
+
+TEST_CASE_METHOD(Folder, "A .plcproj of more than 4 MiB is refused before it is parsed")
+{
+    constexpr std::size_t most = 4U << 20U;
+    write("a.TcGVL", object("GVL", "A", "VAR_GLOBAL a : INT; END_VAR"));
+    std::string list = list_of({"a.TcGVL"});
+    list.resize(most, '\n');
+    write("p.plcproj", list);
+    CHECK(read_program_files(at("p.plcproj"), 2 * most));
+    write("p.plcproj", list + '<'); // is not well-formed either
+    const auto large = read_program_files(at("p.plcproj"), 2 * most);
+    REQUIRE_FALSE(large);
+    CHECK(large.error().status == status::Bad_EncodingLimitsExceeded);
+    CHECK(without_folder(busbar::text(large.error())) ==
+          "~/p.plcproj: found more than 4194304 bytes of a list of files (.plcproj)");
+}
+
 TEST_CASE_METHOD(Folder, "A .plcproj has no files outside of its folder")
 {
     write("out.TcGVL", object("GVL", "Out", "VAR_GLOBAL out : INT; END_VAR"));
@@ -141,12 +178,14 @@ TEST_CASE_METHOD(Folder, "A .plcproj has no files outside of its folder")
     CAPTURE(named);
     write("in/p.plcproj", list_of({"a.TcGVL", named}));
     const std::string read = shown(at("in/p.plcproj"));
-    CHECK(read.starts_with("a INT; -  "));
+    CHECK(read.starts_with("a INT; - "));
+    // The name tells a missing file from another one.
+    CHECK(read.find("; -  ") == read.npos);
     CHECK(read.find("out INT") == read.npos);
     CHECK_FALSE(shown(at("in/p.plcproj"), Unserved::Refuse).starts_with("a INT"));
     // A folder does not lead through links to folders either, nor out of itself.
     std::filesystem::remove(at("in/p.plcproj"));
-    CHECK(shown(at("in")) == "a INT; -  is a link to a file outside of the folder");
+    CHECK(shown(at("in")) == "a INT; - ~/in/link.TcGVL is a link to a file outside of the folder");
 }
 
 TEST_CASE_METHOD(Folder, "The files of a program have limits")
@@ -159,6 +198,8 @@ TEST_CASE_METHOD(Folder, "The files of a program have limits")
     const auto missing = read_program_files(at("a.st") + "\n" + at("c.st"), enough);
     REQUIRE_FALSE(missing);
     CHECK(missing.error().status == status::Bad_NotFound);
+    write("p/p.plcproj", list_of({"..\\" + std::string(5'000, 'n') + ".TcGVL"}));
+    CHECK(shown(at("p")).find("is a name of more than 4096 bytes") != std::string::npos);
     std::filesystem::create_directory(at("empty"));
     CHECK(shown(at("empty")).starts_with("~/empty: found no file of a program in the folder"));
 }
@@ -180,6 +221,46 @@ TEST_CASE("A damaged text of several files is refused")
     const auto one = read_program_files((folder.path / "a.st").string(), enough);
     REQUIRE(one);
     CHECK(*one == "VAR_GLOBAL a : INT; END_VAR");
+}
+
+TEST_CASE("A text of several files has limits of names, and of what is said of missing ones")
+{
+    const auto bundle = [](const std::string& kind, std::size_t name, const std::string& text) {
+        return "%busbar program of several files, 1\n" + kind + " " + std::to_string(text.size()) +
+               " " + std::string(name, 'n') + "\n" + text + "\n";
+    };
+    const auto read = [](const std::string& text) {
+        return read_program_text(text, "all", {}, Unserved::LeaveOut);
+    };
+    const std::string file = "VAR_GLOBAL a : INT; END_VAR";
+    CHECK(read(bundle("file", 4'096, file)));
+    const auto missing = read(bundle("missing", 4'096, std::string(1'024, 'w')));
+    REQUIRE(missing);
+    REQUIRE(missing->left_out.size() == 1);
+    CHECK(missing->left_out[0].problem.text.size() <= 256);
+    for (const std::string& text : {bundle("file", 4'097, file), bundle("missing", 4'097, "why"),
+                                    bundle("missing", 1, std::string(1'025, 'w'))}) {
+        const auto refused = read(text);
+        REQUIRE_FALSE(refused);
+        CHECK(busbar::text(refused.error()) ==
+              "all: has too long a text for file 1 of it; expected a name of at most 4096 bytes, "
+              "and at most 1024 about a missing file");
+    }
+}
+
+TEST_CASE_METHOD(Folder, "A file that is left out has its name, so that another one is another")
+{
+    write("a.TcGVL", object("GVL", "A", "VAR_GLOBAL a : INT; END_VAR"));
+    write("zip.TcGVL", "PK\x03\x04");
+    write("p.plcproj", list_of({"a.TcGVL", "b.TcGVL", "zip.TcGVL"}));
+    const auto text = read_program_files(at("p.plcproj"), enough);
+    REQUIRE(text);
+    const auto program = read_program_text(*text, "all", {}, Unserved::LeaveOut);
+    REQUIRE(program);
+    REQUIRE(program->left_out.size() == 2);
+    CHECK(program->left_out[0].declared.name == at("b.TcGVL"));
+    CHECK(program->left_out[0].problem.text == "the file is missing");
+    CHECK(program->left_out[1].declared.name == at("zip.TcGVL"));
 }
 
 } // namespace program_files_test

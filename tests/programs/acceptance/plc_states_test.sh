@@ -134,9 +134,10 @@ kiln wxyz
 await shows 'kiln Connection.Trouble' 'C810: the remote password is wrong'
 reads kiln.Heat 'Bad_NoCommunication' 3
 check 1 controller.toml
-says '^kiln: slmp at .* is not reached: C810: the remote password is wrong$'
+says '^kiln: slmp at .* is not reached: C810: the remote password is wrong'
 end_plc "$kiln"
 kiln abcd
+power_cycle # or it is not tried for ten minutes
 await shows kiln.Heat ' 8 '
 grep -q abcd log && fail "the log has the password"
 

@@ -43,6 +43,12 @@ std::optional<BundleEntry> take_entry(std::string_view& rest)
     return entry;
 }
 
+bool is_small(const BundleEntry& entry)
+{
+    return entry.name.size() <= max_bundle_name &&
+           (entry.kind == BundleEntry::Kind::File || entry.text.size() <= max_missing_text);
+}
+
 } // namespace
 
 void BundleWriter::add(BundleEntry::Kind kind, std::string_view name, std::string_view text)
@@ -74,6 +80,14 @@ Configured<std::vector<BundleEntry>> read_bundle(std::string_view text, std::str
         if (entries.size() == max_bundle_files) {
             return misconfigured(std::string{file_name},
                                  "has more than " + std::to_string(max_bundle_files) + " files");
+        }
+        if (!is_small(*entry)) {
+            return misconfigured(std::string{file_name},
+                                 "has too long a text for file " +
+                                     std::to_string(entries.size() + 1) +
+                                     " of it; expected a name of at most " +
+                                     std::to_string(max_bundle_name) + " bytes, and at most " +
+                                     std::to_string(max_missing_text) + " about a missing file");
         }
         entries.push_back(*entry);
     }

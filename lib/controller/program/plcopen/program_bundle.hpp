@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -39,5 +40,9 @@ private:
 
 /// More files are refused.
 inline constexpr std::size_t max_bundle_files = 10'000;
+/// Longer names are refused, in bytes.
+inline constexpr std::size_t max_bundle_name = 4'096;
+/// A longer text of a missing file is refused, in bytes.
+inline constexpr std::size_t max_missing_text = 1'024;
 
 } // namespace busbar::controller::detail

@@ -41,9 +41,11 @@ constexpr std::array<std::string_view, 21> program_endings{
     ".typ",  ".gvl",   ".dut", ".xml", ".tcgvl",   ".tcdut", ".tcpou",
     ".tcio", ".csv",   ".txt", ".fun", ".plcopen", ".awl",   ".iec",
 };
-/// Those of the objects of TwinCAT that have declarations.
+/// The objects of TwinCAT that have declarations.
 constexpr std::array<std::string_view, 4> twincat_endings{".tcgvl", ".tcdut", ".tcpou", ".tcio"};
 constexpr std::string_view list_ending = ".plcproj";
+/// A larger .plcproj is not parsed, because that takes many times its size.
+constexpr std::size_t max_list_size = 4U << 20U;
 
 std::string lower(std::string text)
 {
@@ -155,6 +157,26 @@ std::string without_escapes(std::string_view text)
     return all;
 }
 
+/// Lists the files with declarations that a .plcproj compiles, as it names them; without tasks,
+/// visualizations and others.
+std::vector<fs::path> compiled_files(const pugi::xml_document& document)
+{
+    std::vector<fs::path> all;
+    for (const pugi::xml_node& group : document.document_element().children("ItemGroup")) {
+        for (const pugi::xml_node& item : group.children("Compile")) {
+            std::string words = without_escapes(item.attribute("Include").value());
+            std::replace(words.begin(), words.end(), '\\', '/');
+            fs::path path{words};
+            const bool is_excluded =
+                is_same_ignoring_case(item.child("ExcludeFromBuild").text().get(), "true");
+            if (!is_excluded && has_ending(path, twincat_endings)) {
+                all.push_back(std::move(path));
+            }
+        }
+    }
+    return all;
+}
+
 /// Collects the files of a program.
 class FileCollector {
 public:
@@ -235,6 +257,12 @@ private:
     /// Adds what a .plcproj compiles.
     Configured<void> add_list(const fs::path& path, const std::string& text)
     {
+        if (text.size() > max_list_size) {
+            return misconfigured(path.string(),
+                                 "found more than " + std::to_string(max_list_size) +
+                                     " bytes of a list of files (.plcproj)",
+                                 status::Bad_EncodingLimitsExceeded);
+        }
         pugi::xml_document document;
         if (const auto parsed = document.load_buffer(text.data(), text.size()); !parsed) {
             return misconfigured(path.string(),
@@ -243,31 +271,26 @@ private:
         fs::path folder = path.parent_path();
         CaselessFolder names{folder.empty() ? fs::path{"."} : folder};
         const auto root = canonical(folder.empty() ? fs::path{"."} : folder);
-        for (const pugi::xml_node& group : document.document_element().children("ItemGroup")) {
-            for (const pugi::xml_node& item : group.children("Compile")) {
-                const bool is_excluded =
-                    is_same_ignoring_case(item.child("ExcludeFromBuild").text().get(), "true");
-                if (auto added = is_excluded ? Configured<void>{}
-                                             : add_item(item.attribute("Include").value(), folder,
-                                                        names, root);
-                    !added) {
-                    return added;
-                }
+        const std::vector<fs::path> compiled = compiled_files(document);
+        for (const fs::path& file : compiled) {
+            if (auto added = add_item(file, folder, names, root); !added) {
+                return added;
             }
+        }
+        if (compiled.empty()) {
+            return misconfigured(path.string(),
+                                 "compiles no file with declarations; expected .TcGVL, .TcDUT, "
+                                 ".TcPOU or .TcIO in its <Compile Include>");
         }
         return {};
     }
 
-    Configured<void> add_item(std::string_view include, const fs::path& folder,
-                              CaselessFolder& names, const std::optional<fs::path>& root)
+    Configured<void> add_item(const fs::path& named, const fs::path& folder, CaselessFolder& names,
+                              const std::optional<fs::path>& root)
     {
-        std::string words = without_escapes(include);
-        std::replace(words.begin(), words.end(), '\\', '/');
-        const fs::path relative = fs::path{words}.lexically_normal();
-        if (!has_ending(relative, twincat_endings)) {
-            return {}; // tasks, visualizations and others
-        }
-        const bool leaves = relative.is_absolute() || words.find(':') != std::string::npos ||
+        const fs::path relative = named.lexically_normal();
+        const bool leaves = relative.is_absolute() ||
+                            named.string().find(':') != std::string::npos ||
                             *relative.begin() == "..";
         if (leaves) {
             return add_missing((folder / relative).generic_string(),
@@ -317,6 +340,11 @@ private:
     Configured<void> add_entry(BundleEntry::Kind kind, std::string name, const std::string& text)
     {
         std::replace(name.begin(), name.end(), '\n', ' ');
+        if (name.size() > detail::max_bundle_name) {
+            return misconfigured(printable(name), "is a name of more than " +
+                                                      std::to_string(detail::max_bundle_name) +
+                                                      " bytes");
+        }
         if (++count_ > detail::max_bundle_files) {
             return misconfigured(name, "is one more than " +
                                            std::to_string(detail::max_bundle_files) + " files");

@@ -60,8 +60,7 @@ private:
             const auto index = static_cast<std::uint32_t>(i + 1);
             const auto added = each.kind == BundleEntry::Kind::File
                                    ? add(each.text, parts_.files[i], index)
-                                   : misconfigured(printable(each.name),
-                                                   printable(each.text, each.text.size() * 4));
+                                   : misconfigured(printable(each.name), printable(each.text));
             if (!added && !leave_out(index, added.error())) {
                 return added;
             }
@@ -73,6 +72,8 @@ private:
     bool leave_out(std::uint32_t index, const Problem& problem)
     {
         LeftOut one;
+        // The reason is often the same for several files, which the name tells apart.
+        one.declared.name = parts_.files[index - 1];
         one.declared.place.file = index;
         one.problem = problem;
         parts_.left_out.push_back(std::move(one));
