@@ -3,6 +3,7 @@
 
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/harness/scripted_server.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "session_proof.hpp"

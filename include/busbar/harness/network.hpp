@@ -113,7 +113,7 @@ private:
     std::shared_ptr<detail::ChunkTap> tap_;
     std::shared_ptr<detail::ActingFaults> faults_;
     std::shared_ptr<LinkObserver> observer_;
-    /// With the numbers of their connections.
+    /// Each has the number of its connection.
     std::vector<std::pair<std::size_t, std::weak_ptr<Link>>> links_;
     std::size_t connection_count_{0};
     bool refuses_{false};

@@ -34,9 +34,10 @@ public:
     {
         pass_ = &pass;
         is_exhausted_ = false;
-        structure_ = {.name = table_.structure,
-                      .kind = DerivedType::Kind::Structure,
-                      .place = source_->places.at(table_.begin)};
+        structure_ = DerivedType{};
+        structure_.name = table_.structure;
+        structure_.kind = DerivedType::Kind::Structure;
+        structure_.place = source_->places.at(table_.begin);
         has_left_out_ = false;
         for (std::size_t begin = table_.begin; begin < source_->text.size();) {
             const TableLine line = table_line(source_->text, begin, table_.form);

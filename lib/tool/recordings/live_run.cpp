@@ -53,7 +53,7 @@ public:
         constexpr std::size_t max_line = 4'096;
         if (rest_.size() > max_line) {
             context.err.line(
-                "busbar: a line of more than 4096 bytes is no fault; no more are read");
+                "busbar: found a line of more than 4096 bytes; input is not read any more");
             rest_.clear();
             has_ended_ = true;
         }

@@ -148,7 +148,7 @@ TEST_CASE_METHOD(Folder, "A .plcproj that compiles no file with declarations is 
     CHECK(shown(at("a.TcGVL") + "\n" + at("p.plcproj")) == refusal);
     // One that is missing is told as such.
     write("p.plcproj", list_of({"none.TcGVL"}));
-    CHECK(shown(at("p.plcproj")) == "- ~/none.TcGVL the file is missing");
+    CHECK(shown(at("p.plcproj")) == "~/none.TcGVL: the file is missing");
 }
 
 TEST_CASE_METHOD(Folder, "A .plcproj of more than 4 MiB is refused before it is parsed")
