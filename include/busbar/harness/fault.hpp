@@ -95,8 +95,9 @@ struct BUSBAR_API Fault {
     unsigned bit{0};
     /// For Answer.
     StatusCode status{};
-    /// For Change, and what describe() says of it.
+    /// For Change.
     Edit edit{};
+    /// Says what changes, for describe().
     std::string edit_text{};
 
 private:

@@ -17,7 +17,9 @@ struct BUSBAR_API RecordedMessage {
     /// A value in it: "nodesToRead[0].nodeId" by the names of the specification, and its text,
     /// "ns=1;s=Level".
     struct Field {
+        /// The names that lead to it.
         std::string path;
+        /// Its value.
         std::string text;
 
         friend bool operator==(const Field&, const Field&) = default;
@@ -27,7 +29,9 @@ struct BUSBAR_API RecordedMessage {
     std::size_t number{0};
     /// When its last byte arrived, since the world began.
     Duration time{0};
+    /// As in the recording.
     std::uint32_t connection{0};
+    /// The side that has sent it.
     Side from{Side::Client};
     /// Its structure, "ReadRequest"; its type, "HEL", for those that have none or cannot be read.
     std::string name;
@@ -43,6 +47,7 @@ struct BUSBAR_API RecordedMessage {
 /// Reads the messages of a recording that grows. Neither copied nor moved.
 class BUSBAR_API MessageReader {
 public:
+    /// Creates one for a recording from its beginning.
     MessageReader();
     ~MessageReader();
     MessageReader(const MessageReader&) = delete;

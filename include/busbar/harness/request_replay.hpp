@@ -45,6 +45,7 @@ replay_requests(World& world, const Recording& recording, client::ConnectionConf
 /// recording must outlive it.
 class BUSBAR_API RecordedServer {
 public:
+    /// Listens at the URL.
     RecordedServer(World& world, std::string_view url, const Recording& recording,
                    const ScriptedServerParts& parts = {});
     ~RecordedServer();

@@ -78,6 +78,7 @@ using ResultOf = typename AsResult<T>::Type;
 /// Answers that wait until the test lets them go: see Expectation::held(). May outlive its server.
 class HeldAnswers {
 public:
+    /// Created by Expectation::held().
     explicit HeldAnswers(std::shared_ptr<detail::Hold> hold) : hold_{std::move(hold)} {}
 
     /// Sends those that wait; later ones do not wait.
@@ -241,16 +242,18 @@ public:
     /// which there are ServerStatus, its State, NamespaceArray and ServerArray.
     void accept_clients();
 
-    /// Asks `answer` about requests that are neither expected nor allowed, before what
-    /// accept_clients() allows. It returns the body of a
-    /// response, with the header that it shall have, empty for no answer; nothing for a request
-    /// that is out of turn.
+    /// The answer to a request that is neither expected nor allowed.
     struct OtherAnswer {
+        /// The body of a response, with the header that it shall have; empty for no answer.
         std::vector<std::byte> body;
+        /// The time until it is sent.
         Duration delay{0};
     };
+    /// Returns the answer; nothing for a request that is out of turn.
     using AnswerOthers =
         std::function<std::optional<OtherAnswer>(std::span<const std::byte> request)>;
+    /// Asks `answer` about requests that are neither expected nor allowed, before what
+    /// accept_clients() allows.
     void answer_others(AnswerOthers answer) { others_ = std::move(answer); }
 
     /// Sends a response, asked for or not, to the newest client; its header's handle is as it is.

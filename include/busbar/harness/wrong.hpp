@@ -15,6 +15,7 @@ namespace busbar::harness {
 struct Wrong {
     /// The sequence number of the message's first chunk.
     enum class Sequence : std::uint8_t {
+        /// The next one.
         Right,
         /// That of the chunk before.
         Again,
