@@ -29,7 +29,7 @@ struct BUSBAR_API RecordedMessage {
     std::size_t number{0};
     /// When its last byte arrived, since the world began.
     Duration time{0};
-    /// As in the recording.
+    /// The number that the recording gives it.
     std::uint32_t connection{0};
     /// The side that has sent it.
     Side from{Side::Client};
