@@ -142,7 +142,7 @@ Answer of_other_session(Subject& subject)
         Line other = subject.other_session();
         BrowseNextRequest request;
         request.continuation_points = {result.continuation_point};
-        const Answer answer = operation_result(other.ask<BrowseNextResponse>(std::move(request)));
+        Answer answer = operation_result(other.ask<BrowseNextResponse>(std::move(request)));
         other.close();
         static_cast<void>(next(subject, result.continuation_point, true));
         return answer;
@@ -321,7 +321,7 @@ Answer registered(Subject& subject)
     const NodeId node = response->registered_node_ids[0];
     ReadRequest read;
     read.nodes_to_read = {client::attribute_of(node)};
-    const Answer answer = operation_result(subject.ask<ReadResponse>(std::move(read)));
+    Answer answer = operation_result(subject.ask<ReadResponse>(std::move(read)));
     UnregisterNodesRequest unregister;
     unregister.nodes_to_unregister = {node};
     static_cast<void>(subject.ask<UnregisterNodesResponse>(std::move(unregister)));

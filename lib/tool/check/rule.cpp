@@ -131,7 +131,7 @@ std::vector<const SpecRule*> chosen_rules(const std::vector<std::string>& names,
 Verdict judge(const SpecRule& rule, Subject& subject)
 {
     const auto begin = Clock::now();
-    const Answer answer = ask(rule, subject);
+    Answer answer = ask(rule, subject);
     Verdict verdict{&rule, Verdict::Outcome::Failed, found_text(answer), 0};
     const bool is_required = std::find(required_services.begin(), required_services.end(),
                                        rule.service) != required_services.end();

@@ -119,7 +119,7 @@ Answer read_with(Line& line, NodeId token)
 Answer read_with_token(Subject& subject, NodeId token)
 {
     Line line = subject.channel();
-    const Answer answer = read_with(line, std::move(token));
+    Answer answer = read_with(line, std::move(token));
     line.close();
     return answer;
 }
@@ -169,7 +169,7 @@ Answer nonce_of(Subject& subject, std::size_t size)
     CreateSessionRequest request = create_of(subject);
     request.client_nonce = random_bytes(subject, size);
     Line line = subject.channel();
-    const Answer answer = service_result(line.ask<CreateSessionResponse>(std::move(request)));
+    Answer answer = service_result(line.ask<CreateSessionResponse>(std::move(request)));
     line.close();
     return answer;
 }
@@ -241,7 +241,7 @@ Answer closed_twice(Subject& subject)
 Answer of_other_channel(Subject& subject)
 {
     Line owner = subject.other_session();
-    const Answer answer = read_with_token(subject, owner.client().session().authentication_token);
+    Answer answer = read_with_token(subject, owner.client().session().authentication_token);
     owner.close();
     return answer;
 }
@@ -251,7 +251,7 @@ Answer close_of_other_channel(Subject& subject)
     Line owner = subject.other_session();
     const NodeId token = owner.client().session().authentication_token;
     Line line = subject.channel();
-    const Answer answer = service_result(
+    Answer answer = service_result(
         line.ask<CloseSessionResponse>(CloseSessionRequest{}, [&](RequestHeader& header) {
             header.authentication_token = token;
         }));
@@ -287,7 +287,7 @@ Answer cancelled_publish(Subject& subject, Judge judge)
     CancelRequest request;
     request.request_handle = handle;
     const auto response = line.ask<CancelResponse>(request);
-    const Answer answer = response ? judge(*response, line, publish) : came(response.error());
+    Answer answer = response ? judge(*response, line, publish) : came(response.error());
     line.close();
     return answer;
 }

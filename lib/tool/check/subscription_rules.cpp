@@ -81,7 +81,7 @@ Answer of_other_session(Subject& subject)
 {
     Subscribed subscription{subject};
     Line other = subject.other_session();
-    const Answer answer = service_result(modify(other, subscription.id()));
+    Answer answer = service_result(modify(other, subscription.id()));
     other.close();
     return answer;
 }
@@ -108,7 +108,7 @@ Answer removed_twice(Subject& subject)
 {
     Subscribed subscription{subject};
     static_cast<void>(remove(subject.session(), {subscription.id()}));
-    const Answer answer = operation_result(remove(subject.session(), {subscription.id()}));
+    Answer answer = operation_result(remove(subject.session(), {subscription.id()}));
     subscription.forget();
     return answer;
 }
@@ -129,7 +129,7 @@ Answer removed_in_part(Subject& subject)
 Answer without_subscription(Subject& subject)
 {
     Line line = subject.other_session();
-    const Answer answer = service_result(line.ask<PublishResponse>(PublishRequest{}));
+    Answer answer = service_result(line.ask<PublishResponse>(PublishRequest{}));
     line.close();
     return answer;
 }
@@ -144,7 +144,7 @@ Answer deleted_while_waiting(Subject& subject)
     // The first one takes the message that the first interval ends with, if that is short.
     const std::uint32_t first = line.send(PublishRequest{});
     static_cast<void>(remove(line, {created->subscription_id}));
-    const Answer answer = service_result(line.wait_for<PublishResponse>(first));
+    Answer answer = service_result(line.wait_for<PublishResponse>(first));
     line.close();
     return answer;
 }
@@ -309,7 +309,7 @@ Answer transferred(Subject& subject)
     }
     Subscribed subscription{subject};
     Line other = subject.other_session();
-    const Answer answer = operation_result(transfer(other, {subscription.id()}));
+    Answer answer = operation_result(transfer(other, {subscription.id()}));
     static_cast<void>(remove(other, {subscription.id()}));
     subscription.forget();
     other.close();
