@@ -166,7 +166,7 @@ Answer no_overflow(Subject& subject)
 }
 
 Result<ModifyMonitoredItemsResponse> modify(Subject& subject, std::uint32_t subscription,
-                                            std::vector<std::uint32_t> ids,
+                                            const std::vector<std::uint32_t>& ids,
                                             TimestampsToReturn timestamps)
 {
     ModifyMonitoredItemsRequest request;

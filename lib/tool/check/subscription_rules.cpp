@@ -18,7 +18,7 @@ Result<DeleteSubscriptionsResponse> remove(Line& line, Array<std::uint32_t> ids)
 
 /// Judges the revised parameters; the Subscription is deleted.
 template <typename Judge>
-Answer revised(Subject& subject, CreateSubscriptionRequest request, Judge judge)
+Answer revised(Subject& subject, const CreateSubscriptionRequest& request, Judge judge)
 {
     return with(subject.ask<CreateSubscriptionResponse>(request),
                 [&](const CreateSubscriptionResponse& response) {
