@@ -188,6 +188,7 @@ private:
 struct ScriptedServerParts {
     std::vector<channel::SecuritySetting> allowed{{}};
     crypto::CertificateValidator* validator{nullptr};
+    /// The certificate and private key with which the server secures its channels.
     const channel::ApplicationIdentity* identity{nullptr};
     /// The URI that endpoints and namespaces name; a client that checks wants the identity's.
     std::string application_uri{"urn:busbar:harness:server"};

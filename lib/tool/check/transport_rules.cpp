@@ -1,5 +1,6 @@
 #include <busbar/types/discovery.hpp>
 
+#include "requests.hpp"
 #include "wire.hpp"
 
 namespace busbar::tool::rules {

@@ -58,9 +58,9 @@ private:
         for (std::size_t i = 0; i < entries->size(); ++i) {
             const BundleEntry& each = (*entries)[i];
             const auto index = static_cast<std::uint32_t>(i + 1);
-            const auto added = each.kind == BundleEntry::Kind::File
-                                   ? add(each.text, parts_.files[i], index)
-                                   : misconfigured(printable(each.name), printable(each.text));
+            auto added = each.kind == BundleEntry::Kind::File
+                             ? add(each.text, parts_.files[i], index)
+                             : misconfigured(printable(each.name), printable(each.text));
             if (!added && !leave_out(index, added.error())) {
                 return added;
             }
