@@ -503,6 +503,25 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
         {"[[backend]]\nname = \"press\"\nprotocol = \"slmp\"\n" + slmp, "secrets",
          "the password of a PLC"},
     };
+    write("models/m.xml", "");
+    write("plc/press.csv", "name,at,access\nSpeed,holding:0:int16,write\n");
+    std::filesystem::create_symlink(at("p/x.st"), at("files/link.st"));
+    std::filesystem::create_symlink(at("files"), at("linked"));
+    const Row further[] = {
+        {"[server]\nnodesets = [\"" + at("models/m.xml") + "\"]", "models", "an information model"},
+        {"[[backend]]\nname = \"press\"\nprotocol = \"modbus\"\naddress = \"192.0.2.20:502\"\n"
+         "table = \"" +
+             at("plc/press.csv") + "\"",
+         "plc", "the addresses of a PLC"},
+        {"[machine]\nprogram = \"" + at("files/link.st") + "\"", "files", machine},
+        {"[machine]\nprogram = \"" + at("files/link.st") + "\"", "p", machine},
+        {"[machine]\nprogram = \"" + at("files/link.st") + "\"", "linked", machine},
+        {"[machine]\nprogram = \"" + at("linked/b.st") + "\"", "files", machine},
+    };
+    for (const auto& [text, files, said] : further) {
+        INFO(text << "\n" << files << ": " << complaint(with(text, files)));
+        CHECK(complaint(with(text, files)).find(said) != std::string::npos);
+    }
     for (const auto& [text, files, said] : rows) {
         INFO(text << "\n" << files << ": " << complaint(with(text, files)));
         CHECK(complaint(with(text, files)).find(said) != std::string::npos);

@@ -1,6 +1,7 @@
 #include "sections.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -18,23 +19,38 @@ constexpr std::int64_t most_file_size = 1U << 30U;
 constexpr std::int64_t most_entries_of_files = 100'000;
 constexpr std::size_t most_folders = 16;
 
+/// Returns the places of a file or folder: where it is, and, if that is another place, where a link
+/// that leads to it is.
+std::array<std::filesystem::path, 2> places(const std::string& path)
+{
+    const auto whole = [](const std::filesystem::path& made) {
+        return made.has_filename() ? made : made.parent_path();
+    };
+    std::error_code ignored;
+    // Make it absolute first: for a relative path that does not exist, weakly_canonical would
+    // leave the working directory out.
+    const auto absolute = std::filesystem::absolute(path).lexically_normal();
+    const auto real = std::filesystem::weakly_canonical(absolute, ignored);
+    // The link's own folder may be a link, too.
+    const auto folder = std::filesystem::weakly_canonical(whole(absolute).parent_path(), ignored);
+    return {whole(real.empty() ? absolute : real), folder / whole(absolute).filename()};
+}
+
 /// True if one of the folders is or contains the other.
 bool overlap(const std::string& a, const std::string& b)
 {
-    const auto whole = [](const std::string& path) {
-        std::error_code ignored;
-        // Make it absolute first: for a relative path that does not exist, weakly_canonical would
-        // leave the working directory out.
-        const auto absolute = std::filesystem::absolute(path);
-        auto made = std::filesystem::weakly_canonical(absolute, ignored);
-        made = ignored ? absolute.lexically_normal() : made;
-        return made.has_filename() ? made : made.parent_path();
+    const auto is_within = [](const std::filesystem::path& first,
+                              const std::filesystem::path& second) {
+        const auto [left, right] =
+            std::mismatch(first.begin(), first.end(), second.begin(), second.end());
+        return left == first.end() || right == second.end();
     };
-    const auto first = whole(a);
-    const auto second = whole(b);
-    const auto [left, right] =
-        std::mismatch(first.begin(), first.end(), second.begin(), second.end());
-    return left == first.end() || right == second.end();
+    const auto of_a = places(a);
+    const auto of_b = places(b);
+    return std::any_of(of_a.begin(), of_a.end(), [&](const auto& first) {
+        return std::any_of(of_b.begin(), of_b.end(),
+                           [&](const auto& second) { return is_within(first, second); });
+    });
 }
 
 FilesConfig read_folder(const TomlTable& entry, const CertificateConfig& certificates)
@@ -87,11 +103,11 @@ void add_program(std::vector<Own>& all, const std::string& program_file, const c
     }
 }
 
-/// Adds the file of the password of a PLC.
-void add_password(std::vector<Own>& all, const TomlTable& table)
+/// Adds the file that a key names, if it is there.
+void add_named(std::vector<Own>& all, const TomlTable& table, const char* key, const char* use)
 {
-    if (std::string path = table.text("remote_password_file", ""); !path.empty()) {
-        all.push_back({std::move(path), "the password of a PLC"});
+    if (std::string path = table.text(key, ""); !path.empty()) {
+        all.push_back({std::move(path), use});
     }
 }
 
@@ -107,10 +123,18 @@ std::vector<Own> own_files(const TomlTable& root, const ControllerConfig& config
             {std::filesystem::path{machine.medium_folder} / log.parent_path(), of_machine});
     }
     add_program(all, config.labels.program_file, "the program of the labels");
-    add_password(all, root.table("labels"));
+    constexpr const char* password_key = "remote_password_file";
+    constexpr const char* of_plc = "the password of a PLC";
+    add_named(all, root.table("labels"), password_key, of_plc);
     for (const TomlTable& entry : root.tables("backend")) {
-        add_password(all, entry);
+        add_named(all, entry, password_key, of_plc);
+        add_named(all, entry, "table", "the addresses of a PLC");
     }
+    for (const std::string& each : config.nodesets) {
+        all.push_back({each, "an information model"});
+    }
+    add_named(all, root.table("server"), "key_log", "the log of keys");
+    add_named(all, root.table("users").table("tokens"), "key_file", "the key of users' tokens");
     return all;
 }
 

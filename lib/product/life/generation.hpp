@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -151,6 +152,9 @@ public:
     }
     /// The program of a machine.
     [[nodiscard]] ProgramInForce program() const;
+    /// Returns true if the configured file of that program contains another one, or cannot be read.
+    /// The answer is up to a second old.
+    [[nodiscard]] bool is_program_file_other();
     /// Stores the document of a ReceivedProgram, or removes it, for the next reading.
     [[nodiscard]] Configured<void> keep_program(const std::optional<std::string>& document)
     {
@@ -218,6 +222,12 @@ private:
     std::optional<controller::PlcTask> task_;
     /// True if the runtime's own task scans instead.
     bool has_own_task_{false};
+    struct OtherFile {
+        std::chrono::steady_clock::time_point time;
+        bool is_other;
+    };
+    /// Remembered by is_program_file_other().
+    std::optional<OtherFile> other_file_;
 };
 
 } // namespace busbar::product

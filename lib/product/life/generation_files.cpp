@@ -1,5 +1,6 @@
 #include "generation.hpp"
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -75,6 +76,7 @@ std::vector<administration::TemporaryFileTransfer> Generation::programs(const Re
     }
     program_service_.emplace(ProgramService::Needs{
         .program = [this] { return program(); },
+        .is_file_other = [this] { return is_program_file_other(); },
         .base = [this] { return program_base(); },
         .change = requests.change_program,
         .mode = [machine] { return machine->mode(); },
@@ -111,10 +113,22 @@ ProgramInForce Generation::program() const
         now.user = received ? std::move(received->user) : std::string{};
         now.time = received ? received->time : DateTime{};
     }
-    const auto file = SourceFiles{}.program_text(machine.program_file, ReceivedProgram::max_text);
-    now.is_file_other = !file || **file != *machine.program_text;
     now.refusal = around_.pending.reason(PendingChanges::By::Download);
     return now;
+}
+
+bool Generation::is_program_file_other()
+{
+    // A program may be a folder of many files, and every status asks.
+    constexpr std::chrono::seconds validity{1};
+    const auto now = std::chrono::steady_clock::now();
+    if (!other_file_ || now - other_file_->time >= validity) {
+        const MachineConfig& machine = config_.machine;
+        const auto file =
+            SourceFiles{}.program_text(machine.program_file, ReceivedProgram::max_text);
+        other_file_ = {.time = now, .is_other = !file || **file != *machine.program_text};
+    }
+    return other_file_->is_other;
 }
 
 ProgramBase Generation::program_base() const
@@ -161,6 +175,7 @@ Configured<void> Generation::edit(const Reading& next,
             config_.machine.program = machine.program;
             config_.machine.program_name = machine.program_name;
             config_.machine.program_text = machine.program_text;
+            other_file_.reset();
             use(next.settings->sources());
         });
 }

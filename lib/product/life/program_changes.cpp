@@ -156,7 +156,7 @@ void RunningController::edited_online(const std::string& name)
 void RunningController::tell_of_other_file()
 {
     const ProgramInForce now = current_->program();
-    if (now.is_received && now.is_file_other) {
+    if (now.is_received && current_->is_program_file_other()) {
         log_.write(
             LogLevel::Warning, "controller",
             paths_in_line(now.file) + " is not used: " + paths_in_line(now.name) +

@@ -189,7 +189,7 @@ std::string ProgramService::status_text() const
     json.name("published");
     json.word(std::to_string(now.published));
     json.name("fileIsOther");
-    json.word(now.is_file_other ? "true" : "false");
+    json.word(needs_.is_file_other() ? "true" : "false");
     write_member(json, "refusal", now.refusal);
     json.end_object();
     return json.take();

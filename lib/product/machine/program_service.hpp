@@ -31,8 +31,6 @@ struct ProgramInForce {
     /// Sender and time of a received program.
     std::string user{};
     DateTime time{};
-    /// True if the file contains another program, or cannot be read.
-    bool is_file_other{false};
     std::size_t published{0};
     /// The reason for refusing the last download after it was sent; empty if it was not.
     std::string refusal{};
@@ -95,6 +93,8 @@ public:
     /// All members must outlive this object.
     struct Needs {
         std::function<ProgramInForce()> program;
+        /// Returns true if the configured file contains another program, or cannot be read.
+        std::function<bool()> is_file_other;
         std::function<ProgramBase()> base;
         /// Carries a change out, or only checks it; the problem is the reason why nothing has
         /// changed.
