@@ -1,9 +1,15 @@
 // A simulated PLC that Modbus TCP or SLMP clients can read and write, for tests without a PLC.
 // usage: busbar-plc-responder modbus|slmp [OPTIONS]; commands on standard input change it.
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include <CLI/CLI.hpp>
 #include <asio/io_context.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/read_until.hpp>
@@ -11,33 +17,20 @@
 #include <asio/streambuf.hpp>
 #include <unistd.h>
 
+#include "command_line/program_options.hpp"
 #include "sockets.hpp"
 
 using namespace plc_responder;
 
 namespace {
 
-constexpr const char* usage =
-    "usage: busbar-plc-responder modbus|slmp [OPTIONS]\n"
-    "  --listen HOST:PORT    default 127.0.0.1:0, a free port, which is printed\n"
-    "  --udp                 SLMP over UDP instead of TCP\n"
-    "  --plc iqr|q|fx5       family of the PLC with SLMP; q is a built-in port\n"
-    "  --password TEXT       remote password that opens the port of a PLC with SLMP\n"
-    "  --frame 3e|4e         3e: 4E frames of SLMP have no answer; 4e (default): both have\n"
-    "  --units 1,2           units behind a Modbus gateway; default: every unit is this PLC\n"
-    "  --connections COUNT   more are closed at once; default 64\n"
-    "  --set ADDRESS=VALUE   as the command set; can be repeated, as the next three\n"
-    "  --count ADDRESS       counts up ten times a second while the PLC is in RUN\n"
-    "  --refuse ADDRESS      as the command refuse\n"
-    "  --label NAME=TYPE:HEX as the command label\n"
-    "  --delay MS            as the command slow\n"
-    "  --stop                the PLC is in STOP\n"
-    "commands on standard input:\n"
+constexpr const char* commands_help =
+    "Commands on standard input, each answered by a line:\n"
     "  set ADDRESS VALUE | get ADDRESS | count ADDRESS\n"
     "  refuse ADDRESS [CODE] | allow   refuse it, with an exception or end code | nothing more\n"
     "  label NAME TYPE HEX             adds an SLMP label: its type id, and its bytes\n"
     "  slow MS | stop | run            time of an answer | STOP | RUN\n"
-    "  close                           ends all connections\n";
+    "  close                           ends all connections";
 
 /// Reads a number of 16 bits: "17", "-3", "0x1F".
 std::optional<std::uint16_t> number_of(std::string_view text)
@@ -81,101 +74,108 @@ struct Options {
     std::vector<std::string> commands{};
 };
 
+/// An option whose value cannot be used, which only the PLC knows.
 class UsageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-std::uint16_t needed_number(std::string_view text, const std::string& what, std::uint16_t max)
+/// "LABEL=1:01" becomes the command "label LABEL 1 01", but holding:0 has a colon of its own.
+std::string command_of(const char* name, std::string value)
 {
-    const auto number = number_of(text);
-    if (!number || *number > max || text.starts_with('-')) {
-        throw UsageError{what + " must be from 0 to " + std::to_string(max) + ", not \"" +
-                         std::string{text} + '"'};
+    const std::size_t equals = value.find('=');
+    if (equals != std::string::npos) {
+        std::replace(value.begin() + static_cast<std::ptrdiff_t>(equals), value.end(), ':', ' ');
+        value[equals] = ' ';
     }
-    return *number;
+    return name + (' ' + value);
 }
 
-/// Takes the value of an option, which is one of `names`.
-std::size_t choice(std::string_view value, std::initializer_list<std::string_view> names,
-                   const std::string& option)
+/// Adds an option that can be repeated and is carried out as the command of its name.
+void add_command(CLI::App& app, Options& options, const char* name, const char* form,
+                 const std::string& help)
 {
-    const auto* const found = std::find(names.begin(), names.end(), value);
-    if (found == names.end()) {
-        std::string known;
-        for (const std::string_view name : names) {
-            known.append(known.empty() ? "" : ", ").append(name);
-        }
-        throw UsageError{option + " must be one of " + known + ", not \"" + std::string{value} +
-                         '"'};
-    }
-    return static_cast<std::size_t>(found - names.begin());
+    app.add_option_function<std::vector<std::string>>(
+           std::string{"--"} + name,
+           [&options, name](const std::vector<std::string>& values) {
+               for (const std::string& value : values) {
+                   options.commands.push_back(command_of(name, value));
+               }
+           },
+           help)
+        ->type_name(form)
+        ->allow_extra_args(false);
 }
 
-void take(Options& options, const std::string& option, std::string value)
+/// Takes "127.0.0.1:5020" or "[::1]:5020" apart.
+void take_listener(Options& options, const std::string& text)
 {
-    if (option == "--listen") {
-        const std::size_t colon = value.rfind(':');
-        if (colon == std::string::npos) {
-            throw UsageError{"--listen must be HOST:PORT, not \"" + value + '"'};
-        }
-        options.port =
-            needed_number(std::string_view{value}.substr(colon + 1), "the port", UINT16_MAX);
-        const bool has_brackets = value.starts_with('[') && colon > 1;
-        options.host = has_brackets ? value.substr(1, colon - 2) : value.substr(0, colon);
-    } else if (option == "--plc") {
-        options.family = static_cast<Family>(choice(value, {"iqr", "q", "fx5"}, option));
-    } else if (option == "--password") {
-        options.password = std::move(value);
-    } else if (option == "--frame") {
-        options.is_3e_only = choice(value, {"3e", "4e"}, option) == 0;
-    } else if (option == "--units") {
-        std::istringstream units{value};
-        for (std::string unit; std::getline(units, unit, ',');) {
-            options.units.push_back(
-                static_cast<std::uint8_t>(needed_number(unit, "a unit", UINT8_MAX)));
-        }
-    } else if (option == "--connections") {
-        options.max_connections = needed_number(value, option, UINT16_MAX);
-    } else if (option == "--delay") {
-        options.commands.push_back("slow " + value);
-    } else if (option == "--set" || option == "--count" || option == "--refuse" ||
-               option == "--label") {
-        // "--label A=1:01" is the command "label A 1 01", but holding:0 has a colon of its own.
-        const std::size_t equals = value.find('=');
-        if (equals != std::string::npos) {
-            std::replace(value.begin() + static_cast<std::ptrdiff_t>(equals), value.end(), ':',
-                         ' ');
-            value[equals] = ' ';
-        }
-        options.commands.push_back(option.substr(2) + ' ' + value);
-    } else {
-        throw UsageError{"unknown option " + option};
+    const std::size_t colon = std::min(text.rfind(':'), text.size());
+    const std::string port = text.substr(std::min(colon + 1, text.size()));
+    const auto number = number_of(port);
+    if (colon == text.size() || !number || port.starts_with('-')) {
+        throw CLI::ValidationError{"--listen", "found " + text + ", expected HOST:PORT"};
     }
+    const bool has_brackets = text.starts_with('[') && colon > 1;
+    options.host = has_brackets ? text.substr(1, colon - 2) : text.substr(0, colon);
+    options.port = *number;
 }
 
-Options options_of(const std::vector<std::string>& arguments)
+void add_options(CLI::App& app, Options& options)
 {
-    if (arguments.empty()) {
-        throw UsageError{"the protocol, modbus or slmp, is missing"};
-    }
-    Options options;
-    options.is_slmp = choice(arguments[0], {"modbus", "slmp"}, "the protocol") == 1;
-    for (std::size_t i = 1; i < arguments.size(); ++i) {
-        if (arguments[i] == "--udp") {
-            options.is_udp = true;
-        } else if (arguments[i] == "--stop") {
-            options.commands.emplace_back("stop");
-        } else if (i + 1 < arguments.size()) {
-            take(options, arguments[i], arguments[i + 1]);
-            ++i;
-        } else {
-            throw UsageError{arguments[i] + " is unknown, or has no value"};
+    app.add_option_function<std::string>(
+           "protocol", [&](const std::string& name) { options.is_slmp = name == "slmp"; },
+           "what the PLC speaks: modbus or slmp")
+        ->required()
+        ->type_name("PROTOCOL")
+        ->check(CLI::IsMember({"modbus", "slmp"}));
+    app.add_option_function<std::string>(
+           "--listen", [&](const std::string& text) { take_listener(options, text); },
+           "where it serves, 127.0.0.1:0 by itself: a free port, which is printed")
+        ->type_name("HOST:PORT");
+    app.add_flag("--udp", options.is_udp, "SLMP over UDP instead of TCP");
+    app.add_option_function<std::string>(
+           "--plc",
+           [&](const std::string& name) {
+               options.family = name == "q" ? Family::Q : name == "fx5" ? Family::Fx5 : Family::IqR;
+           },
+           "family of the PLC with SLMP, iqr by itself; q is a built-in port")
+        ->type_name("FAMILY")
+        ->check(CLI::IsMember({"iqr", "q", "fx5"}));
+    app.add_option("--password", options.password,
+                   "remote password that opens the port of a PLC with SLMP")
+        ->type_name("TEXT");
+    app.add_option_function<std::string>(
+           "--frame", [&](const std::string& name) { options.is_3e_only = name == "3e"; },
+           "3e: 4E frames of SLMP have no answer; 4e, by itself: both have")
+        ->type_name("FRAME")
+        ->check(CLI::IsMember({"3e", "4e"}));
+    app.add_option("--units", options.units,
+                   "units behind a Modbus gateway, 1,2; by itself every unit is this PLC")
+        ->type_name("UNIT")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::Range(0, UINT8_MAX));
+    app.add_option("--connections", options.max_connections, "more are closed at once")
+        ->type_name("COUNT")
+        ->check(CLI::Range(0, UINT16_MAX))
+        ->capture_default_str();
+    add_command(app, options, "set", "ADDRESS=VALUE", "as the command set; can be repeated");
+    add_command(app, options, "count", "ADDRESS",
+                "counts up ten times a second while the PLC is in RUN; can be repeated");
+    add_command(app, options, "refuse", "ADDRESS", "as the command refuse; can be repeated");
+    add_command(app, options, "label", "NAME=TYPE:HEX", "as the command label; can be repeated");
+    app.add_option_function<std::string>(
+           "--delay", [&](const std::string& ms) { options.commands.push_back("slow " + ms); },
+           "as the command slow")
+        ->type_name("MS");
+    app.add_flag_callback(
+        "--stop", [&] { options.commands.emplace_back("stop"); }, "the PLC is in STOP");
+    app.footer(commands_help);
+    app.final_callback([&] {
+        if (options.is_udp && !options.is_slmp) {
+            throw CLI::ValidationError{"--udp", "is for slmp"};
         }
-    }
-    if (options.is_udp && !options.is_slmp) {
-        throw UsageError{"--udp is for slmp"};
-    }
-    return options;
+    });
 }
 
 /// Serves the PLC, and executes commands.
@@ -188,7 +188,8 @@ public:
     {
         for (const std::string& command : options.commands) {
             if (const std::string answer = execute(command); answer != "ok") {
-                throw UsageError{"--" + command + ": " + answer};
+                std::string reason = "--" + command;
+                throw UsageError{reason.append(": ").append(answer)};
             }
         }
         asio::error_code error;
@@ -341,21 +342,31 @@ private:
     std::vector<std::string> counted_{};
 };
 
+int run(int argc, char** argv)
+{
+    Options options;
+    CLI::App app{"A simulated PLC that clients of Modbus TCP or SLMP read and write: for tests of "
+                 "what is to read a PLC, without one. All connections see the same memory."};
+    add_options(app, options);
+    busbar::command_line::add_program_options(app, "busbar-plc-responder");
+    try {
+        app.parse(argc, argv);
+        Program{options}.run();
+        return 0;
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const UsageError& error) {
+        std::fprintf(stderr, "busbar-plc-responder: %s; --help shows the options\n", error.what());
+        return 2;
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     try {
-        const std::vector<std::string> arguments{argv + 1, argv + argc};
-        if (arguments.size() == 1 && arguments[0] == "--help") {
-            std::fputs(usage, stdout);
-            return 0;
-        }
-        Program{options_of(arguments)}.run();
-        return 0;
-    } catch (const UsageError& error) {
-        std::fprintf(stderr, "busbar-plc-responder: %s; --help shows the options\n", error.what());
-        return 2;
+        return run(argc, argv);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "busbar-plc-responder: cannot serve: %s\n", error.what());
         return 1;
