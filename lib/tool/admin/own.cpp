@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,9 +24,19 @@ const NodeId configuration{0, id::ServerConfiguration};
 const NodeId rsa{0, id::RsaSha256ApplicationCertificateType};
 
 std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
-                               const std::vector<Variant>& inputs, const std::string& what)
+                               const std::vector<Variant>& inputs, const std::string& what,
+                               Duration timeout = {})
 {
-    return call(connection, configuration, standard(method), inputs, what);
+    return call(connection, configuration, standard(method), inputs, what, timeout);
+}
+
+/// Returns how long to wait for a Method that makes a key: on a small controller an RSA key of 4096
+/// bits takes minutes, and the key is made even if nothing waits for it.
+Duration time_for_key(const Context& context)
+{
+    constexpr Duration least = std::chrono::minutes{5};
+    const std::chrono::duration<double> wanted{context.options.timeout};
+    return std::max(least, std::chrono::duration_cast<Duration>(wanted));
 }
 
 /// Returns the certificate of this connection, for users who may see it but not export it (W588,
@@ -99,7 +110,7 @@ Exit request(Context& context, Connection& connection, const AdminArguments& arg
         on_server(connection, id::ServerConfiguration_CreateSigningRequest,
                   {Variant{NodeId{}}, Variant{rsa}, Variant{String{arguments.subject}},
                    Variant{true}, Variant{ByteString{nonce}}},
-                  "making the request");
+                  "making the request", time_for_key(context));
     const auto* const der = outputs.empty() ? nullptr : outputs.front().get_if<ByteString>();
     if (der == nullptr) {
         throw Failure{status::Bad_UnexpectedError, "making the request"};
@@ -253,7 +264,7 @@ Exit regenerate(Context& context, Connection& connection, const AdminArguments& 
                          strings(names.dns_names), strings(names.ip_addresses),
                          Variant{static_cast<std::uint16_t>(arguments.days)},
                          Variant{std::uint16_t{0}}},
-                        what);
+                        what, time_for_key(context));
         },
         status::Bad_InvalidArgument,
         "a subject is CN=Name/O=Works/OU=Line/L=Town/S=State/C=JP: a value with / or , stands in "

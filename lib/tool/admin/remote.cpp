@@ -54,13 +54,14 @@ std::string_view hint_at_server(StatusCode status)
 } // namespace
 
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
-                          const std::vector<Variant>& inputs, const std::string& what)
+                          const std::vector<Variant>& inputs, const std::string& what,
+                          Duration timeout)
 {
     CallMethodRequest request;
     request.object_id = object;
     request.method_id = method;
     request.input_arguments = Array<Variant>{inputs};
-    const client::ExplainedCall result = call_explained(connection, std::move(request));
+    const client::ExplainedCall result = call_explained(connection, std::move(request), timeout);
     if (result.status_code == status::Bad_NodeIdUnknown) {
         throw Failure{result.status_code, what,
                       "the server has no such service, or this user may not see it: log in as one "

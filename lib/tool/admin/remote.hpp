@@ -27,9 +27,11 @@ namespace busbar::tool::admin {
     return NodeId{0, id};
 }
 
-/// Calls a Method and returns its outputs; throws a Failure that says that `what` failed.
+/// Calls a Method, waits that long for the answer, or as long as --timeout says, and returns its
+/// outputs; throws a Failure that says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
-                          const std::vector<Variant>& inputs, const std::string& what);
+                          const std::vector<Variant>& inputs, const std::string& what,
+                          Duration timeout = {});
 /// Calls `function`. If it throws a Failure with this status, replaces the hint, even if there is a
 /// reason.
 template <typename Function>

@@ -96,11 +96,13 @@ void refuse_ambiguous(Connection& connection, const std::vector<std::string>& te
     }
 }
 
-client::ExplainedCall call_explained(Connection& connection, CallMethodRequest request)
+client::ExplainedCall call_explained(Connection& connection, CallMethodRequest request,
+                                     Duration timeout)
 {
     using Results = std::vector<client::ExplainedCall>;
     auto results = connection.wait_for<Results>([&](std::function<void(Results)> done) {
-        client::call_explained(connection.client(), {std::move(request)}, std::move(done));
+        client::call_explained(connection.client(), {std::move(request)}, std::move(done),
+                               client::RequestOptions{.timeout = timeout});
     });
     return std::move(results.front());
 }

@@ -38,9 +38,10 @@ void check_addresses(const std::vector<std::string>& texts);
 /// seen later.
 void refuse_ambiguous(Connection& connection, const std::vector<std::string>& texts);
 
-/// Calls one Method; throws Failure without an answer.
-[[nodiscard]] client::ExplainedCall call_explained(Connection& connection,
-                                                   CallMethodRequest request);
+/// Calls one Method and waits that long for the answer, or as long as --timeout says; throws
+/// Failure without an answer.
+[[nodiscard]] client::ExplainedCall
+call_explained(Connection& connection, CallMethodRequest request, Duration timeout = {});
 /// The server's name for the node in its additionalInfo, see refused_by_server.
 [[nodiscard]] std::string operand_of(const NodeId& object, const NodeId& method);
 
