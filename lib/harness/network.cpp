@@ -42,6 +42,8 @@ Network::Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed, 
       tap_{std::make_shared<detail::ChunkTap>()}, faults_{std::make_shared<detail::ActingFaults>(
                                                       clock, timeline_, tap_)}
 {
+    no_weather_.min_latency = Duration{0};
+    no_weather_.max_latency = Duration{0};
 }
 
 Network::~Network() = default;
@@ -77,6 +79,9 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
 {
     const auto key = key_of(url);
     const auto found = key ? acceptors_.find(*key) : acceptors_.end();
+    if (found != acceptors_.end() && exempt_.contains(*key)) {
+        return connect_plainly(*found->second, client, client_address);
+    }
     ++connection_count_;
     for (auto& entry : faults_->entries()) {
         if (entry.fault.kind == Fault::Kind::Refuse && entry.is_for(connection_count_)) {
@@ -105,6 +110,28 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
     }
     begin(link);
     return link;
+}
+
+Result<std::shared_ptr<Link>> Network::connect_plainly(Acceptor& acceptor, LinkEnd& client,
+                                                       std::string_view client_address)
+{
+    const auto link = std::make_shared<Link>(*scheduler_, no_weather_, Chance{seed_, 0});
+    link->attach(Side::Client, client);
+    if (!acceptor.accept(link, client_address)) {
+        link->leave(Side::Client);
+        return fail(status::Bad_ConnectionRejected);
+    }
+    return link;
+}
+
+Result<void> Network::exempt(std::string_view url)
+{
+    auto key = key_of(url);
+    if (!key) {
+        return fail(key.error());
+    }
+    exempt_.insert(*std::move(key));
+    return {};
 }
 
 Weather& Network::weather_of(std::string_view client_address)

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,6 +54,10 @@ public:
     Result<void> listen(std::string_view url, Acceptor& acceptor);
     /// From now on no connections go to `acceptor`; existing ones stay.
     void unlisten(const Acceptor& acceptor);
+    /// From now on connections to the host and port of `url` are plain wires: no weather, fault,
+    /// observer or trace is on them, and they are not counted. For what stands between two
+    /// connections of which only one is meant. Bad_TcpEndpointUrlInvalid.
+    Result<void> exempt(std::string_view url);
 
     /// Connects at once; an engine for which that takes time waits before. `client` must exist as
     /// long as Link::attach says; call Link::flush when it has something to send.
@@ -96,6 +101,8 @@ public:
 
 private:
     void begin(const std::shared_ptr<Link>& link);
+    [[nodiscard]] Result<std::shared_ptr<Link>> connect_plainly(Acceptor& acceptor, LinkEnd& client,
+                                                                std::string_view client_address);
     /// Lets a fault that was played act now on all connections.
     void act(std::size_t index);
     /// ", there is opc.tcp://server:4840".
@@ -109,6 +116,8 @@ private:
     Weather weather_;
     std::map<std::string, Weather, std::less<>> weathers_;
     std::map<std::string, Acceptor*> acceptors_;
+    std::set<std::string, std::less<>> exempt_;
+    Weather no_weather_;
     std::shared_ptr<detail::Timeline> timeline_;
     std::shared_ptr<detail::ChunkTap> tap_;
     std::shared_ptr<detail::ActingFaults> faults_;
