@@ -51,11 +51,12 @@ Result<void> ConnectionHost::open(Duration limit)
 void ConnectionHost::connect()
 {
     const channel::ChannelEnvironment environment{
-        .random = &random_,
+        .random = parts_.random != nullptr ? parts_.random : &random_,
         .wall_clock = &world_.clock(),
         .log = parts_.log,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity,
+        .key_log = parts_.key_log,
         .chunk_hook = &world_.network().chunk_hook()};
     connection_.emplace(config_, environment, world_.now());
     auto link = world_.network().connect(config_.channel.endpoint_url, *this, parts_.address);

@@ -31,6 +31,10 @@ struct ClientParts {
     /// The ApplicationUri in sessions of a ScriptedClient; the other hosts have it in their
     /// configuration.
     std::string application_uri{"urn:busbar:harness:client"};
+    /// Makes nonces; if null, numbers of the world, which protect nothing. For a ConnectionHost.
+    crypto::Random* random{nullptr};
+    /// Receives the keys of its channels; null for none, see ChannelEnvironment. Likewise.
+    channel::KeyLog* key_log{nullptr};
 };
 
 /// Returns the configuration for the server of open_server_config(): an anonymous user without
