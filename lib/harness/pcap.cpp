@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <map>
+#include <string_view>
 
 #include <busbar/binary/writer.hpp>
 #include <busbar/harness/recording.hpp>
@@ -21,6 +23,8 @@ constexpr std::uint8_t fin = 1;
 constexpr std::uint8_t syn = 2;
 constexpr std::uint8_t push = 8;
 constexpr std::uint8_t ack = 16;
+
+constexpr std::array<std::byte, 3> no_bytes{};
 
 constexpr std::uint32_t client_address = 0xC000'0201; // 192.0.2.1, RFC 5737
 constexpr std::uint32_t server_address = 0xC000'0202;
@@ -70,8 +74,15 @@ constexpr std::uint32_t words(std::uint32_t address)
 /// Turns the entries of one recording into packets.
 class Capture {
 public:
-    explicit Capture(std::uint16_t port) : port_{port}
+    enum class Format : std::uint8_t { Pcap, Pcapng };
+
+    Capture(std::uint16_t port, Format format, std::string_view secrets = {})
+        : port_{port}, format_{format}
     {
+        if (format == Format::Pcapng) {
+            begin_section(secrets);
+            return;
+        }
         writer_.number(std::uint32_t{0xA1B2'C3D4});
         for (const std::uint16_t part : {std::uint16_t{2}, std::uint16_t{4}}) {
             writer_.number(part);
@@ -164,10 +175,49 @@ private:
         packet.put16(0xFFFF); // window
         packet.put32(0);      // checksum and urgent pointer
     }
+    /// A block of pcapng: its type and size, and the size again after its content, which is filled
+    /// up to whole words.
+    void block(std::uint32_t type, std::initializer_list<std::uint32_t> words,
+               std::span<const std::byte> data = {})
+    {
+        constexpr std::size_t frame_size = 12;
+        const std::size_t padding = (4 - data.size() % 4) % 4;
+        const auto size =
+            static_cast<std::uint32_t>(frame_size + 4 * words.size() + data.size() + padding);
+        writer_.number(type);
+        writer_.number(size);
+        for (const std::uint32_t word : words) {
+            writer_.number(word);
+        }
+        writer_.bytes(data);
+        writer_.bytes(std::span<const std::byte>{no_bytes}.first(padding));
+        writer_.number(size);
+    }
+    void begin_section(std::string_view secrets)
+    {
+        // Magic number of the byte order, version 1.0, a section of unknown size.
+        block(0x0A0D'0D0A, {0x1A2B'3C4D, 1, UINT32_MAX, UINT32_MAX});
+        block(1, {1, max_packet_size}); // an interface: Ethernet, times in microseconds
+        if (!secrets.empty()) {
+            constexpr std::uint32_t opcua_key_log = 0x5541'4B4C;
+            block(0xA, {opcua_key_log, static_cast<std::uint32_t>(secrets.size())},
+                  std::as_bytes(std::span{secrets}));
+        }
+    }
     void write(const Packet& packet)
     {
         const auto microseconds =
             std::chrono::duration_cast<std::chrono::microseconds>(time_).count();
+        if (format_ == Format::Pcapng) {
+            const auto size = static_cast<std::uint32_t>(packet.bytes().size());
+            const auto time = static_cast<std::uint64_t>(microseconds);
+            constexpr std::uint32_t interface = 0;
+            block(6,
+                  {interface, static_cast<std::uint32_t>(time >> 32U),
+                   static_cast<std::uint32_t>(time), size, size},
+                  packet.bytes());
+            return;
+        }
         writer_.number(static_cast<std::uint32_t>(microseconds / 1'000'000));
         writer_.number(static_cast<std::uint32_t>(microseconds % 1'000'000));
         writer_.number(static_cast<std::uint32_t>(packet.bytes().size()));
@@ -176,6 +226,7 @@ private:
     }
 
     std::uint16_t port_;
+    Format format_;
     binary::VectorSink sink_;
     binary::Writer writer_{sink_};
     std::map<std::uint32_t, Flow> flows_;
@@ -183,15 +234,27 @@ private:
     std::uint32_t last_packet_{0};
 };
 
-} // namespace
-
-std::vector<std::byte> to_pcap(const Recording& recording, std::uint16_t port)
+std::vector<std::byte> captured(const Recording& recording, Capture& capture)
 {
-    Capture capture{port};
     for (const Recording::Entry& entry : recording.entries) {
         capture.add(entry);
     }
     return capture.take();
+}
+
+} // namespace
+
+std::vector<std::byte> to_pcap(const Recording& recording, std::uint16_t port)
+{
+    Capture capture{port, Capture::Format::Pcap};
+    return captured(recording, capture);
+}
+
+std::vector<std::byte> to_pcapng(const Recording& recording, std::string_view key_log,
+                                 std::uint16_t port)
+{
+    Capture capture{port, Capture::Format::Pcapng, key_log};
+    return captured(recording, capture);
 }
 
 } // namespace busbar::harness

@@ -90,4 +90,17 @@ private:
 [[nodiscard]] BUSBAR_API std::vector<std::byte> to_pcap(const Recording& recording,
                                                         std::uint16_t port = 4840);
 
+/// Returns the same as a file of the format pcapng, with the lines of `key_log` (see
+/// channel::KeyLog) in a Decryption Secrets Block of type "OPC UA Key Log" before the packets:
+/// Wireshark 4.4 and later decrypt with them, earlier ones read the packets as they are.
+[[nodiscard]] BUSBAR_API std::vector<std::byte>
+to_pcapng(const Recording& recording, std::string_view key_log, std::uint16_t port = 4840);
+
+/// Returns the recording as it would be if its channels had had policy None: every chunk of which
+/// `key_log` (see channel::KeyLog) has the key is decrypted, without its signature, which is not
+/// checked; OpenSecureChannel messages, whose keys are private, become empty ones. A connection
+/// with a chunk that cannot be decrypted stays as it is. Bytes are moved to the entry that
+/// completes their chunk. The result has everything that was secret.
+[[nodiscard]] BUSBAR_API Recording decrypted(const Recording& recording, std::string_view key_log);
+
 } // namespace busbar::harness
