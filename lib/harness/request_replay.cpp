@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <map>
 
+#include <busbar/harness/message_body.hpp>
+#include <busbar/types/history.hpp>
+#include <busbar/types/view.hpp>
+
 #include "message_edit.hpp"
 #include "recorded_exchanges.hpp"
 #include "volatile_fields.hpp"
@@ -13,6 +17,35 @@ namespace {
 
 using detail::RecordedExchange;
 using detail::WholeRecordedMessage;
+
+/// The text of a field; empty if there is none.
+std::string text_at(const RecordedMessage& message, std::string_view path)
+{
+    const auto found =
+        std::find_if(message.fields.begin(), message.fields.end(),
+                     [&](const RecordedMessage::Field& field) { return field.path == path; });
+    return found == message.fields.end() ? std::string{} : found->text;
+}
+
+/// The ContinuationPoints in a response, in the order of its results; those of other services are
+/// not known.
+std::vector<ByteString> points_in(std::span<const std::byte> response)
+{
+    std::vector<ByteString> points;
+    const auto add = [&](const auto& decoded) {
+        for (const auto& result : decoded->results) {
+            points.push_back(result.continuation_point);
+        }
+    };
+    if (const auto browsed = decode_body<BrowseResponse>(response)) {
+        add(browsed);
+    } else if (const auto next = decode_body<BrowseNextResponse>(response)) {
+        add(next);
+    } else if (const auto history = decode_body<HistoryReadResponse>(response)) {
+        add(history);
+    }
+    return points;
+}
 
 /// One replay.
 class RequestReplay {
@@ -82,8 +115,9 @@ private:
     {
         const WholeRecordedMessage& request = *exchanges_[i].request;
         std::vector<std::byte> body = request.body;
+        put_points(body);
         for (const RecordedMessage::Field& field : request.words.fields) {
-            const auto found = ids_.find({std::string{detail::kind_of_id(field.path)}, field.text});
+            const auto found = ids_.find({kind_of(i, field.path), field.text});
             if (found != ids_.end() && found->second != field.text) {
                 static_cast<void>(detail::edit_message(body, field.path, found->second));
             }
@@ -91,10 +125,55 @@ private:
         note(Side::Client, i, body);
         client_.send_body(body, [this, i](const std::vector<std::byte>& answer) {
             if (!answer.empty()) {
+                learn_points(i, answer);
                 learn(i, note(Side::Server, i, answer));
             }
             is_answered_[i] = true;
         });
+    }
+    /// What an id in an exchange stands for. Servers may number the items of each Subscription from
+    /// 1 on, so that an item's id means nothing without its Subscription's.
+    [[nodiscard]] std::string kind_of(std::size_t i, std::string_view path) const
+    {
+        const std::string kind{detail::kind_of_id(path)};
+        return kind == "item"
+                   ? kind + " of " + text_at(exchanges_[i].request->words, "subscriptionId")
+                   : kind;
+    }
+    /// Puts the new server's ContinuationPoints in the place of the old one's.
+    void put_points(std::vector<std::byte>& body) const
+    {
+        const auto put = [&](ByteString& point) {
+            const auto found = points_.find({point.span().begin(), point.span().end()});
+            if (found != points_.end()) {
+                point = found->second;
+            }
+        };
+        if (auto next = decode_body<BrowseNextRequest>(body)) {
+            for (ByteString& point : next->continuation_points) {
+                put(point);
+            }
+            body = encode_body(*next).value_or(body);
+        } else if (auto history = decode_body<HistoryReadRequest>(body)) {
+            for (HistoryReadValueId& node : history->nodes_to_read) {
+                put(node.continuation_point);
+            }
+            body = encode_body(*history).value_or(body);
+        }
+    }
+    /// Finds out which ContinuationPoints the new server has for those of the old one.
+    void learn_points(std::size_t i, std::span<const std::byte> answer)
+    {
+        if (exchanges_[i].response == nullptr) {
+            return;
+        }
+        const auto before = points_in(exchanges_[i].response->body);
+        const auto after = points_in(answer);
+        for (std::size_t j = 0; j < std::min(before.size(), after.size()); ++j) {
+            if (!before[j].empty() && !after[j].empty()) {
+                points_[{before[j].span().begin(), before[j].span().end()}] = after[j];
+            }
+        }
     }
     /// Keeps a message in words; the exchange's number is its request id.
     const RecordedMessage& note(Side from, std::size_t i, std::span<const std::byte> body)
@@ -115,8 +194,8 @@ private:
             return;
         }
         for (const RecordedMessage::Field& field : exchanges_[i].response->words.fields) {
-            const std::string kind{detail::kind_of_id(field.path)};
-            if (kind != "subscription" && kind != "item" && kind != "node") {
+            const std::string kind = kind_of(i, field.path);
+            if (kind != "subscription" && !kind.starts_with("item") && kind != "node") {
                 continue; // not the server's, or of another session
             }
             const auto found = std::find_if(
@@ -142,6 +221,7 @@ private:
     std::size_t first_open_{0};
     std::vector<RecordedMessage> messages_;
     std::map<std::pair<std::string, std::string>, std::string> ids_;
+    std::map<std::vector<std::byte>, ByteString> points_;
 };
 
 } // namespace

@@ -6,9 +6,11 @@
 #include <busbar/harness/catch.hpp>
 #include <busbar/harness/identity.hpp>
 #include <busbar/harness/request_replay.hpp>
+#include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
+#include <busbar/types/view.hpp>
 
 namespace request_replay_test {
 
@@ -146,6 +148,104 @@ TEST_CASE("a recording of a channel without security is repeated on a secured on
         replay_requests(secured.bench.world(), first.recorder->recording(), config, parts);
     CHECK(compare_messages(repeated_messages(first.recorder->recording()), need(came)) == Lines{});
     CHECK(repeated_messages(secured.recorder->recording()).empty());
+}
+
+TEST_CASE("items of two Subscriptions with one id are told apart in a replay", "[harness]")
+{
+    // Part 4 has ids of items unique within their Subscription alone.
+    World world;
+    ScriptedServer old{world, "opc.tcp://server:4840"};
+    old.accept_clients();
+    const auto recorder = std::make_shared<Recorder>(1);
+    world.network().set_observer(recorder);
+    ConnectionHost client{world};
+    need(client.open());
+    for (const std::uint32_t id : {7U, 8U}) {
+        CreateSubscriptionResponse response;
+        response.subscription_id = id;
+        old.expect<CreateSubscriptionRequest>().reply(response);
+        CreateMonitoredItemsResponse made;
+        made.results.emplace_back().monitored_item_id = 1;
+        old.expect<CreateMonitoredItemsRequest>().reply(made);
+        CreateSubscriptionRequest create;
+        create.requested_publishing_interval = 100;
+        create.requested_lifetime_count = 1'000;
+        create.requested_max_keep_alive_count = 10;
+        need(client.call<CreateSubscriptionResponse>(create));
+        CreateMonitoredItemsRequest items;
+        items.subscription_id = id;
+        MonitoredItemCreateRequest& item = items.items_to_create.emplace_back();
+        item.item_to_monitor.node_id = NodeId{1, "Level"};
+        item.item_to_monitor.attribute_id = 13;
+        need(client.call<CreateMonitoredItemsResponse>(items));
+    }
+    for (const std::uint32_t id : {7U, 8U}) {
+        DeleteMonitoredItemsResponse removed;
+        removed.results.push_back(status::Good);
+        old.expect<DeleteMonitoredItemsRequest>().reply(removed);
+        DeleteMonitoredItemsRequest remove;
+        remove.subscription_id = id;
+        remove.monitored_item_ids.push_back(1);
+        need(client.call<DeleteMonitoredItemsResponse>(remove));
+    }
+    client.close();
+    world.run_for(1s);
+
+    Plant plant{1.5};
+    const auto came =
+        need(replay_requests(plant.bench.world(), recorder->recording(), open_connection_config()));
+    std::size_t removed = 0;
+    for (const RecordedMessage& message : came) {
+        if (message.name == "DeleteMonitoredItemsResponse") {
+            ++removed;
+            CHECK(std::find(message.fields.begin(), message.fields.end(),
+                            RecordedMessage::Field{"results[0]", "Good"}) != message.fields.end());
+        }
+    }
+    CHECK(removed == 2);
+}
+
+TEST_CASE("ContinuationPoints in a replay are those of the new server", "[harness]")
+{
+    World world;
+    ScriptedServer old{world, "opc.tcp://server:4840"};
+    old.accept_clients();
+    const auto recorder = std::make_shared<Recorder>(1);
+    world.network().set_observer(recorder);
+    ConnectionHost client{world};
+    need(client.open());
+    const ByteString point{std::as_bytes(std::span{"the old point", 13})};
+    BrowseResponse browsed;
+    browsed.results.emplace_back().continuation_point = point;
+    browsed.results[0].references.emplace_back();
+    old.expect<BrowseRequest>().reply(browsed);
+    BrowseNextResponse next;
+    next.results.emplace_back().references.emplace_back();
+    old.expect<BrowseNextRequest>().reply(next);
+    BrowseRequest browse;
+    browse.requested_max_references_per_node = 1;
+    BrowseDescription& description = browse.nodes_to_browse.emplace_back();
+    description.node_id = NodeId{0, 84};
+    description.reference_type_id = NodeId{0, 33};
+    description.include_subtypes = true;
+    need(client.call<BrowseResponse>(browse));
+    BrowseNextRequest more;
+    more.continuation_points.push_back(point);
+    need(client.call<BrowseNextResponse>(more));
+    client.close();
+    world.run_for(1s);
+
+    Plant plant{1.5};
+    const auto came =
+        need(replay_requests(plant.bench.world(), recorder->recording(), open_connection_config()));
+    REQUIRE(came.size() == 4);
+    CHECK(came[3].name == "BrowseNextResponse");
+    CHECK(std::none_of(came[3].fields.begin(), came[3].fields.end(), [](const auto& field) {
+        return field.text == "Bad_ContinuationPointInvalid";
+    }));
+    CHECK(std::any_of(came[3].fields.begin(), came[3].fields.end(), [](const auto& field) {
+        return field.path.starts_with("results[0].references[0].");
+    }));
 }
 
 TEST_CASE("a recorded server answers as it did", "[harness]")

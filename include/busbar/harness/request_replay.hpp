@@ -22,14 +22,13 @@ struct RequestReplayOptions {
 };
 
 /// Sends the requests of a recording in a new session, in their order, and each after the answers
-/// that came before it. Ids that the server chose for Subscriptions, items and the like are those
-/// of the new session; what makes and ends a session is not repeated.
+/// that came before it. What the server chose, ids of Subscriptions, of their items and of
+/// registered nodes, and ContinuationPoints of Browse and HistoryRead, is that of the new session;
+/// what makes and ends a session is not repeated.
 ///
 /// `config` says where and as whom; the world, which may be a RealWorld, runs until all is over.
 /// The recorded channel must have been readable (policy None), the new one may have any security.
-/// ContinuationPoints are those of the recording, since they are not told apart: a server answers
-/// BrowseNext with Bad_ContinuationPointInvalid. Items of two Subscriptions with one id at the old
-/// server are taken for one. The error is that of the session.
+/// The error is that of the session.
 [[nodiscard]] BUSBAR_API Result<std::vector<RecordedMessage>>
 replay_requests(World& world, const Recording& recording, client::ConnectionConfig config,
                 const ClientParts& parts = {}, const RequestReplayOptions& options = {});
