@@ -10,6 +10,7 @@
 #include "tool/connection/verbose_log.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
+#include "tool/printing/junit.hpp"
 #include "tool/printing/table.hpp"
 #include "tool/printing/value.hpp"
 #include "tool/printing/value_lines.hpp"
@@ -29,6 +30,36 @@ TEST_CASE("nothing that a server says changes what a terminal does")
     CHECK(safe("Stückzahl 数") == "Stückzahl 数");
     CHECK(JsonLine{}.text("\x1b\xC2\x9B\"\\\x80").document() ==
           "\"\\u001b\\u009b\\\"\\\\\\ufffd\"");
+}
+
+TEST_CASE("a report for build servers has nothing that XML forbids")
+{
+    CHECK(xml_text("a < b & \"c\"\x01\x1b\x80 >\nSt\xC3\xBC"
+                   "ck") == "a &lt; b &amp; &quot;c&quot;\\x01\\x1B\\x80 &gt;\nSt\xC3\xBC"
+                            "ck");
+    JunitCase failed;
+    failed.class_name = "Read";
+    failed.name = "a\x02"
+                  "b";
+    failed.outcome = JunitCase::Outcome::Failed;
+    failed.message = "one\ntwo";
+    failed.details = "1\x03\n2";
+    JunitCase skipped;
+    skipped.name = "c";
+    skipped.outcome = JunitCase::Outcome::Skipped;
+    skipped.seconds = 1.5;
+    const std::string report = junit_report("busbar", {{"suite", {failed, skipped}}});
+    CHECK(report == "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                    "<testsuites name=\"busbar\" tests=\"2\" failures=\"1\" skipped=\"1\">\n"
+                    "  <testsuite name=\"suite\" tests=\"2\" failures=\"1\" skipped=\"1\">\n"
+                    "    <testcase classname=\"Read\" name=\"a\\x02b\">\n"
+                    "      <failure message=\"one two\">1\\x03\n2</failure>\n"
+                    "    </testcase>\n"
+                    "    <testcase classname=\"\" name=\"c\" time=\"1.500\">\n"
+                    "      <skipped message=\"\"/>\n"
+                    "    </testcase>\n"
+                    "  </testsuite>\n"
+                    "</testsuites>\n");
 }
 
 TEST_CASE("text is cut and wrapped by the columns that it takes")

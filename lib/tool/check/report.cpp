@@ -1,10 +1,10 @@
 #include "report.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
+#include "tool/printing/junit.hpp"
 #include "tool/printing/table.hpp"
 
 namespace busbar::tool::rules {
@@ -72,62 +72,24 @@ void members(JsonLine& json, const SpecRule& rule)
     json.member("source", rule.source);
 }
 
-std::string xml_of(std::string_view text)
-{
-    std::string result;
-    for (const char c : text) {
-        switch (c) {
-        case '&':
-            result += "&amp;";
-            break;
-        case '<':
-            result += "&lt;";
-            break;
-        case '>':
-            result += "&gt;";
-            break;
-        case '"':
-            result += "&quot;";
-            break;
-        default:
-            result += c;
-        }
-    }
-    return result;
-}
-
-std::string attribute(std::string_view name, std::string_view value)
-{
-    return " " + std::string{name} + "=\"" + xml_of(value) + "\"";
-}
-
-std::string case_of(const Verdict& verdict)
+JunitCase case_of(const Verdict& verdict)
 {
     const SpecRule& rule = *verdict.rule;
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%.3f", verdict.seconds);
-    std::string text = "    <testcase" + attribute("classname", rule.service) +
-                       attribute("name", rule.id) + attribute("time", seconds);
+    JunitCase made;
+    made.class_name = rule.service;
+    made.name = rule.id;
+    made.seconds = verdict.seconds;
     const std::string found = safe(verdict.found);
     if (verdict.outcome == Outcome::Failed) {
-        return text + ">\n      <failure" +
-               attribute("message", std::string{rule.title} + ": wanted " + rule.wanted.text() +
-                                        ", found " + found) +
-               ">" +
-               xml_of("request " + std::string{rule.request} + "; " + std::string{rule.source}) +
-               "</failure>\n    </testcase>\n";
+        made.outcome = JunitCase::Outcome::Failed;
+        made.message =
+            std::string{rule.title} + ": wanted " + rule.wanted.text() + ", found " + found;
+        made.details = "request " + std::string{rule.request} + "; " + std::string{rule.source};
+    } else if (verdict.outcome == Outcome::NotApplicable) {
+        made.outcome = JunitCase::Outcome::Skipped;
+        made.message = found;
     }
-    if (verdict.outcome == Outcome::NotApplicable) {
-        return text + ">\n      <skipped" + attribute("message", found) + "/>\n    </testcase>\n";
-    }
-    return text + "/>\n";
-}
-
-std::string suite_counts(const std::vector<Verdict>& verdicts)
-{
-    return attribute("tests", std::to_string(verdicts.size())) +
-           attribute("failures", std::to_string(count(verdicts, Outcome::Failed))) +
-           attribute("skipped", std::to_string(count(verdicts, Outcome::NotApplicable)));
+    return made;
 }
 
 } // namespace
@@ -182,17 +144,15 @@ std::string json_of(const std::vector<Verdict>& verdicts)
 
 std::string junit_of(const std::vector<Verdict>& verdicts)
 {
-    std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" +
-                       attribute("name", "busbar check") + suite_counts(verdicts) + ">\n";
+    std::vector<JunitSuite> suites;
     for (const std::string_view service : services_of(verdicts)) {
-        const std::vector<Verdict> group = of_service(verdicts, service);
-        text += "  <testsuite" + attribute("name", service) + suite_counts(group) + ">\n";
-        for (const Verdict& verdict : group) {
-            text += case_of(verdict);
+        JunitSuite& suite = suites.emplace_back();
+        suite.name = service;
+        for (const Verdict& verdict : of_service(verdicts, service)) {
+            suite.cases.push_back(case_of(verdict));
         }
-        text += "  </testsuite>\n";
     }
-    return text + "</testsuites>\n";
+    return junit_report("busbar check", suites);
 }
 
 void print(Output& out, const std::vector<const SpecRule*>& rules)

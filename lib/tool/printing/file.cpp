@@ -4,6 +4,11 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tool/connection/failure.hpp"
 
@@ -48,9 +53,10 @@ std::string read_file(const std::string& path, std::size_t max_size)
     return text;
 }
 
-void write_file(const std::string& path, std::string_view text)
+namespace {
+
+void write_all(const std::string& path, File file, std::string_view text)
 {
-    File file{std::fopen(path.c_str(), "wbe")};
     if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
         std::fflush(file.get()) != 0) {
         fail_writing(path);
@@ -58,6 +64,30 @@ void write_file(const std::string& path, std::string_view text)
     if (std::fclose(file.release()) != 0) {
         fail_writing(path);
     }
+}
+
+} // namespace
+
+void write_file(const std::string& path, std::string_view text)
+{
+    write_all(path, File{std::fopen(path.c_str(), "wbe")}, text);
+}
+
+void write_secret_file(const std::string& path, std::string_view text)
+{
+    // Nothing is in it before its mode is right.
+    const int file =
+        ::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (file < 0) {
+        fail_writing(path);
+    }
+    if (::fchmod(file, S_IRUSR | S_IWUSR) != 0 || ::ftruncate(file, 0) != 0) {
+        const int error = errno;
+        ::close(file);
+        errno = error;
+        fail_writing(path);
+    }
+    write_all(path, File{::fdopen(file, "wb")}, text);
 }
 
 } // namespace busbar::tool
