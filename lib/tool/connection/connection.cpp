@@ -4,6 +4,7 @@
 #include <csignal>
 #include <memory>
 
+#include "key_log.hpp"
 #include "user.hpp"
 
 namespace busbar::tool {
@@ -48,11 +49,12 @@ Duration seconds(double count)
 
 Connection::Connection(Context& context, Endurance endurance)
     : context_{&context}, log_{context.options.is_verbose}, credentials_{context, log_},
-      environment_{.random = &random_,
-                   .wall_clock = &wall_clock_,
-                   .log = &log_,
-                   .validator = &credentials_,
-                   .identity = credentials_.identity()},
+      key_log_{open_key_log(context, log_)}, environment_{.random = &random_,
+                                                          .wall_clock = &wall_clock_,
+                                                          .log = &log_,
+                                                          .validator = &credentials_,
+                                                          .identity = credentials_.identity(),
+                                                          .key_log = key_log_.get()},
       user_{user_of(context)}
 {
     context.options.url = complete_url(context.options.url);

@@ -87,6 +87,7 @@ private:
     Context* context_;
     VerboseLog log_;
     Credentials credentials_;
+    std::unique_ptr<channel::KeyLog> key_log_;
     crypto::SystemRandom random_;
     net::SystemWallClock wall_clock_;
     channel::ChannelEnvironment environment_;

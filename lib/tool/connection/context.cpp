@@ -98,6 +98,9 @@ void add_options(CLI::App& app, Options& options)
         ->check(CLI::Range(0.1, 86'400.0))
         ->type_name("SECONDS")
         ->capture_default_str();
+    app.add_option("--key-log", options.key_log,
+                   "for test benches: write the channels' keys, for Wireshark 4.4 and later")
+        ->type_name("FILE");
     app.add_flag("--json", options.is_json, "write JSON, for scripts");
     app.add_flag("-v,--verbose", options.is_verbose, "tell what is done, on standard error");
 }

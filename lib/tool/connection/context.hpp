@@ -40,6 +40,8 @@ struct Options {
     double timeout{20}; // seconds
     bool is_verbose{false};
     bool is_json{false};
+    /// File for the keys of channels; empty for none.
+    std::string key_log;
 };
 
 /// The objects that a command works with.

@@ -68,7 +68,9 @@ crypto::OwnCertificateSettings Pki::settings(std::uint32_t valid_days) const
     settings.subject.common_name = "busbar";
     settings.subject.organization = "Busbar";
     settings.subject.application_uri = application_uri();
-    settings.subject.dns_names.push_back(host_name());
+    // `busbar proxy` is a server, mostly for clients of this machine.
+    settings.subject.dns_names = {host_name(), "localhost"};
+    settings.subject.ip_addresses = {"127.0.0.1", "::1"};
     settings.subject.valid_days = valid_days;
     return settings;
 }
