@@ -109,7 +109,8 @@ Exit export_namespace(Context& context, Connection& connection, const ExportArgu
 {
     const std::vector<std::string> namespaces = connection.client().server().namespaces;
     const std::uint16_t index = find_namespace(namespaces, arguments.name_space.front());
-    const RemoteNodes remote = read_remote_nodes(context, connection, index);
+    const RemoteNodes remote = read_remote_nodes(
+        context, connection, [&](const NodeId& id) { return id.namespace_index() == index; });
     const std::vector<RemoteNode>& nodes = remote.nodes;
     SpaceBuilder builder{namespaces};
     builder.add(nodes);

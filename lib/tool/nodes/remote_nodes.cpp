@@ -243,7 +243,8 @@ void adopt_orphans(std::vector<RemoteNode>& nodes)
     }
 }
 
-RemoteNodes read_remote_nodes(Context& context, Connection& connection, std::uint16_t with_values)
+RemoteNodes read_remote_nodes(Context& context, Connection& connection,
+                              FunctionRef<bool(const NodeId&)> has_value)
 {
     Progress progress{context};
     progress.say("looking for nodes ...");
@@ -265,7 +266,7 @@ RemoteNodes read_remote_nodes(Context& context, Connection& connection, std::uin
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         nodes[i].node_class =
             static_cast<NodeClass>(nodes[i].get<std::int32_t>(AttributeId::NodeClass));
-        const bool with_value = nodes[i].id.namespace_index() == with_values;
+        const bool with_value = has_value(nodes[i].id);
         for (const AttributeId attribute : attributes_of(nodes[i].node_class, with_value)) {
             second.add(nodes, i, attribute);
         }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/function_ref.hpp>
 #include <busbar/types/view.hpp>
 
 #include "tool/connection/connection.hpp"
@@ -36,10 +37,10 @@ struct RemoteNodes {
 };
 
 /// All nodes of the server that are not in namespace 0, found from the root and along all their
-/// references. Values are read of the nodes of `with_values` alone. Tells how far it is, on a
-/// terminal.
+/// references. Values are read of the nodes for which `has_value` is true alone. Tells how far it
+/// is, on a terminal.
 [[nodiscard]] RemoteNodes read_remote_nodes(Context& context, Connection& connection,
-                                            std::uint16_t with_values);
+                                            FunctionRef<bool(const NodeId&)> has_value);
 
 /// Removes what describes the sessions and Subscriptions of the moment, the reader's own among them
 /// (Part 5, 6.3.3 and 6.3.5): nodes below SessionsDiagnosticsSummary and
