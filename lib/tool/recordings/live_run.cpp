@@ -39,6 +39,8 @@ harness::FaultScript faults_of(const LiveOptions& options)
 /// Plays faults as they come on standard input, one a line; a line that is none is told.
 class Control {
 public:
+    explicit Control(const LiveRun::Orders& orders) : orders_{orders} {}
+
     /// Takes what is there, and never waits; adds what was played to `faults`.
     void look(Context& context, harness::Network& network, harness::FaultScript& faults)
     {
@@ -71,10 +73,19 @@ private:
             rest_.append(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
         }
     }
-    static void play(Context& context, harness::Network& network, const std::string& line,
-                     harness::FaultScript& faults)
+    void play(Context& context, harness::Network& network, const std::string& line,
+              harness::FaultScript& faults)
     {
         if (line.find_first_not_of(" \t\r") == std::string::npos) {
+            return;
+        }
+        try {
+            if (orders_ && orders_(line)) {
+                context.err.line("busbar: done: " + safe(line));
+                return;
+            }
+        } catch (const Failure& failure) {
+            context.err.line("busbar: " + safe(line) + ": " + failure.what());
             return;
         }
         const auto fault = harness::parse_fault(line);
@@ -87,6 +98,7 @@ private:
         context.err.line("busbar: played " + safe(harness::describe(*fault)));
     }
 
+    const LiveRun::Orders& orders_;
     std::string rest_;
     bool has_ended_{false};
 };
@@ -147,11 +159,11 @@ void LiveRun::show_new_messages(std::size_t& next, harness::MessageReader& reade
     }
 }
 
-Exit LiveRun::run(const std::function<void()>& tick)
+Exit LiveRun::run(const std::function<void()>& tick, const Orders& orders)
 {
     world().network().play(faults_);
     harness::MessageReader reader;
-    Control control;
+    Control control{orders};
     std::size_t next = 0;
     live_.run(options_.seconds, [&] {
         tick();
@@ -167,7 +179,9 @@ Exit LiveRun::run(const std::function<void()>& tick)
         }
     });
     if (!options_.record.empty()) {
-        write_recording_file(options_.record, recorder_->recording());
+        const std::string text = harness::write_recording(recorder_->recording());
+        options_.is_secret ? write_secret_file(options_.record, text)
+                           : write_file(options_.record, text);
     }
     return report(context_, world(), faults_);
 }

@@ -24,6 +24,8 @@ struct LiveOptions {
     double seconds{0};
     bool is_quiet{false};
     bool is_controlled{false};
+    /// The recording has what was secret, and is for its owner alone.
+    bool is_secret{false};
 };
 
 void add_live_options(CLI::App& command, LiveOptions& options);
@@ -37,9 +39,13 @@ public:
     [[nodiscard]] harness::RealWorld& world() { return live_.world(); }
     /// The URL where clients connect.
     [[nodiscard]] const std::string& url() const { return url_; }
+    /// Lines of standard input that are no faults: false for those that it does not know. A Failure
+    /// that it throws is told.
+    using Orders = std::function<bool(const std::string& line)>;
     /// Plays the faults and serves until it is over, calling `tick` several times a second; writes
     /// the recording. Partly if a fault has never acted.
-    [[nodiscard]] Exit run(const std::function<void()>& tick = [] {});
+    [[nodiscard]] Exit run(
+        const std::function<void()>& tick = [] {}, const Orders& orders = nullptr);
 
 private:
     void show_new_messages(std::size_t& next, harness::MessageReader& reader);

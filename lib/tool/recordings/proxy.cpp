@@ -1,11 +1,16 @@
+#include <algorithm>
 #include <memory>
+
+#include <unistd.h>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/harness/fault.hpp>
+#include <busbar/harness/secure_proxy.hpp>
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/session.hpp>
 
 #include "live_run.hpp"
+#include "live_security.hpp"
 #include "tool/commands/commands.hpp"
 #include "tool/printing/display_text.hpp"
 
@@ -16,6 +21,8 @@ namespace {
 struct ProxyArguments {
     std::vector<std::string> url;
     LiveOptions live;
+    bool passes{false};
+    bool has_any_client{false};
 };
 
 /// Lets clients stay on the proxy: URLs of the server in what discovery and sessions return become
@@ -78,16 +85,79 @@ private:
     std::string proxy_;
 };
 
-Exit run_proxy(Context& context, const ProxyArguments& arguments)
+/// The URL that clients are told: they cannot connect to "every address of this machine".
+std::string public_url(const std::string& listening)
+{
+    for (const std::string_view every : {"//0.0.0.0:", "//[::]:"}) {
+        if (const std::size_t at = listening.find(every); at != std::string::npos) {
+            char name[256]{};
+            const bool has_name = ::gethostname(name, sizeof name - 1) == 0 && name[0] != '\0';
+            return "opc.tcp://" + std::string{has_name ? name : "localhost"} +
+                   listening.substr(at + every.size() - 1);
+        }
+    }
+    return listening;
+}
+
+Exit pass(Context& context, const ProxyArguments& arguments)
 {
     LiveRun live{context, arguments.live};
     harness::RealWorld& world = live.world();
     if (const auto forwarded = world.forward(live.url(), context.options.url); !forwarded) {
         throw Failure{forwarded.error(), context.options.url};
     }
-    world.network().play(Rewriting{context.options.url, live.url()}.script());
+    world.network().play(Rewriting{context.options.url, public_url(live.url())}.script());
     context.err.line("busbar: " + live.url() + " leads to " + safe(context.options.url));
     return live.run();
+}
+
+/// Ends the channels of both sides.
+Exit end_channels(Context& context, const ProxyArguments& arguments,
+                  const Array<EndpointDescription>& endpoints)
+{
+    const std::string& url = context.options.url;
+    LiveSecurity security{context};
+    for (const EndpointDescription& endpoint : endpoints) {
+        security.need_trust(endpoint);
+    }
+    LiveOptions options = arguments.live;
+    options.is_secret = true;
+    LiveRun live{context, options};
+    harness::RealWorld& world = live.world();
+    harness::SecureProxyParts parts;
+    parts.identity = security.credentials().identity();
+    parts.server_validator = &security.credentials();
+    parts.client_validator = arguments.has_any_client ? nullptr : &security.credentials();
+    parts.random = &security.random();
+    parts.key_log = security.key_log();
+    parts.public_url = public_url(live.url());
+    const harness::SecureProxy proxy{world, live.url(), url, endpoints, parts};
+    const auto reached = world.reach(url);
+    if (!reached || !proxy.is_listening()) {
+        throw Failure{reached ? StatusCode{status::Bad_TcpEndpointUrlInvalid} : reached.error(),
+                      url};
+    }
+    if (arguments.has_any_client) {
+        context.warn("insecure", "every client is accepted, and reaches the server as this proxy");
+    }
+    context.err.line("busbar: both sides have to trust its certificate, " +
+                     security.credentials().own_file());
+    context.err.line("busbar: " + live.url() + " leads to " + safe(url) + ", and ends channels");
+    return live.run();
+}
+
+Exit run_proxy(Context& context, const ProxyArguments& arguments)
+{
+    context.options.url = complete_url(context.options.url);
+    if (arguments.passes) {
+        return pass(context, arguments);
+    }
+    const auto endpoints = endpoints_of(context);
+    const bool has_security =
+        std::any_of(endpoints.begin(), endpoints.end(), [](const EndpointDescription& endpoint) {
+            return endpoint.security_mode != MessageSecurityMode::None;
+        });
+    return has_security ? end_channels(context, arguments, endpoints) : pass(context, arguments);
 }
 
 } // namespace
@@ -98,6 +168,10 @@ void add_proxy(CLI::App& app, Run& run)
         "proxy", "Lets clients reach a server through it; shows, records and disturbs messages.");
     const auto arguments = std::make_shared<ProxyArguments>();
     command->add_option("URL", arguments->url, "of the server");
+    command->add_flag("--pass", arguments->passes,
+                      "passes secured channels on as they are, which it cannot read");
+    command->add_flag("--any-client", arguments->has_any_client,
+                      "accepts clients whose certificate is not trusted");
     add_live_options(*command, arguments->live);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {

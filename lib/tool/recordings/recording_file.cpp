@@ -5,6 +5,7 @@
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"
+#include "tool/printing/junit.hpp"
 
 namespace busbar::tool {
 
@@ -13,31 +14,25 @@ namespace {
 /// Two hexadecimal digits for each byte that a recording may have, and its lines.
 constexpr std::size_t max_recording_text = 256U << 20U;
 
-/// XML 1.0, 2.4.
-std::string escaped(std::string_view text)
-{
-    std::string result;
-    for (const char c : text) {
-        switch (c) {
-        case '&':
-            result += "&amp;";
-            break;
-        case '<':
-            result += "&lt;";
-            break;
-        case '"':
-            result += "&quot;";
-            break;
-        default:
-            result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? '?' : c;
-        }
-    }
-    return result;
-}
-
 } // namespace
 
-harness::Recording read_recording_file(const std::string& path)
+void add_comparison_options(CLI::App& command, ComparisonArguments& arguments)
+{
+    command.add_flag("--times", arguments.options.with_times, "compare times of values, too");
+    command
+        .add_option("--tolerance", arguments.options.tolerance,
+                    "numbers that differ by no more are the same")
+        ->check(CLI::NonNegativeNumber);
+    command.add_option("--junit", arguments.junit, "also as JUnit report")->type_name("FILE");
+}
+
+void add_keys_option(CLI::App& command, std::string& keys)
+{
+    command.add_option("--keys", keys, "decrypts channels with what --key-log has written")
+        ->type_name("FILE");
+}
+
+harness::Recording read_recording_file(const std::string& path, const std::string& keys)
 {
     auto recording = harness::read_recording(read_file(path, max_recording_text));
     if (!recording) {
@@ -46,24 +41,33 @@ harness::Recording read_recording_file(const std::string& path)
                              "\"busbar-recording 1\"",
                       "`busbar proxy --record FILE` writes one"};
     }
+    if (!keys.empty()) {
+        constexpr std::size_t max_key_log = 16U << 20U;
+        return harness::decrypted(*recording, read_file(keys, max_key_log));
+    }
     return *std::move(recording);
 }
 
-void need_readable(const std::string& path, const std::vector<harness::RecordedMessage>& messages)
+bool check_readable(Context& context, const std::string& path,
+                    const std::vector<harness::RecordedMessage>& messages)
 {
     const bool has_some =
         std::any_of(messages.begin(), messages.end(), [](const harness::RecordedMessage& message) {
             return !message.fields.empty();
         });
+    const auto secured = std::count_if(
+        messages.begin(), messages.end(),
+        [](const harness::RecordedMessage& message) { return message.name == "MSG"; });
+    const std::string advice = "let `busbar proxy` end the channels, or give their --keys";
     if (!has_some) {
         throw Failure{Exit::Usage, path + ": no message in it can be read",
-                      "its channels were secured, or there were none; record policy None"};
+                      "its channels were secured, or there were none; " + advice};
     }
-}
-
-void write_recording_file(const std::string& path, const harness::Recording& recording)
-{
-    write_file(path, harness::write_recording(recording));
+    if (secured != 0) {
+        context.warn("warning", path + ": " + std::to_string(secured) +
+                                    " messages are secured and not compared; " + advice);
+    }
+    return secured == 0;
 }
 
 void print_message(Context& context, const harness::RecordedMessage& message)
@@ -84,6 +88,25 @@ void print_message(Context& context, const harness::RecordedMessage& message)
     context.out.line(json.close_object().close_object().document());
 }
 
+void write_differences_report(const std::vector<std::string>& differences, std::string_view title,
+                              const std::string& junit)
+{
+    if (junit.empty()) {
+        return;
+    }
+    JunitCase compared;
+    compared.class_name = "busbar";
+    compared.name = title;
+    if (!differences.empty()) {
+        compared.outcome = JunitCase::Outcome::Failed;
+        compared.message = "differences: " + std::to_string(differences.size());
+        for (const std::string& line : differences) {
+            compared.details += line + "\n";
+        }
+    }
+    write_file(junit, junit_report("busbar", {{"differences", {compared}}}));
+}
+
 Exit print_differences(Context& context, const std::vector<std::string>& differences,
                        std::string_view title, const std::string& junit)
 {
@@ -96,21 +119,7 @@ Exit print_differences(Context& context, const std::vector<std::string>& differe
             context.out.line(safe(line));
         }
     }
-    if (!junit.empty()) {
-        std::string lines;
-        for (const std::string& line : differences) {
-            lines += escaped(line) + "\n";
-        }
-        const std::string failures = differences.empty() ? "0" : "1";
-        write_file(junit, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"busbar\" "
-                          "tests=\"1\" failures=\"" +
-                              failures + "\">\n  <testcase name=\"" + escaped(title) + "\">" +
-                              (differences.empty() ? std::string{}
-                                                   : "<failure message=\"differences: " +
-                                                         std::to_string(differences.size()) +
-                                                         "\">" + lines + "</failure>") +
-                              "</testcase>\n</testsuite>\n");
-    }
+    write_differences_report(differences, title, junit);
     return differences.empty() ? Exit::Good : Exit::Failed;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <busbar/harness/recorded_messages.hpp>
 #include <busbar/harness/recording.hpp>
 
@@ -11,18 +12,38 @@
 
 namespace busbar::tool {
 
-/// Reads a recording; throws Failure, which says what the file is not.
-[[nodiscard]] harness::Recording read_recording_file(const std::string& path);
-/// Throws Failure if no message of the recording can be read, since its channels were secured.
-void need_readable(const std::string& path, const std::vector<harness::RecordedMessage>& messages);
-/// Writes one; throws Failure.
-void write_recording_file(const std::string& path, const harness::Recording& recording);
+/// What commands that compare have in common.
+struct ComparisonArguments {
+    harness::ComparisonOptions options;
+    /// File of a JUnit report; may be empty.
+    std::string junit;
+};
+void add_comparison_options(CLI::App& command, ComparisonArguments& arguments);
+/// Adds --keys, for read_recording_file().
+void add_keys_option(CLI::App& command, std::string& keys);
 
+/// Reads a recording; throws Failure, which says what the file is not. Secured channels are
+/// decrypted if `keys` names a file that has their keys.
+[[nodiscard]] harness::Recording read_recording_file(const std::string& path,
+                                                     const std::string& keys = {});
+/// Throws Failure if no message of the recording can be read, since its channels were secured. If
+/// some cannot, tells so and returns false.
+[[nodiscard]] bool check_readable(Context& context, const std::string& path,
+                                  const std::vector<harness::RecordedMessage>& messages);
+/// The exit of a comparison: Partly if nothing differs and not everything could be read.
+[[nodiscard]] inline Exit exit_of_comparison(Exit exit, bool was_readable)
+{
+    return exit == Exit::Good && !was_readable ? Exit::Partly : exit;
+}
 /// One line of a message: its number, and what it is; with --json an object with all fields.
 void print_message(Context& context, const harness::RecordedMessage& message);
 
-/// Prints what differs, one a line or as a JSON list, and writes a JUnit report if `junit` names a
-/// file: one test case with the differences as its failure. Good if there are none.
+/// Writes a JUnit report if `junit` names a file: one test case with the differences as its
+/// failure.
+void write_differences_report(const std::vector<std::string>& differences, std::string_view title,
+                              const std::string& junit);
+/// Prints what differs, one a line or as a JSON list, and writes the report. Good if there are
+/// none.
 [[nodiscard]] Exit print_differences(Context& context, const std::vector<std::string>& differences,
                                      std::string_view title, const std::string& junit);
 

@@ -2,6 +2,7 @@
 
 #include <busbar/harness/request_replay.hpp>
 
+#include "live_security.hpp"
 #include "live_world.hpp"
 #include "recording_file.hpp"
 #include "tool/commands/commands.hpp"
@@ -16,41 +17,46 @@ struct ReplayArguments {
     std::string serve;
     double seconds{0};
     bool keeps_pace{false};
-    harness::ComparisonOptions options;
-    std::string junit;
+    std::string keys;
+    ComparisonArguments comparison;
 };
 
 Exit replay_to(Context& context, const ReplayArguments& arguments)
 {
-    if (!context.options.is_insecure) {
-        throw Failure{Exit::Usage, "a replay is sent without security",
-                      "say --insecure if that is meant, for a test bench"};
+    const std::string& file = arguments.places.back();
+    const harness::Recording recording = read_recording_file(file, arguments.keys);
+    const auto before = harness::repeated_messages(recording);
+    const bool is_readable = check_readable(context, file, harness::read_messages(recording));
+    if (before.empty()) {
+        throw Failure{Exit::Usage, file + ": no request in it can be repeated"};
     }
-    const harness::Recording recording = read_recording_file(arguments.places.back());
-    need_readable(arguments.places.back(), harness::repeated_messages(recording));
+    context.options.url = complete_url(context.options.url);
+    LiveSecurity security{context};
+    const auto config = security.session_config(endpoints_of(context));
     harness::RealWorld world;
     if (const auto reached = world.reach(context.options.url); !reached) {
         throw Failure{reached.error(), context.options.url};
     }
-    client::ConnectionConfig config = harness::open_connection_config();
-    config.channel.endpoint_url = context.options.url;
     harness::RequestReplayOptions options;
     options.keeps_pace = arguments.keeps_pace;
     options.answer_limit = std::chrono::duration_cast<Duration>(
         std::chrono::duration<double>{context.options.timeout});
-    const auto came = harness::replay_requests(world, recording, std::move(config), {}, options);
+    const auto came =
+        harness::replay_requests(world, recording, config, security.client_parts(), options);
     if (!came) {
         throw Failure{came.error(), context.options.url};
     }
-    return print_differences(
-        context,
-        harness::compare_messages(harness::repeated_messages(recording), *came, arguments.options),
-        arguments.places.back() + " at " + context.options.url, arguments.junit);
+    return exit_of_comparison(
+        print_differences(context,
+                          harness::compare_messages(before, *came, arguments.comparison.options),
+                          file + " at " + context.options.url, arguments.comparison.junit),
+        is_readable);
 }
 
 Exit serve(Context& context, const ReplayArguments& arguments)
 {
-    const harness::Recording recording = read_recording_file(arguments.places.back());
+    const harness::Recording recording =
+        read_recording_file(arguments.places.back(), arguments.keys);
     LiveWorld live;
     const std::string url = live.open(arguments.serve);
     const harness::RecordedServer server{live.world(), url, recording};
@@ -76,12 +82,8 @@ void add_replay(CLI::App& app, Run& run)
         ->type_name("[ADDRESS:]PORT");
     command->add_option("--for", arguments->seconds, "with --serve: ends after so many seconds");
     command->add_flag("--pace", arguments->keeps_pace, "leaves the recorded time between requests");
-    command->add_flag("--times", arguments->options.with_times, "compare times of values, too");
-    command
-        ->add_option("--tolerance", arguments->options.tolerance,
-                     "numbers that differ by no more are the same")
-        ->check(CLI::NonNegativeNumber);
-    command->add_option("--junit", arguments->junit, "also as JUnit report")->type_name("FILE");
+    add_keys_option(*command, arguments->keys);
+    add_comparison_options(*command, arguments->comparison);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             if (arguments->serve.empty()) {

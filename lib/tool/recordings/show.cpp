@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "message_filter.hpp"
 #include "recording_file.hpp"
 #include "tool/commands/commands.hpp"
 #include "tool/printing/file.hpp"
@@ -13,32 +14,35 @@ struct ShowArguments {
     std::string filter;
     bool has_fields{false};
     std::string pcap;
+    std::string pcapng;
+    std::string keys;
 };
 
-/// The name, or a text in one of the fields.
-bool is_wanted(const harness::RecordedMessage& message, const std::string& filter)
+/// With keys it has what was secret.
+void write_capture(const ShowArguments& arguments, const std::string& path,
+                   const std::vector<std::byte>& bytes)
 {
-    if (filter.empty() || message.name.find(filter) != std::string::npos) {
-        return true;
-    }
-    for (const harness::RecordedMessage::Field& field : message.fields) {
-        if ((field.path + " " + field.text).find(filter) != std::string::npos) {
-            return true;
-        }
-    }
-    return false;
+    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    arguments.keys.empty() ? write_file(path, text) : write_secret_file(path, text);
 }
 
 Exit show(Context& context, const ShowArguments& arguments)
 {
-    const harness::Recording recording = read_recording_file(arguments.file);
+    const harness::Recording recording = read_recording_file(arguments.file, arguments.keys);
     if (!arguments.pcap.empty()) {
-        const auto bytes = harness::to_pcap(recording);
-        write_file(arguments.pcap, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        write_capture(arguments, arguments.pcap, harness::to_pcap(recording));
     }
+    if (!arguments.pcapng.empty()) {
+        // As it was sent, with the keys in front.
+        write_capture(
+            arguments, arguments.pcapng,
+            harness::to_pcapng(read_recording_file(arguments.file),
+                               arguments.keys.empty() ? std::string{} : read_file(arguments.keys)));
+    }
+    MessageFilter filter{arguments.filter};
     std::vector<harness::RecordedMessage> wanted;
     for (harness::RecordedMessage& message : harness::read_messages(recording)) {
-        if (is_wanted(message, arguments.filter)) {
+        if (filter.is_wanted(message)) {
             wanted.push_back(std::move(message));
         }
     }
@@ -59,11 +63,18 @@ void add_show(CLI::App& app, Run& run)
     auto* command = app.add_subcommand("show", "Shows the messages of a recording.");
     const auto arguments = std::make_shared<ShowArguments>();
     command->add_option("FILE", arguments->file, "written by `busbar proxy --record`")->required();
-    command->add_option("--filter", arguments->filter, "only messages with this in name or fields")
+    command
+        ->add_option("--filter", arguments->filter,
+                     "only some: a text in them, or \"service=Read and status!=Good\"")
         ->type_name("TEXT");
+    add_keys_option(*command, arguments->keys);
     command->add_flag("--fields", arguments->has_fields,
                       "all fields, with symbols for what differs from run to run");
     command->add_option("--pcap", arguments->pcap, "also as capture file for Wireshark")
+        ->type_name("FILE");
+    command
+        ->add_option("--pcapng", arguments->pcapng,
+                     "the same as it was sent, with the --keys, for Wireshark 4.4 and later")
         ->type_name("FILE");
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
