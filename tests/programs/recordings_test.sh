@@ -72,6 +72,15 @@ run 0 show a.rec --filter 'Double 1.5'
 says 'ReadResponse Double 1.5'
 run 0 show a.rec --filter 'Double 1.5' --json
 says '"name":"ReadResponse"'
+run 0 show a.rec --filter 'node~;s=Level and from=server or name=x'
+says 'server -> ReadResponse Double 1.5'
+says_not ReadRequest
+run 0 show a.rec --filter 'service=Read and status!=Good'
+says_not .
+run 0 show a.rec --filter 'results[0].value>1.4 and time<1000'
+says 'Double 1.5'
+run 2 show a.rec --filter 'time=soon'
+says 'found "time=soon"; expected a name, one of = != < <= > >= ~, and a value'
 run 0 show a.rec --fields --pcap a.pcap
 says '^  results\[0\].sourceTimestamp: \$time$'
 [ -s a.pcap ] || fail "there is no capture file"
@@ -116,11 +125,22 @@ grep -q '<failure message="differences: ' junit.xml || fail "there is no report"
 run 0 diff a.rec b.rec --tolerance 7.5
 
 # What was recorded is asked again, of the same controller and of another one.
-run 2 replay "$first" a.rec
+run 4 replay "$first" a.rec
 says 'insecure'
 run 0 --insecure replay "$first" a.rec
 run 1 --insecure replay "$second" a.rec
 says 'results\[0\].value Double 1.5 -> Double 1.75'
+
+# Two servers: their nodes and values, and nothing of sessions.
+run 0 --insecure diff "$first" "$first"
+run 1 --insecure diff "$first" "$second" --junit servers.xml
+says 'Level Value *Double 1.5 *Double 1.75'
+grep -q 'Level Value: Double 1.5 -&gt; Double 1.75' servers.xml || fail "no report of servers"
+run 0 --insecure diff "$first" "$second" --tolerance 0.5
+run 0 --insecure diff "$first" "$second" --no-values --json
+says '"isSame":true'
+run 2 --insecure diff "$first" a.rec
+says 'expected two of a kind'
 
 # A recording answers in the place of the controller.
 "$busbar" replay a.rec --serve 0 > served.out 2> served.err < /dev/null &
@@ -136,8 +156,15 @@ cat > tank.sim << END
 # a tank
 Level    Double  steps 1.5 2.5 50ms
 Setpoint Int16   50 write
+Alarm    Boolean false
+method Add   in a Double b Double  out sum Double "a + b * 2"
+method Reset in to Int16  out was Int16 Setpoint text String "all is well"  sets Setpoint to
+event "too full" 700 when "Setpoint > 90"
 END
-"$busbar" simulate tank.sim --fault 'delay 300ms at WriteResponse' > tank.out 2> tank.err < /dev/null &
+mkfifo orders
+sleep 60 > orders & # keeps it open
+holder=$!
+"$busbar" simulate tank.sim --control --fault 'delay 300ms at WriteResponse' > tank.out 2> tank.err < orders &
 pid=$!
 await grep -q -s ' is at ' tank.err
 tank=$(sed -n 's/^busbar: .* is at //p' tank.err)
@@ -148,7 +175,27 @@ run 0 --insecure read "$tank" 'ns=1;s=Setpoint'
 says ' 60 '
 run 1 --insecure write "$tank" 'ns=1;s=Level' 7
 says Bad_NotWritable
+run 0 --insecure call "$tank" i=85 'ns=1;s=Add' 1.5 2
+says '5.5'
+run 0 --insecure call "$tank" i=85 'ns=1;s=Reset' 70
+says '60'
+says 'all is well'
+run 0 --insecure read "$tank" 'ns=1;s=Setpoint'
+says ' 70 '
+"$busbar" --insecure events "$tank" > events.out 2> events.err < /dev/null &
+listener=$!
+await grep -q -s 'EventItem\|CreateMonitoredItemsResponse' tank.out
+echo 'set Setpoint 95' > orders
+await grep -q 'too full' events.out
+echo 'event "by hand" 300' > orders
+await grep -q 'by hand' events.out
+kill "$listener"
+run 0 --insecure read "$tank" 'ns=1;s=Setpoint'
+says ' 95 '
+echo 'set Nothing 1' > orders
+await grep -q 'set Nothing 1: there is no variable "Nothing"' tank.err
 stop 0
+kill "$holder"
 grep -q 'server -> WriteResponse Good' tank.out || fail "the simulation does not show the response"
 
 # Mistakes.

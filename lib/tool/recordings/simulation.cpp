@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -17,25 +18,6 @@ namespace {
 
 constexpr std::size_t max_variables = 10'000;
 constexpr std::size_t max_values = 1'000;
-
-/// The words of a line; one in quotes may have spaces.
-std::vector<std::string> words_of(std::string_view line)
-{
-    std::vector<std::string> words;
-    for (std::size_t at = 0; at < line.size();) {
-        if (line[at] == ' ' || line[at] == '\t' || line[at] == '\r') {
-            ++at;
-            continue;
-        }
-        const bool is_quoted = line[at] == '"';
-        const std::size_t begin = is_quoted ? at + 1 : at;
-        const std::size_t end = std::min(
-            is_quoted ? line.find('"', begin) : line.find_first_of(" \t\r", begin), line.size());
-        words.emplace_back(line.substr(begin, end - begin));
-        at = end + 1;
-    }
-    return words;
-}
 
 std::optional<BuiltInType> type_of(std::string_view text)
 {
@@ -59,59 +41,6 @@ std::optional<Duration> period_of(std::string_view text)
         return std::nullopt;
     }
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{seconds});
-}
-
-/// The number in a Variant of a numeric type.
-std::optional<double> number_in(const Variant& value)
-{
-    std::optional<double> number;
-    const auto look = [&]<typename T>(const T*) {
-        if (const T* const found = value.get_if<T>()) {
-            number = static_cast<double>(*found);
-        }
-    };
-    look(static_cast<const std::int8_t*>(nullptr));
-    look(static_cast<const std::uint8_t*>(nullptr));
-    look(static_cast<const std::int16_t*>(nullptr));
-    look(static_cast<const std::uint16_t*>(nullptr));
-    look(static_cast<const std::int32_t*>(nullptr));
-    look(static_cast<const std::uint32_t*>(nullptr));
-    look(static_cast<const std::int64_t*>(nullptr));
-    look(static_cast<const std::uint64_t*>(nullptr));
-    look(static_cast<const float*>(nullptr));
-    look(static_cast<const double*>(nullptr));
-    return number;
-}
-
-/// A number of the same type as `model`; the nearest one that it has.
-Variant number_like(const Variant& model, double number)
-{
-    Variant made;
-    const auto make = [&]<typename T>(const T*) {
-        if (model.get_if<T>() == nullptr) {
-            return;
-        }
-        if constexpr (std::is_floating_point_v<T>) {
-            made = Variant{static_cast<T>(number)};
-        } else {
-            using Limits = std::numeric_limits<T>;
-            made = number <= static_cast<double>(Limits::min()) ? Variant{Limits::min()}
-                   : number >= static_cast<double>(Limits::max())
-                       ? Variant{Limits::max()}
-                       : Variant{static_cast<T>(std::llround(number))};
-        }
-    };
-    make(static_cast<const std::int8_t*>(nullptr));
-    make(static_cast<const std::uint8_t*>(nullptr));
-    make(static_cast<const std::int16_t*>(nullptr));
-    make(static_cast<const std::uint16_t*>(nullptr));
-    make(static_cast<const std::int32_t*>(nullptr));
-    make(static_cast<const std::uint32_t*>(nullptr));
-    make(static_cast<const std::int64_t*>(nullptr));
-    make(static_cast<const std::uint64_t*>(nullptr));
-    make(static_cast<const float*>(nullptr));
-    make(static_cast<const double*>(nullptr));
-    return made;
 }
 
 /// Reads one line, which has words.
@@ -198,7 +127,277 @@ private:
     BuiltInType type_{BuiltInType::Double};
 };
 
+/// Reads the rest of a line that begins with "method" or "event".
+class ExtraReader {
+public:
+    explicit ExtraReader(std::vector<std::string> words) : words_{std::move(words)} {}
+
+    [[nodiscard]] Expected<SimulatedMethod, std::string> read_method()
+    {
+        SimulatedMethod method;
+        method.name = next("the name of a Method");
+        while (flaw_.empty() && at_ < words_.size()) {
+            const std::string part = next("in, out or sets");
+            const std::size_t before = at_;
+            while (flaw_.empty() && at_ < words_.size() && !is_part(words_[at_])) {
+                if (part == "in") {
+                    method.inputs.push_back(argument());
+                } else if (part == "out") {
+                    method.outputs.push_back(answer(method));
+                } else if (part == "sets") {
+                    std::string variable = next("a Variable");
+                    method.settings.push_back({std::move(variable), expression()});
+                } else {
+                    say("found \"" + printable(part) + "\"; expected in, out or sets");
+                }
+            }
+            if (at_ == before) {
+                say("found nothing after \"" + printable(part) + "\"");
+            }
+        }
+        if (!flaw_.empty()) {
+            return Unexpected{std::move(flaw_)};
+        }
+        return method;
+    }
+    [[nodiscard]] Expected<SimulatedEvent, std::string> read_event()
+    {
+        SimulatedEvent event;
+        event.message = next("a message");
+        const std::string severity = next("a severity");
+        const char* const end = severity.data() + severity.size();
+        const auto read = std::from_chars(severity.data(), end, event.severity);
+        if (read.ec != std::errc{} || read.ptr != end || event.severity < 1 ||
+            event.severity > 1'000) {
+            say("found the severity \"" + printable(severity) + "\"; expected 1 to 1000");
+        }
+        const std::string kind = next("when or every");
+        if (kind == "when") {
+            event.condition = expression();
+        } else if (kind == "every") {
+            const std::string text = next("a period");
+            const auto period = period_of(text);
+            if (!period) {
+                say("found the period \"" + printable(text) +
+                    "\"; expected 10ms to 1440min, as 500ms, 5s or 2min");
+            }
+            event.period = period.value_or(Duration{0});
+        } else {
+            say("found \"" + printable(kind) + "\"; expected when or every");
+        }
+        if (at_ != words_.size()) {
+            say("found \"" + printable(words_[std::min(at_, words_.size() - 1)]) +
+                "\"; expected the end of the line");
+        }
+        if (!flaw_.empty()) {
+            return Unexpected{std::move(flaw_)};
+        }
+        return event;
+    }
+
+private:
+    static bool is_part(std::string_view word)
+    {
+        return word == "in" || word == "out" || word == "sets";
+    }
+    /// Keeps what went wrong first.
+    void say(std::string flaw)
+    {
+        if (flaw_.empty()) {
+            flaw_ = std::move(flaw);
+        }
+    }
+    [[nodiscard]] std::string next(std::string_view what)
+    {
+        if (at_ == words_.size()) {
+            say("found the end; expected " + std::string{what});
+            return {};
+        }
+        return words_[at_++];
+    }
+    [[nodiscard]] SimulatedArgument argument()
+    {
+        SimulatedArgument made;
+        made.name = next("the name of an argument");
+        const std::string text = next("a type");
+        const auto type = type_of(text);
+        if (!type) {
+            say("found the type \"" + printable(text) +
+                "\"; expected a built-in type, as Double, Int32, Boolean or String");
+        }
+        made.type = type.value_or(made.type);
+        return made;
+    }
+    [[nodiscard]] SimulatedAnswer answer(const SimulatedMethod& method)
+    {
+        SimulatedAnswer made;
+        made.argument = argument();
+        const std::string text = next("an input, a value or an expression");
+        for (std::size_t i = 0; i < method.inputs.size(); ++i) {
+            if (method.inputs[i].name == text && method.inputs[i].type == made.argument.type) {
+                made.input = i;
+                return made;
+            }
+        }
+        client::ValueType type;
+        type.built_in = made.argument.type;
+        if (auto value = client::parse_value(text, type)) {
+            made.value = *std::move(value);
+        } else if (number_in(null_of(made.argument.type))) {
+            auto read = Expression::parse(text);
+            if (read) {
+                made.expression = *std::move(read);
+            } else {
+                say(std::move(read.error()));
+            }
+        } else {
+            say(value.error().message);
+        }
+        return made;
+    }
+    [[nodiscard]] Expression expression()
+    {
+        auto read = Expression::parse(next("an expression"));
+        if (!read) {
+            say(std::move(read.error()));
+            return *Expression::parse("0");
+        }
+        return *std::move(read);
+    }
+
+    std::vector<std::string> words_;
+    std::size_t at_{1};
+    std::string flaw_;
+};
+
+/// Returns the name in one of the machine's expressions that stands for nothing; empty if all do.
+std::string unknown_name(const SimulatedMachine& machine)
+{
+    std::set<std::string, std::less<>> variables;
+    for (const SimulatedVariable& variable : machine.variables) {
+        variables.insert(variable.name);
+    }
+    std::string unknown;
+    const auto check = [&](const Expression& expression,
+                           const std::vector<SimulatedArgument>& inputs) {
+        for (const std::string& name : expression.names()) {
+            const bool is_input = std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) {
+                return input.name == name;
+            });
+            if (!is_input && !variables.contains(name)) {
+                unknown = name;
+            }
+        }
+    };
+    for (const SimulatedMethod& method : machine.methods) {
+        for (const SimulatedAnswer& answer : method.outputs) {
+            if (answer.expression) {
+                check(*answer.expression, method.inputs);
+            }
+        }
+        for (const SimulatedMethod::Setting& setting : method.settings) {
+            check(setting.expression, method.inputs);
+            if (!variables.contains(setting.variable)) {
+                unknown = setting.variable;
+            }
+        }
+    }
+    for (const SimulatedEvent& event : machine.events) {
+        if (event.condition) {
+            check(*event.condition, {});
+        }
+    }
+    return unknown;
+}
+
 } // namespace
+
+std::optional<double> number_in(const Variant& value)
+{
+    std::optional<double> number;
+    if (const bool* const flag = value.get_if<bool>()) {
+        number = *flag ? 1 : 0;
+    }
+    const auto look = [&]<typename T>(const T*) {
+        if (const T* const found = value.get_if<T>()) {
+            number = static_cast<double>(*found);
+        }
+    };
+    look(static_cast<const std::int8_t*>(nullptr));
+    look(static_cast<const std::uint8_t*>(nullptr));
+    look(static_cast<const std::int16_t*>(nullptr));
+    look(static_cast<const std::uint16_t*>(nullptr));
+    look(static_cast<const std::int32_t*>(nullptr));
+    look(static_cast<const std::uint32_t*>(nullptr));
+    look(static_cast<const std::int64_t*>(nullptr));
+    look(static_cast<const std::uint64_t*>(nullptr));
+    look(static_cast<const float*>(nullptr));
+    look(static_cast<const double*>(nullptr));
+    return number;
+}
+
+Variant number_like(const Variant& model, double number)
+{
+    Variant made;
+    if (model.get_if<bool>() != nullptr) {
+        made = Variant{number != 0};
+    }
+    const auto make = [&]<typename T>(const T*) {
+        if (model.get_if<T>() == nullptr) {
+            return;
+        }
+        if constexpr (std::is_floating_point_v<T>) {
+            made = Variant{static_cast<T>(number)};
+        } else {
+            using Limits = std::numeric_limits<T>;
+            made = number <= static_cast<double>(Limits::min()) ? Variant{Limits::min()}
+                   : number >= static_cast<double>(Limits::max())
+                       ? Variant{Limits::max()}
+                       : Variant{static_cast<T>(std::llround(number))};
+        }
+    };
+    make(static_cast<const std::int8_t*>(nullptr));
+    make(static_cast<const std::uint8_t*>(nullptr));
+    make(static_cast<const std::int16_t*>(nullptr));
+    make(static_cast<const std::uint16_t*>(nullptr));
+    make(static_cast<const std::int32_t*>(nullptr));
+    make(static_cast<const std::uint32_t*>(nullptr));
+    make(static_cast<const std::int64_t*>(nullptr));
+    make(static_cast<const std::uint64_t*>(nullptr));
+    make(static_cast<const float*>(nullptr));
+    make(static_cast<const double*>(nullptr));
+    return made;
+}
+
+std::vector<std::string> simulation_words(std::string_view line)
+{
+    std::vector<std::string> words;
+    for (std::size_t at = 0; at < line.size();) {
+        if (line[at] == ' ' || line[at] == '\t' || line[at] == '\r') {
+            ++at;
+            continue;
+        }
+        const bool is_quoted = line[at] == '"';
+        const std::size_t begin = is_quoted ? at + 1 : at;
+        const std::size_t end = std::min(
+            is_quoted ? line.find('"', begin) : line.find_first_of(" \t\r", begin), line.size());
+        words.emplace_back(line.substr(begin, end - begin));
+        at = end + 1;
+    }
+    return words;
+}
+
+Variant null_of(BuiltInType type)
+{
+    client::ValueType wanted;
+    wanted.built_in = type;
+    for (const char* const text : {"0", "false", ""}) {
+        if (auto value = client::parse_value(text, wanted)) {
+            return *std::move(value);
+        }
+    }
+    return {};
+}
 
 Variant SimulatedSignal::at(Duration time) const
 {
@@ -218,10 +417,9 @@ Variant SimulatedSignal::at(Duration time) const
                                       : first + second * std::sin(2 * std::numbers::pi * part));
 }
 
-Configured<std::vector<SimulatedVariable>> read_simulation(std::string_view text,
-                                                           std::string_view file)
+Configured<SimulatedMachine> read_simulation(std::string_view text, std::string_view file)
 {
-    std::vector<SimulatedVariable> variables;
+    SimulatedMachine machine;
     std::set<std::string> names;
     std::size_t number = 0;
     while (!text.empty()) {
@@ -229,28 +427,52 @@ Configured<std::vector<SimulatedVariable>> read_simulation(std::string_view text
         const std::string_view line = text.substr(0, end);
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
         ++number;
-        auto words = words_of(line);
+        auto words = simulation_words(line);
         if (words.empty() || words[0].starts_with('#')) {
             continue;
         }
         const std::string where = std::string{file} + ":" + std::to_string(number);
-        auto variable = LineReader{std::move(words)}.read();
-        if (!variable) {
-            return misconfigured(where, std::move(variable.error()));
+        const std::string kind = words[0];
+        std::string name;
+        if (kind == "method") {
+            auto method = ExtraReader{std::move(words)}.read_method();
+            if (!method) {
+                return misconfigured(where, std::move(method.error()));
+            }
+            name = method->name;
+            machine.methods.push_back(*std::move(method));
+        } else if (kind == "event") {
+            auto event = ExtraReader{std::move(words)}.read_event();
+            if (!event) {
+                return misconfigured(where, std::move(event.error()));
+            }
+            machine.events.push_back(*std::move(event));
+            name = where; // messages may be the same
+        } else {
+            auto variable = LineReader{std::move(words)}.read();
+            if (!variable) {
+                return misconfigured(where, std::move(variable.error()));
+            }
+            name = variable->name;
+            machine.variables.push_back(*std::move(variable));
         }
-        if (!names.insert(variable->name).second) {
-            return misconfigured(where, printable(variable->name) + " is there twice");
+        if (!names.insert(name).second) {
+            return misconfigured(where, printable(name) + " is there twice");
         }
-        if (variables.size() == max_variables) {
-            return misconfigured(where, "there are more than 10000 variables");
+        if (names.size() > max_variables) {
+            return misconfigured(where, "there are more than 10000 lines");
         }
-        variables.push_back(*std::move(variable));
     }
-    if (variables.empty()) {
+    if (machine.variables.empty() && machine.methods.empty()) {
         return misconfigured(std::string{file}, "found no variable; expected lines as "
                                                 "\"Level Double ramp 0 100 60s\"");
     }
-    return variables;
+    if (const std::string name = unknown_name(machine); !name.empty()) {
+        return misconfigured(std::string{file}, "found \"" + printable(name) +
+                                                    "\" in an expression; expected an input or a "
+                                                    "variable");
+    }
+    return machine;
 }
 
 } // namespace busbar::tool
