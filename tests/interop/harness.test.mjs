@@ -2,7 +2,7 @@
 // busbar's proxy, recordings and replays between node-opcua's client and node-opcua's server.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync } from "node:fs";
+import { mkdtempSync, readFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -137,7 +137,10 @@ describe("a proxy between node-opcua and itself", () => {
         rootFolder: join(folder, `server-${value}`), automaticallyAcceptUnknownCertificate: true,
       });
       await serverCertificateManager.initialize();
-      const server = new OPCUAServer({ port: await freePort(), hostname: "127.0.0.1", serverCertificateManager });
+      const server = new OPCUAServer({
+        port: await freePort(), hostname: "127.0.0.1", serverCertificateManager,
+        userManager: { isValidUser: (name, password) => name === "operator" && password === "a long secret" },
+      });
       await server.initialize();
       const { addressSpace } = server.engine;
       addressSpace.getOwnNamespace().addVariable({
@@ -152,13 +155,15 @@ describe("a proxy between node-opcua and itself", () => {
   after(() => Promise.all(servers.map((server) => server.shutdown())));
 
   /** Reads the level through a proxy; returns the value and what the proxy said. */
-  async function visit(mode, ...args) {
+  async function visit(mode, ...all) {
+    const args = all.filter((argument) => typeof argument === "string");
+    const { user = anonymous } = all.find((argument) => typeof argument !== "string") ?? {};
     const proxy = await start(busbar, ["proxy", urls[0], ...args], /^busbar: (\S+) leads to/);
     let value;
     const client = await createClient(folder, mode);
     await client.connect(proxy.url);
     try {
-      const session = await client.createSession(anonymous);
+      const session = await client.createSession(user);
       value = (await session.read(level)).value.value;
       await session.close();
     } finally {
@@ -183,14 +188,46 @@ describe("a proxy between node-opcua and itself", () => {
     assert.equal(text.trim().split("\n").length, 1, text);
   });
 
-  test("with security it is seen and delayed", async () => {
+  test("with security it may be passed on, seen and delayed", async () => {
     const begin = Date.now();
-    const { value, code, lines } = await visit(modes.SignAndEncrypt, "--record", join(folder, "secured.rec"),
+    const { value, code, lines } = await visit(modes.SignAndEncrypt, "--pass", "--record", join(folder, "secured.rec"),
       "--fault", "delay 1500ms at MSG 3 of the server");
     assert.equal(value, 1.5);
     assert.equal(code, 0, lines.join("\n"));
     assert.ok(Date.now() - begin > 1_400);
     assert.ok(lines.some((line) => line.endsWith("client -> MSG")));
+  });
+
+  // Both peers accept every certificate; node-opcua's server does not name 127.0.0.1 in its own.
+  const trusting = ["--pki", join(folder, "proxy"), "--trust", "--any-client", "--ignore", "host-name"];
+
+  for (const [name, mode] of Object.entries(modes)) {
+    test(`with ${name} it ends the channels of both and sees, records and changes what they say`, async () => {
+      const recording = join(folder, `ended-${name}.rec`);
+      const plain = await visit(mode, ...trusting, "--record", recording);
+      assert.equal(plain.value, 1.5, plain.lines.join("\n"));
+      assert.equal(plain.code, 0, plain.lines.join("\n"));
+      assert.ok(plain.lines.some((line) => line.endsWith("server -> ReadResponse Double 1.5")), plain.lines.join("\n"));
+      const edited = await visit(mode, ...trusting, "--fault", "edit results[0].value = Double:9 at ReadResponse always");
+      assert.equal(edited.value, 9, edited.lines.join("\n"));
+      const cut = await run("show", recording, "--filter", "service=Read and from=server");
+      assert.equal(cut.code, 0, cut.text);
+      assert.match(cut.text, /ReadResponse Double 1\.5/);
+      const { code, text } = await run("diff", recording, join(folder, "first.rec"));
+      assert.equal(code, 1, "security differs");
+      assert.ok(!/Double/.test(text), text);
+    });
+  }
+
+  test("with security and a user, whose password is in no file", async () => {
+    const recording = join(folder, "user.rec");
+    const user = { type: opcua.UserTokenType.UserName, userName: "operator", password: "a long secret" };
+    const { value, lines } = await visit(modes.SignAndEncrypt, ...trusting, "--record", recording, { user });
+    assert.equal(value, 1.5, lines.join("\n"));
+    const everything = readFileSync(recording, "latin1") + lines.join("\n");
+    assert.ok(!everything.includes("a long secret"));
+    assert.ok(!everything.includes(Buffer.from("a long secret").toString("hex")));
+    assert.ok(everything.includes(Buffer.from("operator").toString("hex")));
   });
 
   test("what was recorded is asked again, and what differs is named", async () => {
@@ -222,5 +259,18 @@ describe("a proxy between node-opcua and itself", () => {
       "-e", "opcua.servicenodeid.numeric", "-e", "_ws.malformed"], { encoding: "utf8" });
     assert.ok(stdout.includes("631"), "a ReadRequest, i=631");
     assert.ok(!/malformed/i.test(stdout), stdout);
+  });
+
+  test("tshark reads what was said with security", { skip: !hasTshark && "no tshark" }, async () => {
+    for (const option of ["--pcap", "--pcapng"]) {
+      const capture = join(folder, `ended.${option.slice(2)}`);
+      assert.equal((await run("show", join(folder, "ended-SignAndEncrypt.rec"), option, capture)).code, 0);
+      const { stdout } = spawnSync("tshark", ["-r", capture, "-d", "tcp.port==4840,opcua", "-T", "fields",
+        "-e", "opcua.servicenodeid.numeric", "-e", "_ws.malformed"], { encoding: "utf8" });
+      for (const service of ["461", "467", "631", "634"]) { // CreateSession, ActivateSession, Read, its response
+        assert.ok(stdout.includes(service), `${option}: ${service} is not in ${stdout}`);
+      }
+      assert.ok(!/malformed/i.test(stdout), stdout);
+    }
   });
 });
