@@ -88,6 +88,12 @@ public:
     {
         return write({server::WriteItem{handle, nullptr, &data}})[0];
     }
+    /// Waits for a source that has something else to complete, and lets it.
+    void await_wake()
+    {
+        seen_ = waker_.wait(seen_);
+        sources_.handle_completions();
+    }
 
 private:
     struct Owner final : server::detail::SourceCallOwner {
@@ -105,8 +111,7 @@ private:
     void wait(const Owner& owner)
     {
         while (!owner.done) {
-            seen_ = waker_.wait(seen_);
-            sources_.handle_completions();
+            await_wake();
         }
     }
 

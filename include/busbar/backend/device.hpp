@@ -140,7 +140,7 @@ public:
 struct DeviceConfig {
     /// The name in the log.
     std::string name{};
-    /// Host of the PLC, or of its gateway.
+    /// Host of the PLC, or of its gateway; empty if its driver knows how to reach it.
     std::string host{};
     /// Its port.
     std::uint16_t port{0};

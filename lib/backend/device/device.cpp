@@ -191,8 +191,9 @@ void Device::Impl::step(TimePoint now)
         plan.forget_refusals();
         if (!std::exchange(is_connection_told, true)) {
             const std::string name = identity_text();
-            tell(LogLevel::Info, "connected to " + config.host + ":" + std::to_string(config.port) +
-                                     (name.empty() ? "" : ", " + name));
+            const std::string where =
+                config.host.empty() ? "" : " to " + config.host + ":" + std::to_string(config.port);
+            tell(LogLevel::Info, "connected" + where + (name.empty() ? "" : ", " + name));
         }
     }
     if (line->has_answered() && !std::exchange(has_answered, true)) {
