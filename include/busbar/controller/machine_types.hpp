@@ -76,7 +76,7 @@ public:
 private:
     [[nodiscard]] bool needs_node(const ResolvedType& type) const;
     [[nodiscard]] MachineDataType future_type(const DerivedType& type) const;
-    void collect(const TypeUse& use, const ProgramTypes& program,
+    void collect(const ResolvedType& type, const ProgramTypes& program,
                  std::vector<const DerivedType*>& found);
     void forget(std::span<const DerivedType* const> types);
     [[nodiscard]] Result<void> add_node(model::AddressSpace& space, const DerivedType& type,
@@ -84,7 +84,7 @@ private:
     [[nodiscard]] Result<void> add_structure(model::AddressSpace& space, model::NewNode node,
                                              const DerivedType& type,
                                              const ProgramTypes& program) const;
-    [[nodiscard]] StructureField field_of(const Member& member, const ProgramTypes& program) const;
+    [[nodiscard]] StructureField field_of(const std::string& name, const ResolvedType& type) const;
 
     MachineTypeOptions options_;
     std::uint16_t namespace_index_{0};

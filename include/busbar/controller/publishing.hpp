@@ -21,11 +21,6 @@ class LogSink;
 /// without a server.
 namespace busbar::controller {
 
-namespace detail {
-class TypeFactsTable;
-struct VariableFacts;
-} // namespace detail
-
 /// A limit of all variables together.
 enum class PublishingLimit : std::uint8_t { Variables, Values, DataTypes };
 
@@ -161,8 +156,8 @@ public:
 private:
     [[nodiscard]] std::optional<PublishingLimit> reached() const;
     void look_at(const GlobalVariable& variable, const ProgramTypes& program,
-                 detail::TypeFactsTable& facts, PublicationGroup& group);
-    [[nodiscard]] std::optional<PublishingLimit> exceeded_with(const detail::VariableFacts& facts,
+                 PublicationGroup& group);
+    [[nodiscard]] std::optional<PublishingLimit> exceeded_with(std::uint64_t values,
                                                                std::size_t new_data_types) const;
     /// Computes the totals of the published variables.
     void count();

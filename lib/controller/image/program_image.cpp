@@ -29,7 +29,7 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
     detail::ProgramLayout made{types, encoding_of, options.elementary};
     server::ImageLayout layout;
     for (const std::size_t index : variables) {
-        auto variable = made.variable(program.variables[index].type);
+        auto variable = made.variable(types.resolve(program.variables[index].type));
         if (!variable) {
             return problem_of_variable(program, index, std::move(variable.error()));
         }

@@ -23,9 +23,8 @@ std::string printable_name(const std::string& name)
 
 } // namespace
 
-Configured<server::ImageVariable> ProgramLayout::variable(const TypeUse& use)
+Configured<server::ImageVariable> ProgramLayout::variable(const ResolvedType& type)
 {
-    const ResolvedType type = types_->resolve(use);
     server::ImageVariable made;
     for (const Bounds& bounds : type.dimensions) {
         made.dimensions.push_back(static_cast<std::uint32_t>(bounds.upper - bounds.lower + 1));
@@ -59,11 +58,11 @@ Configured<ProgramLayout::Structure> ProgramLayout::structure(const DerivedType&
         return found->second;
     }
     std::vector<server::ImageVariable> members;
-    for (const Member& member : type.members) {
-        auto made = variable(member.type);
+    for (const ResolvedType& member : types_->members(type)) {
+        auto made = variable(member);
         if (!made) {
             Problem problem = std::move(made.error());
-            problem.where = "." + printable_name(member.name) + problem.where;
+            problem.where = "." + printable_name(type.members[members.size()].name) + problem.where;
             return Unexpected<Problem>{std::move(problem)};
         }
         members.push_back(std::move(*made));

@@ -19,7 +19,7 @@ public:
     }
 
     /// The text of the Problem tells why the variable cannot be in an image.
-    [[nodiscard]] Configured<server::ImageVariable> variable(const TypeUse& use);
+    [[nodiscard]] Configured<server::ImageVariable> variable(const ResolvedType& type);
 
 private:
     using Structure = std::shared_ptr<const server::ImageStructure>;

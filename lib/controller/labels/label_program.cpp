@@ -13,41 +13,6 @@ namespace busbar::controller {
 
 namespace {
 
-/// Tells whether an image can hold a type: unions are not allowed at any depth.
-class UnionSearch {
-public:
-    explicit UnionSearch(const ProgramTypes& types) : types_{&types} {}
-
-    [[nodiscard]] bool finds_one(const TypeUse& use)
-    {
-        const ResolvedType type = types_->resolve(use);
-        switch (type.kind) {
-        case ResolvedType::Kind::Union:
-            return true;
-        case ResolvedType::Kind::Structure:
-            return finds_one_in(*type.type);
-        default:
-            return false;
-        }
-    }
-
-private:
-    [[nodiscard]] bool finds_one_in(const DerivedType& structure)
-    {
-        if (const auto found = known_.find(&structure); found != known_.end()) {
-            return found->second;
-        }
-        bool is_found = false;
-        for (const Member& member : structure.members) {
-            is_found = is_found || finds_one(member.type);
-        }
-        return known_.emplace(&structure, is_found).first->second;
-    }
-
-    const ProgramTypes* types_;
-    std::unordered_map<const DerivedType*, bool> known_;
-};
-
 /// Leaves out the program's types that have the name of one of `own`.
 void leave_out_types_of(Program& program, const std::vector<DerivedType>& own)
 {
@@ -113,11 +78,10 @@ std::optional<Problem> LabelProgram::make(const server::ImageOptions& options)
         return std::move(types.error());
     }
     types_ = std::move(*types);
-    UnionSearch unions{*types_};
     std::vector<std::size_t> variables;
     for (std::size_t i = 0; i < program_.variables.size(); ++i) {
         by_name_.emplace(fold_name(program_.variables[i].name), i);
-        if (unions.finds_one(program_.variables[i].type)) {
+        if (types_->layout(types_->resolve(program_.variables[i].type)).has_union) {
             handles_.emplace_back();
         } else {
             handles_.emplace_back(static_cast<std::uint32_t>(variables.size()));

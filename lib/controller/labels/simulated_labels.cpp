@@ -7,8 +7,6 @@
 #include "label_server_side.hpp"
 #include "label_task_side.hpp"
 
-#include "../retained/type_print.hpp"
-
 namespace busbar::controller {
 
 namespace {
@@ -17,15 +15,13 @@ namespace {
 /// have the same values.
 std::vector<detail::CarriedValue> carried_values(const LabelProgram& now, const LabelProgram& next)
 {
-    detail::TypePrints prints_now{now.types()};
-    detail::TypePrints prints_next{next.types()};
     std::vector<detail::CarriedValue> carried;
     for (const GlobalVariable& variable : next.types().program().variables) {
         const GlobalVariable* const before = now.variable(variable.name);
         const auto to = next.handle_of(variable);
         const auto from = before != nullptr ? now.handle_of(*before) : std::nullopt;
         if (!from || !to || before->is_constant || variable.is_constant ||
-            prints_now.print(before->type) != prints_next.print(variable.type)) {
+            now.types().print_of(before->type) != next.types().print_of(variable.type)) {
             continue;
         }
         server::ImageMemory& source = now.memory();

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "controller/program/program_problem.hpp"
-#include "controller/retained/type_print.hpp"
 
 namespace busbar::controller::detail {
 
@@ -28,13 +27,10 @@ TypeUse use_of(const DerivedType& type)
 
 Configured<void> check_same_types(const ProgramTypes& before, const ProgramTypes& edited)
 {
-    TypePrints old_prints{before};
-    TypePrints new_prints{edited};
     const auto& types = edited.program().types;
     for (std::size_t i = 0; i < types.size(); ++i) {
         const DerivedType* const old = before.find(types[i].name);
-        if (old != nullptr &&
-            old_prints.print(use_of(*old)) != new_prints.print(use_of(types[i]))) {
+        if (old != nullptr && before.print_of(use_of(*old)) != edited.print_of(use_of(types[i]))) {
             return changed_online(edited.program(), place_in("types", i, types[i].name),
                                   types[i].place, "was a different type");
         }
@@ -44,8 +40,6 @@ Configured<void> check_same_types(const ProgramTypes& before, const ProgramTypes
 
 Configured<void> check_same_variables(const CheckedProgram& before, const CheckedProgram& edited)
 {
-    TypePrints old_prints{before.types()};
-    TypePrints new_prints{edited.types()};
     const auto& variables = edited.program().variables;
     for (std::size_t i = 0; i < variables.size(); ++i) {
         const GlobalVariable* const old = before.variable(fold_name(variables[i].name));
@@ -58,7 +52,7 @@ Configured<void> check_same_variables(const CheckedProgram& before, const Checke
                                   variables[i].is_constant ? "was not a constant"
                                                            : "was a constant");
         }
-        if (old_prints.print(old->type) != new_prints.print(variables[i].type)) {
+        if (before.types().print_of(old->type) != edited.types().print_of(variables[i].type)) {
             return changed_online(edited.program(), where, variables[i].place, "had another type");
         }
     }

@@ -8,7 +8,6 @@
 
 #include <busbar/controller/machine_types.hpp>
 
-#include "controller/publishing/type_facts.hpp"
 #include "online_edit.hpp"
 
 namespace busbar::controller {
@@ -34,11 +33,10 @@ std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
             indices.push_back(index);
         }
     }
-    detail::TypeFactsTable facts{types};
     for (std::size_t i = 0; i < all.size(); ++i) {
         const bool is_kept = all[i].is_retained && !all[i].is_constant && !is_published[i];
         if (is_kept && !in_image.contains(fold_name(all[i].name)) &&
-            !facts.of(all[i].type).has_union) {
+            !types.layout(types.resolve(all[i].type)).has_union) {
             indices.push_back(i);
         }
     }

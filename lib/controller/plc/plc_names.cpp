@@ -97,7 +97,7 @@ bool ProgramNames::enter_member(Position& position, std::string_view name) const
     const server::ImagePlace& place = position.place.place->structure->members()[number];
     position.place.place = &place;
     position.place.bytes += place.offset;
-    position.type = types_->resolve(member->type);
+    position.type = ResolvedType{types_->members(*position.type.type)[number]};
     return true;
 }
 

@@ -4,6 +4,7 @@
 #include <busbar/core/text.hpp>
 
 #include "declaration_keywords.hpp"
+#include "program_checker.hpp"
 
 namespace busbar::controller::detail {
 
@@ -296,8 +297,10 @@ std::string ConstantTable::place_words(std::size_t index) const
 
 ExpressionValue::State ConstantTable::size_of(std::string_view type, std::uint64_t& size)
 {
-    if (const auto known = memory_size_of(type)) {
-        size = *known;
+    if (const auto known = elementary_type(type)) {
+        constexpr std::uint32_t usual_length = 80;
+        const ResolvedType one{.elementary = *known, .string_length = usual_length};
+        size = layout_of(one).in(ValueMemory::Source).size;
         return ExpressionValue::State::Known;
     }
     if (const auto found = sizes_.find(fold_name(type)); found != sizes_.end()) {
@@ -323,7 +326,7 @@ bool ConstantTable::take_steps(std::size_t count)
 void ConstantTable::complete(const Program& program, bool is_last)
 {
     if (wants_sizes_) {
-        sizes_ = memory_sizes(program, unsettled_);
+        sizes_ = ProgramChecker::sizes(program, unsettled_);
     }
     is_complete_ = true;
     is_last_ = is_last || !wants_sizes_;

@@ -146,16 +146,6 @@ private:
     std::unordered_map<std::string, std::uint64_t> sizes_{};
 };
 
-// type_sizes.cpp
-/// The bytes that a type takes in the memory of a controller, with members at multiples of their
-/// own size: BOOL 1, STRING[n] n + 1, enumerations 2, TIME and dates 4. Empty for a text of unknown
-/// name.
-[[nodiscard]] std::optional<std::uint64_t> memory_size_of(std::string_view elementary);
-/// The same for the declared types, by folded names; without those that use one of `unsettled` or a
-/// type that is not declared.
-[[nodiscard]] std::unordered_map<std::string, std::uint64_t>
-memory_sizes(const Program& program, const std::unordered_set<std::string>& unsettled);
-
 /// Reads a program in as many passes as its names need. `read` reads all of it once.
 template <typename Read>
 [[nodiscard]] Configured<Program> read_in_passes(ConstantTable& constants, Unserved unserved,

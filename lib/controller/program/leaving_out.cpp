@@ -47,7 +47,6 @@ ProgramSieve::ProgramSieve(Program& program, const ProgramLimits& limits)
 
 void ProgramSieve::run()
 {
-    index_types();
     ProgramChecker checker{types_, *limits_};
     sieve_types([&](std::size_t i) {
         auto found = check_uses(i);
@@ -58,14 +57,6 @@ void ProgramSieve::run()
     InitialChecker initial{types_};
     sieve_types([&](std::size_t i) { return initial.check_type(i); });
     sieve_variables();
-}
-
-void ProgramSieve::index_types()
-{
-    types_.by_name_.clear();
-    for (std::size_t i = 0; i < program_->types.size(); ++i) {
-        types_.by_name_.emplace(fold_name(program_->types[i].name), i);
-    }
 }
 
 void ProgramSieve::sieve_types(const CheckType& check)
@@ -79,7 +70,7 @@ void ProgramSieve::sieve_types(const CheckType& check)
     if (!is_good) {
         add_users(problems);
         leave_out_types(problems);
-        index_types();
+        types_.index();
     }
 }
 

@@ -37,8 +37,6 @@ private:
     [[nodiscard]] Found check_use(const TypeUse& use, const std::string& where,
                                   const ProgramPlace& place) const;
     [[nodiscard]] Found check_uses(std::size_t index) const;
-    /// Finds the types by their names.
-    void index_types();
 
     Program* program_;
     const ProgramLimits* limits_;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t not_measured = SIZE_MAX;
 constexpr std::size_t being_measured = SIZE_MAX - 1;
+constexpr std::size_t not_measurable = SIZE_MAX - 2;
 
 std::string more_than(std::size_t limit, std::string_view what)
 {
@@ -163,11 +164,11 @@ std::optional<Problem> ProgramChecker::check_use(const TypeUse& use, const std::
     return {};
 }
 
-std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
+std::optional<Problem> ProgramChecker::check_dimensions(const ResolvedType& type,
                                                         const std::string& where,
                                                         const ProgramPlace& place) const
 {
-    if (types_->resolve(use).dimensions.size() <= limits_->max_dimensions) {
+    if (type.dimensions.size() <= limits_->max_dimensions) {
         return {};
     }
     return problem_at(*program_, where, place,
@@ -177,12 +178,37 @@ std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
 void ProgramChecker::prepare_nesting()
 {
     depths_.assign(program_->types.size(), not_measured);
-    types_->layouts_.assign(program_->types.size(), {});
+    types_->parts_.assign(program_->types.size(), {});
 }
 
 std::optional<Problem> ProgramChecker::check_nesting_of(std::size_t index)
 {
     return measure(index, 1);
+}
+
+std::unordered_map<std::string, std::uint64_t>
+ProgramChecker::sizes(const Program& program, const std::unordered_set<std::string>& unsettled)
+{
+    ProgramTypes types{program};
+    const ProgramLimits limits;
+    ProgramChecker checker{types, limits};
+    checker.prepare_nesting();
+    for (std::size_t i = 0; i < program.types.size(); ++i) {
+        const DerivedType& type = program.types[i];
+        // The values of an enumeration are settled later, and do not change its size.
+        const bool is_measurable =
+            !unsettled.contains(fold_name(type.name)) &&
+            (type.kind == DerivedType::Kind::Enumeration || !checker.check_type(i));
+        checker.depths_[i] = is_measurable ? not_measured : not_measurable;
+    }
+    std::unordered_map<std::string, std::uint64_t> all;
+    for (std::size_t i = 0; i < program.types.size(); ++i) {
+        if (!checker.check_nesting_of(i)) {
+            const std::string& name = program.types[i].name;
+            all.emplace(fold_name(name), types.size_of({.type_name = name}, ValueMemory::Source));
+        }
+    }
+    return all;
 }
 
 std::optional<Problem> ProgramChecker::check_nesting()
@@ -206,6 +232,9 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
     if (depths_[index] == being_measured) {
         return problem("contains itself");
     }
+    if (depths_[index] == not_measurable) {
+        return problem("cannot be measured");
+    }
     if (depths_[index] == not_measured) {
         if (level > limits_->max_depth) {
             return problem(more_than(limits_->max_depth, "types around it"));
@@ -217,7 +246,7 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
             return found;
         }
         depths_[index] = below + 1;
-        types_->layouts_[index] = types_->layouts_of_type(type);
+        types_->parts_[index] = types_->lay_out(type);
     }
     if (level + depths_[index] > limits_->max_depth + 1) {
         return problem(more_than(limits_->max_depth, "types in and around it"));
@@ -238,7 +267,7 @@ std::optional<Problem> ProgramChecker::measure_inner(const DerivedType& type, st
             return found;
         }
         below = std::max(below, depths_[inner]);
-        return check_dimensions(use, "type " + quoted_name(type.name), type.place);
+        return check_dimensions(types_->resolve(use), "type " + quoted_name(type.name), type.place);
     };
     if (type.kind == DerivedType::Kind::Alias) {
         return measure_use(type.alias);
@@ -276,14 +305,16 @@ std::optional<Problem> ProgramChecker::check_variable(std::size_t index,
     if (auto found = check_use(variable.type, where, variable.place)) {
         return found;
     }
-    if (auto found = check_dimensions(variable.type, where, variable.place)) {
+    const ResolvedType type = types_->resolve(variable.type);
+    if (auto found = check_dimensions(type, where, variable.place)) {
         return found;
     }
-    if (types_->size_of(variable.type) > limits_->max_variable_size) {
+    const ValueLayout layout = types_->layout(type);
+    if (layout.in(ValueMemory::Cpu).size > limits_->max_variable_size) {
         return problem_at(*program_, where, variable.place,
                           more_than(limits_->max_variable_size, "bytes"));
     }
-    if (types_->image_size_of(variable.type) > limits_->max_variable_size) {
+    if (layout.in(ValueMemory::Image).size > limits_->max_variable_size) {
         return problem_at(*program_, where, variable.place,
                           more_than(limits_->max_variable_size,
                                     "bytes in a process image, which keeps one for each BOOL"));

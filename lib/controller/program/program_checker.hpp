@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -19,6 +20,10 @@ public:
 
     /// Returns the first problem.
     [[nodiscard]] std::optional<Problem> check();
+    /// Returns what SIZEOF of the declared types means, by their folded names, in a program that is
+    /// not checked; without those that use one of `unsettled` or have a problem.
+    [[nodiscard]] static std::unordered_map<std::string, std::uint64_t>
+    sizes(const Program& program, const std::unordered_set<std::string>& unsettled);
 
     using Found = std::optional<Problem>;
 
@@ -39,9 +44,8 @@ private:
     [[nodiscard]] Found check_enumerators(const DerivedType& type, const std::string& where) const;
     [[nodiscard]] Found check_use(const TypeUse& use, const std::string& where,
                                   const ProgramPlace& place) const;
-    /// Checks the dimensions, including those of the types that it refers to, which are already
-    /// checked.
-    [[nodiscard]] Found check_dimensions(const TypeUse& use, const std::string& where,
+    /// Checks the number of dimensions, including those of the types that it refers to.
+    [[nodiscard]] Found check_dimensions(const ResolvedType& type, const std::string& where,
                                          const ProgramPlace& place) const;
     [[nodiscard]] Found check_nesting();
     /// Measures a type that is nested in `level` types, itself included.

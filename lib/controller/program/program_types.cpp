@@ -47,42 +47,12 @@ constexpr std::array elementary_rows{
 };
 static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::Wstring) + 1);
 
-/// Caps sizes so that sums of unchecked types stay in range; the checker allows far less.
-constexpr std::uint64_t max_size = std::uint64_t{1} << 56U;
-
-std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
-{
-    return b != 0 && a > max_size / b ? max_size : a * b;
-}
-
-constexpr std::uint64_t bits_of_word = 16;
-/// Size of a text's length in a process image.
-constexpr std::uint64_t size_of_length = 4;
-
-std::uint64_t rounded_up(std::uint64_t size, std::uint64_t multiple)
-{
-    return (size + multiple - 1) / multiple * multiple;
-}
-
 std::uint32_t length_of(const TypeUse& use)
 {
     if (use.elementary == ElementaryType::Char || use.elementary == ElementaryType::Wchar) {
         return 1;
     }
     return is_text(use.elementary) ? use.string_length : 0;
-}
-
-/// Bytes of a text in the CPU with the zero that ends it, which a single character does not have.
-std::uint64_t text_size_in_cpu(ElementaryType type, std::uint32_t length)
-{
-    const std::uint64_t fixed = size_of(type);
-    return fixed != 0 ? fixed : (std::uint64_t{length} + 1) * (is_wide(type) ? 2 : 1);
-}
-
-std::uint64_t text_bytes_of(ElementaryType type, std::uint32_t length)
-{
-    constexpr std::uint64_t bytes_of_unit = 3;
-    return length * (is_wide(type) ? bytes_of_unit : 1);
 }
 
 ResolvedType::Kind kind_of(DerivedType::Kind kind)
@@ -99,32 +69,21 @@ ResolvedType::Kind kind_of(DerivedType::Kind kind)
 
 } // namespace
 
-std::uint64_t ResolvedType::elements() const
-{
-    std::uint64_t product = 1;
-    for (const Bounds& bounds : dimensions) {
-        product = saturating_product(product, static_cast<std::uint64_t>(bounds.upper) -
-                                                  static_cast<std::uint64_t>(bounds.lower) + 1);
-    }
-    return product;
-}
-
-std::uint32_t ResolvedType::text_bytes() const
-{
-    return static_cast<std::uint32_t>(
-        std::min(text_bytes_of(elementary, string_length), std::uint64_t{UINT32_MAX} - 1));
-}
-
 Configured<ProgramTypes> ProgramTypes::create(const Program& program, const ProgramLimits& limits)
 {
     ProgramTypes types{program};
-    for (std::size_t i = 0; i < program.types.size(); ++i) {
-        types.by_name_.emplace(fold_name(program.types[i].name), i);
-    }
     if (auto problem = detail::ProgramChecker{types, limits}.check()) {
         return Unexpected<Problem>{std::move(*problem)};
     }
     return types;
+}
+
+void ProgramTypes::index()
+{
+    by_name_.clear();
+    for (std::size_t i = 0; i < program_->types.size(); ++i) {
+        by_name_.emplace(fold_name(program_->types[i].name), i);
+    }
 }
 
 const DerivedType* ProgramTypes::find(std::string_view name) const
@@ -160,75 +119,6 @@ ResolvedType ProgramTypes::resolve(const TypeUse& use) const
         }
         at = &type.alias;
     }
-}
-
-std::uint64_t ProgramTypes::size_of(const TypeUse& use) const
-{
-    return layout_of(use, Memory::Cpu).size;
-}
-
-std::uint64_t ProgramTypes::image_size_of(const TypeUse& use) const
-{
-    return layout_of(use, Memory::Image).size;
-}
-
-ProgramTypes::Layout ProgramTypes::layout_of(const TypeUse& use, Memory memory) const
-{
-    const ResolvedType type = resolve(use);
-    const Layout one = layout_of_one(type, memory);
-    const bool has_bits = memory == Memory::Cpu && type.kind == ResolvedType::Kind::Elementary &&
-                          type.elementary == ElementaryType::Bool && type.is_array();
-    const std::uint64_t count =
-        has_bits ? rounded_up(type.elements(), bits_of_word) / bits_of_word : type.elements();
-    return {saturating_product(one.size, count), one.alignment};
-}
-
-ProgramTypes::Layout ProgramTypes::layout_of_one(const ResolvedType& type, Memory memory) const
-{
-    switch (type.kind) {
-    case ResolvedType::Kind::Elementary:
-        return layout_of(type.elementary, type.string_length, memory);
-    case ResolvedType::Kind::Enumeration:
-        return layout_of(ElementaryType::Dint, 0, memory);
-    default:
-        const Layouts& both =
-            layouts_[static_cast<std::size_t>(type.type - program_->types.data())];
-        return memory == Memory::Cpu ? both.in_cpu : both.in_image;
-    }
-}
-
-ProgramTypes::Layout ProgramTypes::layout_of(ElementaryType type, std::uint32_t length,
-                                             Memory memory)
-{
-    if (is_text(type)) {
-        return memory == Memory::Cpu
-                   ? Layout{text_size_in_cpu(type, length), is_wide(type) ? 2U : 1U}
-                   : Layout{
-                         rounded_up(size_of_length + text_bytes_of(type, length), size_of_length),
-                         size_of_length};
-    }
-    const bool is_byte = memory == Memory::Image && type == ElementaryType::Bool;
-    const std::uint64_t size = is_byte ? 1 : controller::size_of(type);
-    return {size, size};
-}
-
-ProgramTypes::Layouts ProgramTypes::layouts_of_type(const DerivedType& type) const
-{
-    return {layout_of_members(type, Memory::Cpu), layout_of_members(type, Memory::Image)};
-}
-
-ProgramTypes::Layout ProgramTypes::layout_of_members(const DerivedType& type, Memory memory) const
-{
-    Layout all;
-    for (const Member& member : type.members) {
-        const Layout one = layout_of(member.type, memory);
-        const bool is_union = type.kind == DerivedType::Kind::Union;
-        const std::uint64_t place = is_union ? 0 : rounded_up(all.size, one.alignment);
-        all.size = std::max(all.size, std::min(max_size, place + one.size));
-        all.alignment = std::max(all.alignment, one.alignment);
-    }
-    all.size = std::min(max_size, rounded_up(all.size, all.alignment));
-    return all;
 }
 
 std::uint32_t size_of(ElementaryType type)

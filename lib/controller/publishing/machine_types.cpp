@@ -111,7 +111,7 @@ Configured<void> MachineTypes::add(model::AddressSpace& space,
 {
     for (const PublishedVariable& each : variables) {
         std::vector<const DerivedType*> found;
-        collect(each.variable->type, *each.program, found);
+        collect(each.program->resolve(each.variable->type), *each.program, found);
         for (std::size_t i = 0; i < found.size(); ++i) {
             const auto added = add_node(space, *found[i], *each.program);
             if (!added) {
@@ -161,17 +161,16 @@ NodeId MachineTypes::encoding_of(std::uint16_t namespace_index, const DerivedTyp
 }
 
 /// Lists types that have no node yet. Recursion is limited by ProgramLimits::max_depth.
-void MachineTypes::collect(const TypeUse& use, const ProgramTypes& program,
+void MachineTypes::collect(const ResolvedType& type, const ProgramTypes& program,
                            std::vector<const DerivedType*>& found)
 {
-    const ResolvedType type = program.resolve(use);
     if (!needs_node(type) ||
         !known_.try_emplace(fold_name(type.type->name), future_type(*type.type)).second) {
         return;
     }
     found.push_back(type.type);
-    for (const Member& member : type.type->members) {
-        collect(member.type, program, found);
+    for (const ResolvedType& member : program.members(*type.type)) {
+        collect(member, program, found);
     }
 }
 
@@ -202,18 +201,18 @@ Result<void> MachineTypes::add_structure(model::AddressSpace& space, model::NewN
     definition.default_encoding_id = future_type(type).encoding;
     definition.structure_type =
         is_union ? StructureDefinitionType::Union : StructureDefinitionType::Structure;
-    for (const Member& member : type.members) {
-        definition.fields.push_back(field_of(member, program));
+    for (const ResolvedType& member : program.members(type)) {
+        const std::string& name = type.members[definition.fields.size()].name;
+        definition.fields.push_back(field_of(name, member));
     }
     const auto added = model::add_structure_type(space, node, std::move(definition));
     return added ? Result<void>{} : fail(added.error());
 }
 
-StructureField MachineTypes::field_of(const Member& member, const ProgramTypes& program) const
+StructureField MachineTypes::field_of(const std::string& name, const ResolvedType& type) const
 {
-    const ResolvedType type = program.resolve(member.type);
     StructureField field;
-    field.name = String{member.name};
+    field.name = String{name};
     field.data_type = of(type).data_type;
     field.value_rank = detail::value_rank(type);
     field.array_dimensions = detail::array_dimensions(type);

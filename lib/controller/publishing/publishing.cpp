@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include "core/utf8.hpp"
-#include "type_facts.hpp"
 
 namespace busbar::controller {
 
 namespace {
-
-using detail::VariableFacts;
 
 /// Decodes a valid UTF-8 sequence.
 char32_t code_point(std::string_view sequence)
@@ -73,19 +69,24 @@ bool is_reached(const std::optional<std::uint64_t>& limit, std::uint64_t count)
 
 /// Returns the first rule for single variables that excludes the variable.
 std::optional<UnpublishedReason> reason_against(const PublishingLimits& limits,
-                                                const VariableFacts& facts)
+                                                const ProgramTypes& program,
+                                                const ResolvedType& type)
 {
+    const ValueLayout all = program.layout(type);
+    const bool is_structured = type.is_structured();
+    const ValueLayout inner = is_structured ? program.layout(*type.type) : ValueLayout{};
+    const std::size_t members = is_structured ? type.type->members.size() : 0;
     const std::pair<bool, UnpublishedReason> rules[] = {
-        {facts.is_matrix_of_structures && !limits.allows_matrices_with_structures,
+        {is_structured && type.dimensions.size() > 1 && !limits.allows_matrices_with_structures,
          UnpublishedReason::MatrixOfStructures},
-        {facts.has_matrix && !limits.allows_matrices_with_structures,
+        {inner.has_matrix && !limits.allows_matrices_with_structures,
          UnpublishedReason::MatrixInStructure},
-        {exceeds_limit(limits.max_levels, facts.levels), UnpublishedReason::NestedStructure},
-        {facts.has_union && !limits.allows_unions, UnpublishedReason::Union},
-        {facts.has_first_index && !limits.allows_any_first_index, UnpublishedReason::FirstIndex},
-        {exceeds_limit(limits.max_elements, facts.elements), UnpublishedReason::MaxArrayElements},
-        {exceeds_limit(limits.max_members, facts.members), UnpublishedReason::MaxMembers},
-        {exceeds_limit(limits.max_size, facts.size), UnpublishedReason::MaxSize},
+        {exceeds_limit(limits.max_levels, all.levels), UnpublishedReason::NestedStructure},
+        {all.has_union && !limits.allows_unions, UnpublishedReason::Union},
+        {all.has_first_index && !limits.allows_any_first_index, UnpublishedReason::FirstIndex},
+        {exceeds_limit(limits.max_elements, type.elements()), UnpublishedReason::MaxArrayElements},
+        {exceeds_limit(limits.max_members, members), UnpublishedReason::MaxMembers},
+        {exceeds_limit(limits.max_size, all.in(ValueMemory::Cpu).size), UnpublishedReason::MaxSize},
     };
     for (const auto& [applies, reason] : rules) {
         if (applies) {
@@ -93,6 +94,36 @@ std::optional<UnpublishedReason> reason_against(const PublishingLimits& limits,
         }
     }
     return {};
+}
+
+/// Returns the folded names of the structures and unions that a value consists of and that are not
+/// in `known`; stops once there are more than `room`.
+std::vector<std::string> new_definitions(const ProgramTypes& program, const ResolvedType& value,
+                                         const std::unordered_set<std::string>& known,
+                                         std::uint64_t room)
+{
+    std::vector<std::string> found;
+    std::unordered_set<const DerivedType*> seen;
+    std::vector<const DerivedType*> open;
+    const auto visit = [&](const ResolvedType& type) {
+        if (type.is_structured() && found.size() <= room && seen.insert(type.type).second) {
+            std::string name = fold_name(type.type->name);
+            // If a type is known, so are the types that it consists of.
+            if (!known.contains(name)) {
+                found.push_back(std::move(name));
+                open.push_back(type.type);
+            }
+        }
+    };
+    visit(value);
+    while (!open.empty() && found.size() <= room) {
+        const DerivedType& type = *open.back();
+        open.pop_back();
+        for (const ResolvedType& member : program.members(type)) {
+            visit(member);
+        }
+    }
+    return found;
 }
 
 struct NamedVariable {
@@ -140,7 +171,6 @@ PublicationGroup Publication::add(const ProgramTypes& program)
     if (!added.empty()) {
         group.exceeded = reached();
     }
-    detail::TypeFactsTable facts{program};
     std::size_t looked_at = 0;
     while (looked_at < added.size() && !group.exceeded) {
         const NamedVariable& next = added[looked_at];
@@ -148,7 +178,7 @@ PublicationGroup Publication::add(const ProgramTypes& program)
             unpublished_.push_back(
                 {next.variable, UnpublishedReason::Unserved, 0, published_.size(), next.left_out});
         } else {
-            look_at(*next.variable, program, facts, group);
+            look_at(*next.variable, program, group);
         }
         looked_at += group.exceeded ? 0U : 1U;
     }
@@ -198,11 +228,9 @@ void Publication::count()
 {
     values_ = 0;
     data_types_.clear();
-    std::unordered_map<const ProgramTypes*, detail::TypeFactsTable> tables;
     for (const PublishedVariable& each : published_) {
-        auto& table = tables.try_emplace(each.program, *each.program).first->second;
-        auto definitions =
-            table.new_definitions(table.of(each.variable->type).structure, data_types_, UINT64_MAX);
+        auto definitions = new_definitions(
+            *each.program, each.program->resolve(each.variable->type), data_types_, UINT64_MAX);
         data_types_.insert(std::make_move_iterator(definitions.begin()),
                            std::make_move_iterator(definitions.end()));
         values_ += each.values;
@@ -227,38 +255,41 @@ std::optional<PublishingLimit> Publication::reached() const
 }
 
 void Publication::look_at(const GlobalVariable& variable, const ProgramTypes& program,
-                          detail::TypeFactsTable& table, PublicationGroup& group)
+                          PublicationGroup& group)
 {
-    const VariableFacts facts = table.of(variable.type);
+    const ResolvedType type = program.resolve(variable.type);
+    const ValueLayout layout = program.layout(type);
+    const std::uint64_t size = layout.in(ValueMemory::Cpu).size;
     const std::uint64_t room =
         limits_.max_data_types ? *limits_.max_data_types - data_types() : UINT64_MAX;
     std::vector<std::string> definitions;
     if (limits_.max_data_types) {
-        definitions = table.new_definitions(facts.structure, data_types_, room);
+        definitions = new_definitions(program, type, data_types_, room);
     }
-    group.exceeded = exceeded_with(facts, definitions.size());
+    group.exceeded = exceeded_with(layout.values, definitions.size());
     if (group.exceeded) {
         return;
     }
-    if (const auto reason = reason_against(limits_, facts)) {
-        unpublished_.push_back({&variable, *reason, facts.size, published_.size()});
+    if (const auto reason = reason_against(limits_, program, type)) {
+        unpublished_.push_back({&variable, *reason, size, published_.size()});
         return;
     }
     if (!limits_.max_data_types) {
-        definitions = table.new_definitions(facts.structure, data_types_, room);
+        definitions = new_definitions(program, type, data_types_, room);
     }
-    published_.push_back({&variable, &program, facts.size, facts.values, facts.members});
-    values_ += facts.values;
+    const std::size_t members = type.is_structured() ? type.type->members.size() : 0;
+    published_.push_back({&variable, &program, size, layout.values, members});
+    values_ += layout.values;
     data_types_.insert(definitions.begin(), definitions.end());
 }
 
-std::optional<PublishingLimit> Publication::exceeded_with(const VariableFacts& facts,
+std::optional<PublishingLimit> Publication::exceeded_with(std::uint64_t values,
                                                           std::size_t new_data_types) const
 {
     if (exceeds_limit(limits_.max_variables, published_.size() + 1)) {
         return PublishingLimit::Variables;
     }
-    if (exceeds_limit(limits_.max_values, values_ + facts.values)) {
+    if (exceeds_limit(limits_.max_values, values_ + values)) {
         return PublishingLimit::Values;
     }
     if (exceeds_limit(limits_.max_data_types, data_types() + new_data_types)) {

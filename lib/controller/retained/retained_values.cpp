@@ -13,7 +13,6 @@
 #include "retained_file.hpp"
 #include "retained_journal.hpp"
 #include "server/image/image_types.hpp"
-#include "type_print.hpp"
 
 namespace busbar::controller {
 
@@ -88,7 +87,6 @@ void RetainedValues::drop_others(const Program& edited)
 void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::size_t> indices,
                              std::uint32_t first_handle)
 {
-    detail::TypePrints prints{types, elementary_};
     for (std::uint32_t i = 0; i < indices.size(); ++i) {
         const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {
@@ -96,7 +94,7 @@ void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::siz
             // A variable of this name was removed, and returns at another place.
             const auto [known, is_new] =
                 by_name_.emplace(fold_name(variable.name), variables_.size());
-            Variable taken{variable.name, handle, prints.print(variable.type)};
+            Variable taken{variable.name, handle, types.print_of(variable.type, elementary_)};
             if (is_new) {
                 variables_.push_back(std::move(taken));
             } else {

@@ -336,7 +336,7 @@ TEST_CASE("Variables take in the image what ProgramTypes says of it")
     const server::ImageLayout& layout = made->image()->memory().layout();
     for (std::uint32_t i = 0; i < program.variables.size(); ++i) {
         INFO(program.variables[i].name);
-        CHECK(types->image_size_of(program.variables[i].type) == layout[i].bytes());
+        CHECK(types->size_of(program.variables[i].type, ValueMemory::Image) == layout[i].bytes());
     }
 }
 

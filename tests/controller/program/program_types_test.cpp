@@ -137,7 +137,7 @@ TEST_CASE("What variables take in the CPU (7-1-7; W506, A-5-1)")
         INFO(row.use.type_name << " " << static_cast<int>(row.use.elementary) << " "
                                << row.use.dimensions.size());
         CHECK(types->size_of(row.use) == row.size);
-        CHECK(types->image_size_of(row.use) == row.in_image);
+        CHECK(types->size_of(row.use, ValueMemory::Image) == row.in_image);
     }
 }
 
