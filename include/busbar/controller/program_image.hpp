@@ -59,9 +59,9 @@ public:
 
     /// `variables` are indices into the program's variables, in the order of their handles: 0, 1,
     /// 2... `types` and its program are not needed afterwards. The Problem is that of the first
-    /// variable that an image cannot hold, such as a union, whose initial value does not fit it, or
-    /// that cannot be at its place in the runtime; `where` is as in ProgramTypes::create, followed
-    /// by the members and elements.
+    /// variable that an image cannot hold, such as a union, or that cannot be at its place in the
+    /// runtime, otherwise that of check_initial_values(); `where` is as in ProgramTypes::create,
+    /// followed by the members and elements.
     [[nodiscard]] static Configured<ProgramImage> create(const ProgramTypes& types,
                                                          std::span<const std::size_t> variables,
                                                          EncodingOf encoding_of,

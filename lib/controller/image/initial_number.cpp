@@ -122,20 +122,4 @@ Variant as_published(ElementaryType type, BuiltInType built_in, const Variant& v
     return Variant{value};
 }
 
-bool is_in_subrange(const Variant& value, const std::optional<Bounds>& subrange)
-{
-    if (!subrange) {
-        return true;
-    }
-    if (const auto* const integer = value.get_if<std::int64_t>()) {
-        return *integer >= subrange->lower && *integer <= subrange->upper;
-    }
-    if (const auto* const integer = value.get_if<std::uint64_t>()) {
-        return std::in_range<std::int64_t>(*integer) &&
-               static_cast<std::int64_t>(*integer) >= subrange->lower &&
-               static_cast<std::int64_t>(*integer) <= subrange->upper;
-    }
-    return true;
-}
-
 } // namespace busbar::controller::detail

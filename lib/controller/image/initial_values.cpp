@@ -3,27 +3,14 @@
 #include <algorithm>
 #include <cstring>
 
-#include <busbar/core/text.hpp>
 #include <busbar/server/image_structure.hpp>
 
+#include "core/ascii_case.hpp"
 #include "server/image/image_types.hpp"
 
 namespace busbar::controller::detail {
 
 namespace {
-
-Problem wrong_initial(std::string text)
-{
-    return Problem{.text = std::move(text)};
-}
-
-std::optional<Problem> within(std::optional<Problem> problem, const std::string& place)
-{
-    if (problem) {
-        problem->where = place + problem->where;
-    }
-    return problem;
-}
 
 /// The value that a variable of this type has without a declared one. A date begins in 1970, as
 /// IEC 61131-3 counts it, though a DateTime counts from 1601.
@@ -32,7 +19,9 @@ Variant first_value(const ResolvedType& type)
     if (type.kind == ResolvedType::Kind::Enumeration) {
         return Variant{std::int64_t{type.type->enumerators.front().value}};
     }
-    if (type.elementary == ElementaryType::Date || type.elementary == ElementaryType::DateAndTime) {
+    using E = ElementaryType;
+    if (type.elementary == E::Date || type.elementary == E::DateAndTime ||
+        type.elementary == E::Ldate || type.elementary == E::LdateAndTime) {
         return Variant{DateTime::from_unix_seconds(0)};
     }
     const bool has_zero =
@@ -40,178 +29,129 @@ Variant first_value(const ResolvedType& type)
     return Variant{has_zero ? std::int64_t{0} : type.subrange->lower};
 }
 
-/// Finds the enumerator of that name or with that value.
+/// Finds the value of the enumerator with that name.
 std::optional<std::int32_t> enumerator(const DerivedType& type, const Variant& value)
 {
     const String* const named = value.get_if<String>();
-    const std::string folded = named != nullptr ? fold_name(named->view()) : "";
-    for (const Enumerator& one : type.enumerators) {
-        if (named != nullptr ? fold_name(one.name) == folded
-                             : value == Variant{std::int64_t{one.value}}) {
-            return one.value;
-        }
-    }
-    return std::nullopt;
+    const auto found =
+        std::find_if(type.enumerators.begin(), type.enumerators.end(), [&](const Enumerator& one) {
+            return named != nullptr &&
+                   busbar::detail::is_same_ignoring_case(one.name, named->view());
+        });
+    return found != type.enumerators.end() ? std::optional{found->value} : std::nullopt;
 }
 
 } // namespace
 
-std::optional<Problem> InitialValues::store(const TypeUse& use, const InitialValue& own,
-                                            const server::ImagePlace& place, std::byte* to) const
+bool InitialValues::store(const ResolvedType& type, const InitialValue& own,
+                          const server::ImagePlace& place, std::byte* to) const
 {
-    const ResolvedType type = types_->resolve(use);
     const Target target{type, place, to};
-    if (auto problem = store_default(target)) {
-        return problem;
-    }
+    bool fits = store_default(target);
     for (std::uint32_t i = 1; i < place.elements; ++i) {
         std::memcpy(to + std::size_t{i} * place.stride, to, place.stride);
     }
-    if (type.initial != nullptr) {
-        if (auto problem = apply(target, *type.initial)) {
-            return problem;
-        }
-    }
-    return own.empty() ? Found{} : apply(target, own);
+    fits = (type.initial == nullptr || apply(target, *type.initial)) && fits;
+    return (own.empty() || apply(target, own)) && fits;
 }
 
-std::optional<Problem> InitialValues::store_default(const Target& target) const
+bool InitialValues::store_default(const Target& target) const
 {
-    if (target.place.is_structure()) {
-        const auto members = target.place.structure->members();
-        for (std::size_t i = 0; i < members.size(); ++i) {
-            const Member& member = target.type.type->members[i];
-            auto problem =
-                store(member.type, member.initial, members[i], target.to + members[i].offset);
-            if (problem) {
-                return within(std::move(problem), "." + printable(member.name));
-            }
-        }
-        return {};
-    }
     if (target.place.is_text()) {
         server::detail::put_text(target.to, "");
-        return {};
+        return true;
     }
-    static_cast<void>(put_initial_number(target.place.type, first_value(target.type), target.to));
-    return {};
+    if (!target.place.is_structure()) {
+        // Where it is not of this type, the zeros of new memory are the value.
+        static_cast<void>(
+            put_initial_number(target.place.type, first_value(target.type), target.to));
+        return true;
+    }
+    const DerivedType& type = *target.type.type;
+    const std::vector<ResolvedType>& members = types_->members(type);
+    const auto places = target.place.structure->members();
+    bool fits = true;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        fits =
+            store(members[i], type.members[i].initial, places[i], target.to + places[i].offset) &&
+            fits;
+    }
+    return fits;
 }
 
-std::optional<Problem> InitialValues::apply(const Target& target, const InitialValue& value) const
+bool InitialValues::apply(const Target& target, const InitialValue& value) const
 {
-    if (!target.type.is_array()) {
-        return apply_one(target, value);
-    }
-    if (value.parts.empty()) {
-        return wrong_initial("has one initial value; expected a list of elements");
-    }
     std::uint64_t next = 0;
-    return apply_list(target, value, next);
+    return target.type.is_array() ? apply_list(target, value, next) : apply_one(target, value);
 }
 
-std::optional<Problem> InitialValues::apply_list(const Target& array, const InitialValue& list,
-                                                 std::uint64_t& next) const
+bool InitialValues::apply_list(const Target& array, const InitialValue& list,
+                               std::uint64_t& next) const
 {
+    bool fits = true;
     for (const InitialValue& part : list.parts) {
-        if (auto problem = apply_repeated(array, part, next)) {
-            return problem;
-        }
-    }
-    return {};
-}
-
-/// Applies nested lists as one list, the last index counting fastest.
-std::optional<Problem> InitialValues::apply_repeated(const Target& array, const InitialValue& part,
-                                                     std::uint64_t& next) const
-{
-    const bool is_list = !part.parts.empty() && part.parts.front().member.empty();
-    for (std::uint32_t i = 0; i < part.repeat; ++i) {
-        if (is_list) {
+        const bool is_list = !part.parts.empty() && part.parts.front().member.empty();
+        for (std::uint32_t i = 0; i < part.repeat && next < array.place.elements; ++i) {
             const std::uint64_t before = next;
-            if (auto problem = apply_list(array, part, next)) {
-                return problem;
+            if (is_list) {
+                fits = apply_list(array, part, next) && fits;
+            } else {
+                const std::uint64_t offset = next++ * array.place.stride;
+                fits = apply_one({array.type, array.place, array.to + offset}, part) && fits;
             }
             if (next == before) { // the list is empty, however often it is repeated
-                return {};
+                break;
             }
-            continue;
-        }
-        if (next == array.place.elements) {
-            return wrong_initial("has more initial values than its " +
-                                 std::to_string(array.place.elements) + " elements");
-        }
-        const Target element{array.type, array.place, array.to + next * array.place.stride};
-        ++next;
-        if (auto problem = part.empty() ? Found{} : apply_one(element, part)) {
-            return within(std::move(problem), "[" + std::to_string(next - 1) + "]");
         }
     }
-    return {};
+    return fits;
 }
 
-std::optional<Problem> InitialValues::apply_one(const Target& target,
-                                                const InitialValue& value) const
+bool InitialValues::apply_one(const Target& target, const InitialValue& value) const
 {
+    if (value.empty()) {
+        return true;
+    }
     if (target.place.is_structure()) {
         return apply_members(target, value);
     }
-    if (!value.parts.empty() || value.value.is_array()) {
-        return wrong_initial("has a list of initial values; expected one");
-    }
     if (target.type.kind == ResolvedType::Kind::Enumeration) {
         const auto found = enumerator(*target.type.type, value.value);
-        if (!found) {
-            return wrong_initial("has an initial value that is not a name of the enumeration " +
-                                 printable(target.type.type->name));
+        if (found) {
+            std::memcpy(target.to, &*found, sizeof *found);
         }
-        std::memcpy(target.to, &*found, sizeof *found);
-        return {};
+        return found.has_value();
     }
-    if (target.place.is_text()) {
-        const String* const text = value.value.get_if<String>();
-        if (text == nullptr || text->size() > target.place.capacity) {
-            return wrong_initial("has an initial value that is not a text of at most " +
-                                 std::to_string(target.place.capacity) + " bytes");
-        }
+    if (!target.place.is_text()) {
+        const Variant published =
+            as_published(target.type.elementary, target.place.type, value.value);
+        return put_initial_number(target.place.type, published, target.to);
+    }
+    const auto* const text = value.value.get_if<String>();
+    const bool fits = text != nullptr && text->size() <= target.place.capacity;
+    if (fits) {
         server::detail::put_text(target.to, text->view());
-        return {};
     }
-    const bool is_allowed = is_in_subrange(value.value, target.type.subrange);
-    const Variant published = as_published(target.type.elementary, target.place.type, value.value);
-    if (!is_allowed || !put_initial_number(target.place.type, published, target.to)) {
-        return wrong_initial("has an initial value that is not of type " +
-                             std::string{name(target.type.elementary)} +
-                             (is_allowed ? "" : " within its subrange"));
-    }
-    return {};
+    return fits;
 }
 
-std::optional<Problem> InitialValues::apply_members(const Target& target,
-                                                    const InitialValue& value) const
+bool InitialValues::apply_members(const Target& target, const InitialValue& value) const
 {
-    if (value.parts.empty()) {
-        return wrong_initial("has one initial value; expected a list of members");
-    }
     const std::vector<Member>& members = target.type.type->members;
+    bool fits = true;
     for (const InitialValue& part : value.parts) {
-        const std::string folded = fold_name(part.member);
         const auto found = std::find_if(members.begin(), members.end(), [&](const Member& one) {
-            return fold_name(one.name) == folded;
+            return busbar::detail::is_same_ignoring_case(one.name, part.member);
         });
-        const std::string place = "." + printable(part.member);
         if (found == members.end()) {
-            return within(wrong_initial("has an initial value but is not a member of " +
-                                        printable(target.type.type->name)),
-                          place);
+            return false;
         }
         const auto index = static_cast<std::size_t>(found - members.begin());
-        const server::ImagePlace& inner = target.place.structure->members()[index];
-        const ResolvedType type = types_->resolve(found->type);
-        if (auto problem = apply({type, inner, target.to + inner.offset}, part)) {
-            return within(std::move(problem), place);
-        }
+        const server::ImagePlace& place = target.place.structure->members()[index];
+        const ResolvedType& type = types_->members(*target.type.type)[index];
+        fits = apply({type, place, target.to + place.offset}, part) && fits;
     }
-    return {};
+    return fits;
 }
 
 } // namespace busbar::controller::detail

@@ -2,27 +2,23 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <string>
 
 #include <busbar/controller/program.hpp>
 #include <busbar/controller/program_types.hpp>
-#include <busbar/core/problem.hpp>
 #include <busbar/server/image_place.hpp>
 
 namespace busbar::controller::detail {
 
-/// Writes the declared initial values of a program's variables into the memory of an image.
+/// Writes initial values, which have passed InitialChecker, into the memory of an image. Its
+/// functions return false if the type that something is published as does not have the value, which
+/// is then left out.
 class InitialValues {
 public:
     explicit InitialValues(const ProgramTypes& types) : types_{&types} {}
 
-    using Found = std::optional<Problem>;
-
-    /// Stores the value of a variable or member, which lies at `to`. The `where` of a Problem
-    /// begins after its name.
-    [[nodiscard]] Found store(const TypeUse& use, const InitialValue& own,
-                              const server::ImagePlace& place, std::byte* to) const;
+    /// Stores the value of a variable or member, which lies at `to`: `own`, or what its type says.
+    [[nodiscard]] bool store(const ResolvedType& type, const InitialValue& own,
+                             const server::ImagePlace& place, std::byte* to) const;
 
 private:
     /// The variable or member that is filled; of an array its first element.
@@ -32,15 +28,14 @@ private:
         std::byte* to;
     };
 
-    [[nodiscard]] Found store_default(const Target& target) const;
-    [[nodiscard]] Found apply(const Target& target, const InitialValue& value) const;
-    /// Fills elements from index `next` on, which it advances.
-    [[nodiscard]] Found apply_list(const Target& array, const InitialValue& list,
-                                   std::uint64_t& next) const;
-    [[nodiscard]] Found apply_repeated(const Target& array, const InitialValue& part,
-                                       std::uint64_t& next) const;
-    [[nodiscard]] Found apply_one(const Target& target, const InitialValue& value) const;
-    [[nodiscard]] Found apply_members(const Target& target, const InitialValue& value) const;
+    [[nodiscard]] bool store_default(const Target& target) const;
+    [[nodiscard]] bool apply(const Target& target, const InitialValue& value) const;
+    /// Fills elements from index `next` on, which it advances; nested lists as one list, the last
+    /// index counting fastest.
+    [[nodiscard]] bool apply_list(const Target& array, const InitialValue& list,
+                                  std::uint64_t& next) const;
+    [[nodiscard]] bool apply_one(const Target& target, const InitialValue& value) const;
+    [[nodiscard]] bool apply_members(const Target& target, const InitialValue& value) const;
 
     const ProgramTypes* types_;
 };
@@ -53,8 +48,5 @@ private:
 /// a TIME_OF_DAY becomes milliseconds since midnight. Other values, and those that cannot be
 /// converted, stay as they are.
 [[nodiscard]] Variant as_published(ElementaryType type, BuiltInType built_in, const Variant& value);
-
-/// True also for values that are not integers.
-[[nodiscard]] bool is_in_subrange(const Variant& value, const std::optional<Bounds>& subrange);
 
 } // namespace busbar::controller::detail

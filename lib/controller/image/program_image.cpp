@@ -1,5 +1,6 @@
 #include <busbar/controller/program_image.hpp>
 
+#include "controller/program/initial_checker.hpp"
 #include "initial_values.hpp"
 #include "program_layout.hpp"
 
@@ -18,6 +19,24 @@ std::string text_of_refused_place(StatusCode status)
     return status == status::Bad_InvalidArgument
                ? "has another size or alignment in the image than in the runtime's memory"
                : "does not fit into the process image";
+}
+
+/// Checks the initial values of these variables and of all types.
+std::optional<Problem> check_initial(const ProgramTypes& types,
+                                     std::span<const std::size_t> variables)
+{
+    detail::InitialChecker checker{types};
+    for (std::size_t i = 0; i < types.program().types.size(); ++i) {
+        if (auto problem = checker.check_type(i)) {
+            return problem;
+        }
+    }
+    for (const std::size_t index : variables) {
+        if (auto problem = checker.check_variable(index)) {
+            return problem;
+        }
+    }
+    return {};
 }
 
 Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
@@ -42,6 +61,9 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
                                        {added.error(), "", text_of_refused_place(added.error())});
         }
     }
+    if (auto problem = check_initial(types, variables)) {
+        return Unexpected<Problem>{std::move(*problem)};
+    }
     return layout;
 }
 
@@ -56,9 +78,11 @@ Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t>
         if (place.runtime != nullptr) {
             continue; // the runtime already uses it
         }
-        if (auto problem =
-                initial.store(variable.type, variable.initial, place, memory.bytes(place))) {
-            return problem_of_variable(types.program(), variables[handle], std::move(*problem));
+        if (!initial.store(types.resolve(variable.type), variable.initial, place,
+                           memory.bytes(place))) {
+            return problem_of_variable(
+                types.program(), variables[handle],
+                {.text = "has an initial value that the type it is published as cannot have"});
         }
     }
     return {};

@@ -188,11 +188,7 @@ std::optional<Problem> InitialChecker::check_member(const DerivedType& type, Nam
         return problem(part, "is repeated, which only elements of an array can be");
     }
     names.last_found[index->second] = aggregate;
-    std::optional<ResolvedType>& member = names.types[index->second];
-    if (!member) {
-        member = types_->resolve(type.members[index->second].type);
-    }
-    return check_value(*member, 0, part);
+    return check_value(types_->members(type)[index->second], 0, part);
 }
 
 std::optional<Problem> InitialChecker::check_enumerator(const DerivedType& type,
@@ -224,7 +220,6 @@ InitialChecker::Names& InitialChecker::names_of(const DerivedType& type)
         for (const Member& member : type.members) {
             names.index.emplace(fold_name(member.name), names.index.size());
         }
-        names.types.resize(type.members.size());
         names.last_found.resize(type.members.size());
     }
     return names;

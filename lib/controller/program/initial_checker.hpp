@@ -30,8 +30,6 @@ private:
     /// Members or values of a structure, union or enumeration, by name in small letters.
     struct Names {
         std::unordered_map<std::string, std::size_t> index{};
-        /// The types of the members, resolved when first used.
-        std::vector<std::optional<ResolvedType>> types{};
         /// The aggregate in which each member was found last.
         std::vector<std::uint64_t> last_found{};
     };

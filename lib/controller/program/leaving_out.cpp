@@ -54,6 +54,7 @@ void ProgramSieve::run()
     });
     checker.prepare_nesting();
     sieve_types([&](std::size_t i) { return checker.check_nesting_of(i); });
+    checker.lay_out_types();
     InitialChecker initial{types_};
     sieve_types([&](std::size_t i) { return initial.check_type(i); });
     sieve_variables();
@@ -127,11 +128,7 @@ void ProgramSieve::leave_out_types(std::vector<Found>& problems)
 void ProgramSieve::sieve_variables()
 {
     ProgramChecker checker{types_, *limits_};
-    // Sizes are known after this.
-    checker.prepare_nesting();
-    for (std::size_t i = 0; i < program_->types.size(); ++i) {
-        static_cast<void>(checker.check_nesting_of(i));
-    }
+    checker.lay_out_types();
     InitialChecker initial{types_};
     std::unordered_set<std::string> names;
     std::vector<Found> problems(program_->variables.size());

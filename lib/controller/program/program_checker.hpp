@@ -33,6 +33,8 @@ public:
     void prepare_nesting();
     /// Checks that the type does not contain itself, and notes its size.
     [[nodiscard]] Found check_nesting_of(std::size_t index);
+    /// Lays out all types, of which none has a problem.
+    void lay_out_types() { static_cast<void>(check_nesting()); }
     /// Checks a variable; all types must have passed the checks. `names` are the folded names of
     /// variables before it, to which its own is added.
     [[nodiscard]] Found check_variable(std::size_t index,

@@ -149,6 +149,9 @@ TEST_CASE("A variable without initial value begins as its type says (6-2-2)")
     CHECK(begins_with({.name = "d", .type = of(ElementaryType::Date)}) == Variant{first_day});
     CHECK(begins_with({.name = "t", .type = of(ElementaryType::DateAndTime)}) ==
           Variant{first_day});
+    CHECK(begins_with({.name = "d", .type = of(ElementaryType::Ldate)}) == Variant{first_day});
+    CHECK(begins_with({.name = "t", .type = of(ElementaryType::LdateAndTime)}) ==
+          Variant{first_day});
     CHECK(begins_with({.name = "o", .type = of(ElementaryType::TimeOfDay)}) == Variant{DateTime{}});
     TypeUse narrow = of(ElementaryType::Int);
     narrow.subrange = Bounds{4, 9};
@@ -179,11 +182,15 @@ TEST_CASE("Initial values of every kind (6-2-2)")
     CHECK(value(ElementaryType::Date, DateTime{42}) == Variant{DateTime{42}});
     CHECK(value(ElementaryType::String, String{"pump"}) == Variant{"pump"});
     CHECK(begins_with({.name = "e", .type = of("Mode"), .initial = initial("ON")}) == Variant{5});
-    CHECK(begins_with(
-              {.name = "a",
-               .type = array(of(ElementaryType::Int), {{0, 1}, {0, 2}}),
-               .initial = list({initial(std::int64_t{1}), list({initial(std::int64_t{2})}, 3)})}) ==
+    CHECK(begins_with({.name = "a",
+                       .type = array(of(ElementaryType::Int), {{0, 1}, {0, 2}}),
+                       .initial = list({initial(std::int64_t{1}), initial(std::int64_t{2}, 3)})}) ==
           Variant::matrix(Array<std::int16_t>{1, 2, 2, 2, 0, 0}, Array<std::uint32_t>{2, 3}));
+    const InitialValue three = list({initial(std::int64_t{1}), initial(std::int64_t{2}, 2)});
+    CHECK(begins_with({.name = "a",
+                       .type = array(of(ElementaryType::Int), {{0, 1}, {0, 2}}),
+                       .initial = list({three, three})}) ==
+          Variant::matrix(Array<std::int16_t>{1, 2, 2, 1, 2, 2}, Array<std::uint32_t>{2, 3}));
 }
 
 TEST_CASE("Initial values of structures, member by member (6-2-2)")
@@ -259,7 +266,7 @@ TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
     };
     using E = ElementaryType;
     CHECK(refused(E::Sint, initial(std::int64_t{128})) ==
-          "variables[0] (v): has an initial value that is not of type SINT");
+          "variables[0] (v): has 128, expected a value of SINT");
     CHECK(refused(E::Uint, initial(std::int64_t{-1})) != "");
     CHECK(refused(E::Int, initial(1.5)) != "");
     CHECK(refused(E::Bool, initial(std::int64_t{2})) != "");
@@ -267,43 +274,41 @@ TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
     CHECK(refused(E::Date, initial(std::int64_t{1})) != "");
     CHECK(refused(E::Int, initial("On")) != "");
     CHECK(refused(E::Int, list({initial(std::int64_t{1})})) ==
-          "variables[0] (v): has a list of initial values; expected one");
+          "variables[0] (v): has several values, expected one");
     GlobalVariable variable{.name = "v", .type = of("Mode"), .initial = initial("Idle")};
     variable.place = {4, 2};
     CHECK(refusal_of(variable) ==
-          "4:2: variables[0] (v): has an initial value that is not a name of the enumeration Mode");
+          "4:2: variables[0] (v): has a text of 4 bytes, expected the name of a value of Mode");
     TypeUse narrow = of(E::Int);
     narrow.subrange = Bounds{0, 10};
     CHECK(refusal_of({.name = "v", .type = narrow, .initial = initial(std::int64_t{11})}) ==
-          "variables[0] (v): has an initial value that is not of type INT within its subrange");
+          "variables[0] (v): has 11, expected a value of INT (0..10)");
     CHECK(refusal_of({.name = "v",
                       .type = {.elementary = E::String, .string_length = 3},
                       .initial = initial("long")}) ==
-          "variables[0] (v): has an initial value that is not a text of at most 3 bytes");
+          "variables[0] (v): has a text of 4 bytes, expected a value of STRING[3]");
 }
 
 TEST_CASE("Lists of initial values have to fit (6-2-2)")
 {
     GlobalVariable variable{.name = "v", .type = array(of(ElementaryType::Int), {{1, 3}})};
     variable.initial = list({initial(std::int64_t{1}, UINT32_MAX)});
-    CHECK(refusal_of(variable) == "variables[0] (v): has more initial values than its 3 elements");
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v): has a list of more than the 3 elements that there are");
     variable.initial = list({list({list({initial(std::int64_t{1}, 2)}, 2)}, UINT32_MAX)});
     CHECK(refusal_of(variable) != "");
     variable.initial = list({initial(std::int64_t{1}), initial("x")});
     CHECK(refusal_of(variable) ==
-          "variables[0] (v)[1]: has an initial value that is not of type INT");
+          "variables[0] (v)[1]: has a text of 1 bytes, expected a value of INT");
     variable.initial = initial(std::int64_t{1});
-    CHECK(refusal_of(variable) ==
-          "variables[0] (v): has one initial value; expected a list of elements");
+    CHECK(refusal_of(variable) == "variables[0] (v): has no list, expected one as [1, 2]");
     variable.type = of("Axis");
     CHECK(refusal_of(variable) ==
-          "variables[0] (v): has one initial value; expected a list of members");
+          "variables[0] (v): has no members, expected those of Axis as (X := 1)");
     variable.initial = list({member("Speed", initial(1.0))});
-    CHECK(refusal_of(variable) ==
-          "variables[0] (v).Speed: has an initial value but is not a member of Axis");
+    CHECK(refusal_of(variable) == "variables[0] (v).Speed: is not a member of Axis");
     variable.initial = list({member("Limits", list({initial(1.0), initial(true)}))});
-    CHECK(refusal_of(variable) ==
-          "variables[0] (v).Limits[1]: has an initial value that is not of type REAL");
+    CHECK(refusal_of(variable) == "variables[0] (v).Limits[1]: has TRUE, expected a value of REAL");
 }
 
 TEST_CASE("Variables take in the image what ProgramTypes says of it")
