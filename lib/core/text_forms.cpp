@@ -87,23 +87,29 @@ std::optional<DateTime> parse_date_time(std::string_view text)
     const std::chrono::month month{static_cast<unsigned>(parts.digits(2))};
     parts.expect('-');
     const std::chrono::day day{static_cast<unsigned>(parts.digits(2))};
-    parts.expect('T');
-    const int hour = parts.digits(2);
-    parts.expect(':');
-    const int minute = parts.digits(2);
-    parts.expect(':');
-    const int second = parts.digits(2);
-    const std::int64_t fraction = parts.skip('.') ? parts.fraction() : 0;
+    int hour = 0;
+    int minute = 0;
+    int second = 0;
+    std::int64_t fraction = 0;
+    if (parts.skip('T')) {
+        hour = parts.digits(2);
+        parts.expect(':');
+        minute = parts.digits(2);
+        parts.expect(':');
+        second = parts.digits(2);
+        fraction = parts.skip('.') ? parts.fraction() : 0;
+    }
     const std::chrono::minutes offset = read_offset(parts);
     const std::chrono::year_month_day date{year, month, day};
-    if (!parts.ok() || !parts.is_over() || !date.ok() || hour > 23 || minute > 59 || second > 60) {
+    const bool is_midnight = hour == 24 && minute == 0 && second == 0 && fraction == 0;
+    if (!parts.ok() || !parts.is_over() || !date.ok() || (hour > 23 && !is_midnight) ||
+        minute > 59 || second > 60) {
         return std::nullopt;
     }
     const auto seconds = std::chrono::sys_days{date}.time_since_epoch() + std::chrono::hours{hour} +
                          std::chrono::minutes{minute} - offset + std::chrono::seconds{second};
-    DateTime time = DateTime::from_unix_seconds(std::chrono::seconds{seconds}.count());
-    time.ticks += fraction;
-    return time;
+    const DateTime time = DateTime::from_unix_seconds(std::chrono::seconds{seconds}.count());
+    return DateTime{DateTime{time.ticks + fraction}.clamped()};
 }
 
 std::optional<ExpandedNodeId> parse_expanded_node_id(std::string_view text)

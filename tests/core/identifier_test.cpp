@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include <busbar/core/text_forms.hpp>
 #include <busbar/core/types.hpp>
 
 #include "core/utf8.hpp"
@@ -170,6 +171,29 @@ TEST_CASE("status codes have the specification's names", "[core][status]")
     CHECK(name(StatusCode{0x8FFF0000U}).empty());
     CHECK(StatusCode{0xC0000000U}.is_bad());
     CHECK(status::Uncertain_LastUsableValue.is_uncertain());
+}
+
+TEST_CASE("a DateTime is read from xs:dateTime and xs:date (Part 6, 5.3.1.6)", "[core][date_time]")
+{
+    const auto read = [](std::string_view text) {
+        const auto time = parse_date_time(text);
+        return time ? to_string(*time) : "nothing";
+    };
+    CHECK(read("2026-11-21T06:00:00.125Z") == "2026-11-21T06:00:00.125Z");
+    CHECK(read("2026-11-21T06:00:00") == "2026-11-21T06:00:00Z");
+    CHECK(read("2026-11-21T06:00:00.12345678999+02:00") == "2026-11-21T04:00:00.1234567Z");
+    CHECK(read("2026-11-21") == "2026-11-21T00:00:00Z");
+    CHECK(read("2026-11-21-01:30") == "2026-11-21T01:30:00Z");
+    CHECK(read("2026-11-21T24:00:00Z") == "2026-11-22T00:00:00Z");
+    CHECK(parse_date_time("0001-01-01T00:00:00Z") == DateTime{0});
+    CHECK(parse_date_time("9999-12-31T23:59:59Z") == DateTime{INT64_MAX});
+    for (const std::string_view wrong :
+         {"", "2026", "2026-11-21T", "2026-11-21T06:00", "2026-11-21T24:00:01Z", "2026-02-30",
+          "2026-11-21T06:60:00Z", "2026-11-21 06:00:00", "2026-11-21T06:00:00.Z",
+          "2026-11-21T06:00:00+1:00", "2026-11-21Zz", "+026-11-21"}) {
+        CAPTURE(wrong);
+        CHECK(read(wrong) == "nothing");
+    }
 }
 
 TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][text]")

@@ -8,8 +8,10 @@
 
 namespace busbar {
 
-/// Reads "2026-11-21T06:00:00.123Z"; "+01:00" may replace the "Z", and without either the time is
-/// UTC. This and the next functions return nothing for a text of another form.
+/// Reads "2026-11-21T06:00:00.123Z" or "2026-11-21" (xs:dateTime and xs:date); "+01:00" may replace
+/// the "Z", and without either the time is UTC. A time outside of the range of DateTime becomes one
+/// of its ends (Part 6, 5.3.1.6). This and the next functions return nothing for a text of another
+/// form.
 [[nodiscard]] BUSBAR_API std::optional<DateTime> parse_date_time(std::string_view text);
 /// Reads "svr=1;nsu=urn:x;i=5"; one or both of the first two parts may be missing (Part 6,
 /// 5.3.1.11).

@@ -4,9 +4,9 @@
 #include <array>
 #include <optional>
 
+#include <busbar/core/text_forms.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "date_time_text.hpp"
 #include "xml_text.hpp"
 
 namespace busbar::nodeset {

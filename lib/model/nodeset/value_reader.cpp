@@ -1,40 +1,16 @@
 #include "value_reader.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 
+#include <busbar/core/text_forms.hpp>
 #include <core/base64.hpp>
 
 #include "built_in_visit.hpp"
-#include "date_time_text.hpp"
 #include "xml_text.hpp"
 
 namespace busbar::nodeset {
 
 namespace {
-
-/// xs:float and xs:double: also "INF", "-INF" and "NaN".
-template <typename T>
-bool parse_number(std::string_view text, T& value)
-{
-    if constexpr (std::is_floating_point_v<T>) {
-        const bool is_negative = text.starts_with('-');
-        if (text == "INF" || text == "-INF" || text == "+INF") {
-            value = is_negative ? -std::numeric_limits<T>::infinity()
-                                : std::numeric_limits<T>::infinity();
-            return true;
-        }
-        if (text == "NaN") {
-            value = std::numeric_limits<T>::quiet_NaN();
-            return true;
-        }
-    }
-    if (text.starts_with('+') && !text.starts_with("+-")) {
-        text.remove_prefix(1);
-    }
-    return to_number(text, value);
-}
 
 std::string without_blanks(std::string_view text)
 {
@@ -69,7 +45,9 @@ template <typename T>
 requires(std::is_arithmetic_v<T> &&
          !std::is_same_v<T, bool>) void XmlValueReader::read(const Element& xml, T& value, unsigned)
 {
-    if (!parse_number(trimmed(xml.text), value)) {
+    std::string_view text = trimmed(xml.text);
+    text.remove_prefix(text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
+    if (!to_number(text, value)) {
         fail(xml, "a number in the range of its type");
     }
 }
@@ -147,32 +125,18 @@ void XmlValueReader::read(const Element& xml, NodeId& value, unsigned)
 void XmlValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
 {
     const Element* const identifier = xml.child("Identifier");
-    auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
+    const auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
     if (text.empty()) {
         return;
     }
-    const auto take = [&](std::string_view prefix) {
-        std::string_view part;
-        if (text.starts_with(prefix)) {
-            const std::size_t end = std::min(text.find(';'), text.size());
-            part = text.substr(prefix.size(), end - prefix.size());
-            text.remove_prefix(std::min(end + 1, text.size()));
-        }
-        return part;
-    };
-    const auto server = take("svr=");
-    const auto uri = take("nsu=");
-    auto id = NodeId::parse(text);
-    const bool is_sound = id && (server.empty() || to_number(server, value.server_index)) &&
-                          (uri.empty() || id->namespace_index() == 0);
-    if (!is_sound) {
+    auto id = parse_expanded_node_id(text);
+    if (!id) {
         fail(*identifier, "an ExpandedNodeId");
         return;
     }
-    value.namespace_uri = uri.empty() ? String{} : String{uri};
-    value.node_id = std::move(*id);
+    value = std::move(*id);
     // The namespace table of another server is not the file's.
-    if (value.server_index == 0 && uri.empty()) {
+    if (value.server_index == 0 && value.namespace_uri.is_null()) {
         value.node_id.set_namespace_index(mapped(*identifier, value.node_id.namespace_index()));
     }
 }

@@ -3,7 +3,7 @@
 #include <core/base64.hpp>
 
 #include "built_in_visit.hpp"
-#include "date_time_text.hpp"
+#include "xml_text.hpp"
 
 namespace busbar::nodeset {
 

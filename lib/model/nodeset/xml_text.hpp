@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/text.hpp>
 #include <pugixml.hpp>
 
@@ -62,7 +63,8 @@ namespace busbar::nodeset {
     return "";
 }
 
-/// Returns false, with `value` unchanged, unless all of `text` is a number that fits.
+/// Returns false, with `value` unchanged, unless all of `text` is a number that fits; also "INF",
+/// "-INF" and "NaN" if Number is floating.
 template <typename Number>
 [[nodiscard]] bool to_number(std::string_view text, Number& value)
 {
@@ -94,6 +96,13 @@ template <typename Number>
         text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
     }
     return true;
+}
+
+/// Returns a text that parse_date_time reads as the same time.
+[[nodiscard]] inline std::string date_time_text(DateTime time)
+{
+    const std::int64_t ticks = time.clamped();
+    return to_string(DateTime{ticks == INT64_MAX ? DateTime::latest : ticks});
 }
 
 struct SplitName {
