@@ -192,13 +192,13 @@ DeclarationToken DeclarationLexer::word()
 std::size_t DeclarationLexer::typed_end(std::size_t at_first, bool is_date) const
 {
     std::size_t i = at_first;
+    bool has_base = false;
     const auto is_between_digits = [&] {
         return i > at_first && is_digit(at(i - 1)) && is_digit(at(i + 1));
     };
     const auto is_decimal = [&] {
         const bool is_signed = at(at_first) == '-' || at(at_first) == '+';
-        return is_digit(at(at_first + (is_signed ? 1 : 0))) &&
-               text_.substr(at_first, i - at_first).find('#') == std::string_view::npos;
+        return is_digit(at(at_first + (is_signed ? 1 : 0))) && !has_base;
     };
     while (i < text_.size()) {
         const char c = text_[i];
@@ -211,6 +211,7 @@ std::size_t DeclarationLexer::typed_end(std::size_t at_first, bool is_date) cons
             !((c == '.' || c == ':') && is_between_digits())) {
             break;
         }
+        has_base = has_base || c == '#';
         ++i;
     }
     return i;
