@@ -476,6 +476,7 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
           "END_VAR]]></Declaration></GVL></TcPlcObject>");
     write("q/q.plcproj", "<Project><ItemGroup><Compile Include=\"GVLs\\A.TcGVL\"/></ItemGroup>"
                          "</Project>");
+    std::filesystem::copy_file(at("q/q.plcproj"), at("q/line.xml"));
     write("secrets/plc.password", "secret\n");
     const auto with = [&](const std::string& text, const std::string& files) {
         return text + "\n[[files]]\nname = \"a\"\nfolder = \"" + at(files) + "\"\n";
@@ -496,6 +497,7 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
         {"[machine]\nprogram = " + list, "p", at("p/x.st") + "\", " + machine},
         {"[machine]\nprogram = " + project, "q/GVLs", at("q") + "\", " + machine},
         {"[machine]\nprogram = [" + project + "]", "q/GVLs", at("q") + "\", " + machine},
+        {"[machine]\nprogram = \"" + at("q/line.xml") + "\"", "q/GVLs", at("q") + "\", " + machine},
         {"[labels]\nprogram = \"" + at("files/b.st") + "\"", "files", labels},
         {"[labels]\nprogram = " + list, "p", labels},
         {"[labels]\nprogram = " + project, "q/GVLs", labels},

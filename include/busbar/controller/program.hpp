@@ -205,9 +205,11 @@ enum class Unserved : std::uint8_t {
 struct LeftOut {
     /// The kinds of declarations that can be left out.
     enum class Kind : std::uint8_t {
-        Part, // a passage without a name
+        /// A passage without a name, or a whole file, which has its name.
+        Part,
         Type,
-        /// A function block, a program or another unit with statements. Only a type to variables.
+        /// A function block, a program or another unit with statements; a type of variables that
+        /// are not served.
         Unit,
         Variable,
     };
@@ -216,8 +218,8 @@ struct LeftOut {
     Kind kind{Kind::Part};
     /// The declaration as far as it was understood: a name, a place and whether to publish it.
     GlobalVariable declared{};
-    /// The reason; `where` begins with line and column if they are known, without the file's name
-    /// if that is the only one of the program.
+    /// The reason; `where` begins with the name of the file if the program has several, and with
+    /// line and column if these are known.
     Problem problem{};
 };
 
@@ -232,7 +234,7 @@ struct Program {
     /// The encoding of the text that it was read from, UTF-8 without a text. Of several files the
     /// first one that is not UTF-8.
     TextEncoding encoding{};
-    /// The names of its files if it was read from several.
+    /// The names of its files if it was read from several, as read_program_files() gives them.
     std::vector<std::string> files{};
 };
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <busbar/controller/execution_log.hpp>
+#include <busbar/controller/program_files.hpp>
 
-#include "core/ascii_case.hpp"
 #include "product/machine/program_file.hpp"
 
 namespace busbar::product {
@@ -90,16 +90,14 @@ struct Own {
     const char* use;
 };
 
-/// Adds the files of a program. Those of a .plcproj are anywhere in its folder.
+/// Adds the files of a program. Those of a list of files are anywhere in its folder.
 void add_program(std::vector<Own>& all, const std::string& program_file, const char* use)
 {
     for (const std::string& each : paths_of(program_file)) {
         const std::filesystem::path path{each};
-        const bool is_list =
-            busbar::detail::is_same_ignoring_case(path.extension().string(), ".plcproj");
         const std::filesystem::path folder =
             path.has_parent_path() ? path.parent_path() : std::filesystem::path{"."};
-        all.push_back({is_list ? folder.string() : each, use});
+        all.push_back({controller::is_program_list(each) ? folder.string() : each, use});
     }
 }
 

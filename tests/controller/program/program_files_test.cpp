@@ -107,12 +107,12 @@ TEST_CASE_METHOD(Folder, "Problems have the name of the file that they are in")
     for (const LeftOut& each : (*checked)->program().left_out) {
         all += without_folder(busbar::text(each.problem)).substr(0, 52) + "\n";
     }
-    CHECK(all == "~/c.xml:1:8: is not well-formed XML: Error parsing s\n"
-                 "~/d.st:1:1: found a ZIP archive, such as a project o\n"
-                 "~/b.st:3:16: variable b: found ';', expected a value\n"
-                 "~/a.st:3:2: variables[1] (t): is of the type TON, wh\n"
-                 "~/b.st:2:2: variables[2] (a): is also the name of an\n");
-    CHECK(shown(path.string(), Unserved::Refuse).starts_with("~/c.xml:1:8: is not well-formed"));
+    CHECK(all == "c.xml:1:8: is not well-formed XML: Error parsing sta\n"
+                 "d.st:1:1: found a ZIP archive, such as a project or \n"
+                 "b.st:3:16: variable b: found ';', expected a value\n"
+                 "a.st:3:2: variables[1] (t): is of the type TON, whic\n"
+                 "b.st:2:2: variables[2] (a): is also the name of anot\n");
+    CHECK(shown(path.string(), Unserved::Refuse).starts_with("c.xml:1:8: is not well-formed"));
 }
 
 TEST_CASE_METHOD(Folder, "A .plcproj names the files of a program")
@@ -148,7 +148,7 @@ TEST_CASE_METHOD(Folder, "A .plcproj that compiles no file with declarations is 
     CHECK(shown(at("a.TcGVL") + "\n" + at("p.plcproj")) == refusal);
     // One that is missing is told as such.
     write("p.plcproj", list_of({"none.TcGVL"}));
-    CHECK(shown(at("p.plcproj")) == "~/none.TcGVL: the file is missing");
+    CHECK(shown(at("p.plcproj")) == "none.TcGVL: the file is missing");
 }
 
 TEST_CASE_METHOD(Folder, "A .plcproj of more than 4 MiB is refused before it is parsed")
@@ -186,7 +186,7 @@ TEST_CASE_METHOD(Folder, "A .plcproj has no files outside of its folder")
     CHECK_FALSE(shown(at("in/p.plcproj"), Unserved::Refuse).starts_with("a INT"));
     // A folder does not lead through links to folders either, nor out of itself.
     std::filesystem::remove(at("in/p.plcproj"));
-    CHECK(shown(at("in")) == "a INT; - ~/in/link.TcGVL is a link to a file outside of the folder");
+    CHECK(shown(at("in")) == "a INT; - link.TcGVL is a link to a file outside of the folder");
 }
 
 TEST_CASE_METHOD(Folder, "The files of a program have limits")
@@ -203,6 +203,38 @@ TEST_CASE_METHOD(Folder, "The files of a program have limits")
     CHECK(shown(at("p")).find("is a name of more than 4096 bytes") != std::string::npos);
     std::filesystem::create_directory(at("empty"));
     CHECK(shown(at("empty")).starts_with("~/empty: found no file of a program in the folder"));
+}
+
+TEST_CASE_METHOD(Folder, "The same folder elsewhere is the same program")
+{
+    write("a/GVLs/x.TcGVL", object("GVL", "A", "VAR_GLOBAL a : INT; END_VAR"));
+    write("a/types.st", "VAR_GLOBAL b : TON; END_VAR");
+    std::filesystem::create_directory(at("deep"));
+    std::filesystem::copy(at("a"), at("deep/b"), std::filesystem::copy_options::recursive);
+    const auto same = [&](const std::string& name) {
+        const auto first = read_program_files(at("a") + name, enough);
+        const auto second = read_program_files(at("deep/b") + name, enough);
+        return first && second && *first == *second;
+    };
+    CHECK(same(""));
+    CHECK(same("/"));
+    write("a/p.plcproj", list_of({"gvls\\X.TcGVL", "none.TcGVL"}));
+    write("deep/b/p.plcproj", list_of({"gvls\\X.TcGVL", "none.TcGVL"}));
+    CHECK(same("/p.plcproj"));
+    // A list is one under any name.
+    std::filesystem::copy_file(at("a/p.plcproj"), at("a/list.xml"));
+    CHECK(read_program_files(at("a/list.xml"), enough).value() ==
+          read_program_files(at("a/p.plcproj"), enough).value());
+    CHECK(is_program_list(at("a/list.xml")));
+    CHECK(is_program_list(at("a/none.plcproj")));
+    CHECK_FALSE(is_program_list(at("a/types.st")));
+    CHECK_FALSE(is_program_list(at("a")));
+    // Files of one name in two folders are told apart.
+    const auto both = read_program_files(at("a/types.st") + "\n" + at("deep/b/types.st"), enough);
+    REQUIRE(both);
+    const auto program = read_program_text(*both, "all", {}, Unserved::LeaveOut);
+    REQUIRE(program);
+    CHECK(program->files == std::vector<std::string>{"types.st", at("deep/b/types.st")});
 }
 
 TEST_CASE("A damaged text of several files is refused")
@@ -264,9 +296,9 @@ TEST_CASE_METHOD(Folder, "A file that is left out has its name, so that another 
     const auto program = read_program_text(*text, "all", {}, Unserved::LeaveOut);
     REQUIRE(program);
     REQUIRE(program->left_out.size() == 2);
-    CHECK(program->left_out[0].declared.name == at("b.TcGVL"));
+    CHECK(program->left_out[0].declared.name == "b.TcGVL");
     CHECK(program->left_out[0].problem.text == "the file is missing");
-    CHECK(program->left_out[1].declared.name == at("zip.TcGVL"));
+    CHECK(program->left_out[1].declared.name == "zip.TcGVL");
 }
 
 } // namespace program_files_test

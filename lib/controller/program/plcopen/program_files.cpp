@@ -66,6 +66,13 @@ bool is_list(const fs::path& path)
     return is_same_ignoring_case(path.extension().string(), list_ending);
 }
 
+/// Tells whether the file lists those of a program, whatever its name is.
+bool is_list(const fs::path& path, std::string_view text)
+{
+    return is_list(path) ||
+           (detail::xml_root(text) == "Project" && text.find("<ItemGroup") != text.npos);
+}
+
 /// Reads a file of at most `most` bytes.
 Configured<std::string> text_of(const fs::path& path, std::size_t most)
 {
@@ -189,9 +196,8 @@ public:
             return add_folder(path);
         }
         return text_of(path, max_size_).and_then([&](std::string text) -> Configured<void> {
-            const bool is_project =
-                detail::xml_root(text) == "Project" && text.find("<ItemGroup") != std::string::npos;
-            return is_list(path) || is_project ? add_list(path, text) : add_text(path, text);
+            return is_list(path, text) ? add_list(path, text)
+                                       : add_text(path, path.filename(), text);
         });
     }
 
@@ -247,7 +253,7 @@ private:
         std::sort(files.begin(), files.end());
         const auto root = canonical(folder);
         for (const fs::path& file : files) {
-            if (auto added = add_file(file, root); !added) {
+            if (auto added = add_file(file, file.lexically_relative(folder), root); !added) {
                 return added;
             }
         }
@@ -268,9 +274,9 @@ private:
             return misconfigured(path.string(),
                                  std::string{"is not well-formed XML: "} + parsed.description());
         }
-        fs::path folder = path.parent_path();
-        CaselessFolder names{folder.empty() ? fs::path{"."} : folder};
-        const auto root = canonical(folder.empty() ? fs::path{"."} : folder);
+        const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path{"."};
+        CaselessFolder names{folder};
+        const auto root = canonical(folder);
         const std::vector<fs::path> compiled = compiled_files(document);
         for (const fs::path& file : compiled) {
             if (auto added = add_item(file, folder, names, root); !added) {
@@ -293,48 +299,57 @@ private:
                             named.string().find(':') != std::string::npos ||
                             *relative.begin() == "..";
         if (leaves) {
-            return add_missing((folder / relative).generic_string(),
+            return add_missing(relative, folder / relative,
                                "is outside of the folder of the list of files; copy it there, or "
                                "name it as a file of the program");
         }
-        fs::path file = names.find(relative);
-        return add_file(folder.empty() ? file.lexically_relative(".") : std::move(file), root);
+        const fs::path file = names.find(relative);
+        return add_file(file, file.lexically_relative(folder), root);
     }
 
-    /// Adds a file that was found, unless it is elsewhere in truth.
-    Configured<void> add_file(const fs::path& file, const std::optional<fs::path>& root)
+    /// Adds a file that was found, unless it is elsewhere in truth. `name` is its path from the
+    /// folder that it was found in, so that the same folder elsewhere gives the same text.
+    Configured<void> add_file(const fs::path& file, const fs::path& name,
+                              const std::optional<fs::path>& root)
     {
         const auto place = canonical(file);
         if (!place) {
-            return add_missing(file.generic_string(), "the file is missing");
+            return add_missing(name, file, "the file is missing");
         }
         const bool is_inside =
             root && std::mismatch(root->begin(), root->end(), place->begin(), place->end()).first ==
                         root->end();
         if (!is_inside) {
-            return add_missing(file.generic_string(), "is a link to a file outside of the folder");
+            return add_missing(name, file, "is a link to a file outside of the folder");
         }
         auto text = text_of(file, max_size_);
         if (text) {
-            return add_text(file, *text);
+            return add_text(file, name, *text);
         }
         return text.error().status == status::Bad_EncodingLimitsExceeded
                    ? Unexpected{std::move(text).error()}
-                   : add_missing(file.generic_string(), text.error().text);
+                   : add_missing(name, file, text.error().text);
     }
 
-    Configured<void> add_text(const fs::path& path, const std::string& text)
+    Configured<void> add_text(const fs::path& path, const fs::path& name, const std::string& text)
     {
         const auto place = canonical(path);
         if (place && !seen_.insert(place->string()).second) {
             return {};
         }
-        return add_entry(BundleEntry::Kind::File, path.generic_string(), text);
+        return add_entry(BundleEntry::Kind::File, own_name(name, path), text);
     }
 
-    Configured<void> add_missing(std::string name, const std::string& why)
+    Configured<void> add_missing(const fs::path& name, const fs::path& path, const std::string& why)
     {
-        return add_entry(BundleEntry::Kind::Missing, std::move(name), why);
+        return add_entry(BundleEntry::Kind::Missing, own_name(name, path), why);
+    }
+
+    /// Returns the name, or the whole path if another file of the program has this name.
+    std::string own_name(const fs::path& name, const fs::path& path)
+    {
+        std::string text = name.generic_string();
+        return names_.insert(text).second ? text : path.generic_string();
     }
 
     Configured<void> add_entry(BundleEntry::Kind kind, std::string name, const std::string& text)
@@ -369,15 +384,9 @@ private:
     std::size_t max_size_;
     std::size_t count_{0};
     std::set<std::string> seen_{};
+    std::set<std::string> names_{};
     detail::BundleWriter bundle_{};
 };
-
-/// Tells whether the file is one program by itself.
-bool is_single(const fs::path& path, const std::string& text)
-{
-    return !is_list(path) &&
-           (detail::xml_root(text) != "Project" || text.find("<ItemGroup") == std::string::npos);
-}
 
 } // namespace
 
@@ -388,7 +397,7 @@ Configured<std::string> read_program_files(const std::string& paths, std::size_t
     const bool is_one = paths.find('\n') == std::string::npos;
     if (is_one && !fs::is_directory(paths, ignored)) {
         auto text = text_of(paths, max_size);
-        if (!text || is_single(paths, *text)) {
+        if (!text || !is_list(fs::path{paths}, *text)) {
             return text;
         }
     }
@@ -401,6 +410,16 @@ Configured<std::string> read_program_files(const std::string& paths, std::size_t
         }
     }
     return files.take();
+}
+
+bool is_program_list(const std::string& path)
+{
+    std::error_code ignored;
+    if (!fs::is_regular_file(path, ignored)) {
+        return is_list(fs::path{path});
+    }
+    const auto text = text_of(path, max_list_size);
+    return text ? is_list(fs::path{path}, *text) : is_list(fs::path{path});
 }
 
 } // namespace busbar::controller
