@@ -6,19 +6,12 @@ namespace busbar::detail {
 
 void WakerSlot::set(Waker* waker) noexcept
 {
-    waker_ = waker;
-    while (callers_ != 0) {
-        // Those threads are inside Waker::wake, which does not block.
-    }
+    waker_.set(waker);
 }
 
 void WakerSlot::wake() noexcept
 {
-    ++callers_;
-    if (Waker* const waker = waker_; waker != nullptr) {
-        attempt([&] { waker->wake(); });
-    }
-    callers_.fetch_sub(1, std::memory_order_release);
+    waker_.use([](Waker& waker) { attempt([&] { waker.wake(); }); });
 }
 
 } // namespace busbar::detail

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <busbar/core/detail/bounded_ring.hpp>
 #include <busbar/core/detail/hand_over.hpp>
 
 namespace hand_over_threads_test {
@@ -103,6 +104,55 @@ void check_hand_over()
     CHECK(given.take() == nullptr);
 }
 
+/// The same with a ring that is often full, and with a flag that says whether the taker is awake.
+void check_ring()
+{
+    struct Item {
+        int producer{0};
+        int number{0};
+    };
+    Bell bell;
+    detail::WakerSlot slot{&bell};
+    detail::BoundedRing<Item> ring{16};
+    std::atomic<bool> is_awake{false};
+    std::atomic<int> refused{0};
+    std::vector<std::thread> threads;
+    for (int producer = 0; producer < producers; ++producer) {
+        threads.emplace_back([&, producer] {
+            for (int number = 0; number < items_of_each;) {
+                const bool is_put = ring.push([&](Item& item) { item = {producer, number}; });
+                if (!is_awake.exchange(true)) {
+                    slot.wake();
+                }
+                number += is_put ? 1 : 0;
+                if (!is_put) {
+                    ++refused;
+                    std::this_thread::yield();
+                }
+            }
+        });
+    }
+    std::vector<int> seen(producers, 0);
+    int out_of_order = 0;
+    for (int left = producers * items_of_each; left > 0;) {
+        bell.await();
+        is_awake = false; // before it looks
+        Item taken;
+        while (ring.take([&](Item& item) { taken = item; })) {
+            int& expected = seen[static_cast<std::size_t>(taken.producer)];
+            out_of_order += taken.number == expected ? 0 : 1;
+            ++expected;
+            --left;
+        }
+    }
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    CHECK(out_of_order == 0);
+    CHECK_FALSE(ring.take([](Item&) {}));
+    UNSCOPED_INFO(refused << " refused");
+}
+
 /// Says whether it is used after its end.
 class Mortal final : public Waker {
 public:
@@ -135,6 +185,58 @@ TEST_CASE("a hand-over loses nothing, keeps the order and wakes whenever it is n
     {
         check_hand_over<Owned>();
     }
+    SECTION("of items in places of a ring")
+    {
+        check_ring();
+    }
+}
+
+TEST_CASE("a ring refuses items that it has no place for, and keeps the others")
+{
+    detail::BoundedRing<int> ring{3}; // four
+    for (int round = 0; round < 3; ++round) {
+        for (int i = 0; i < 4; ++i) {
+            CHECK(ring.push([&](int& place) { place = i; }));
+        }
+        CHECK_FALSE(ring.push([](int& place) { place = 9; }));
+        for (int i = 0; i < 4; ++i) {
+            int taken = -1;
+            CHECK(ring.take([&](int& place) { taken = place; }));
+            CHECK(taken == i);
+        }
+        CHECK_FALSE(ring.take([](int&) {}));
+    }
+}
+
+TEST_CASE("what is lent is not used after it was taken back")
+{
+    struct Counter {
+        int uses{0}; // not atomic: taking it back is what makes it visible
+    };
+    detail::Lent<Counter> lent;
+    std::atomic<bool> is_over{false};
+    std::atomic<int> used{0};
+    std::thread user{[&] {
+        while (!is_over) {
+            lent.use([&](Counter& counter) {
+                ++counter.uses;
+                ++used;
+            });
+            std::this_thread::yield();
+        }
+    }};
+    int counted = 0;
+    for (int i = 0; i < 500; ++i) {
+        auto counter = std::make_unique<Counter>();
+        lent.set(counter.get());
+        std::this_thread::yield();
+        lent.set(nullptr, [] { std::this_thread::yield(); });
+        counted += counter->uses;
+    }
+    is_over = true;
+    user.join();
+    CHECK(counted == used);
+    CHECK(lent.is_empty());
 }
 
 TEST_CASE("a waker's slot does not use a Waker that was replaced")

@@ -9,6 +9,8 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/bounded_ring.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 #include <busbar/core/types.hpp>
 #include <busbar/server/waker.hpp>
 #include <busbar/types/ids.hpp>
@@ -98,24 +100,22 @@ public:
     void close();
 
 private:
-    struct Slot;
+    /// An event on its way; if `made` is set, that one, which was created beforehand, at `time`.
+    struct Raised {
+        Event event;
+        std::shared_ptr<const Event> made;
+        DateTime time;
+    };
 
     template <typename Put>
-    bool raise_by(Put put);
-    template <typename Put>
-    [[nodiscard]] bool push(Put& put);
+    void push(Put put, bool& is_queued);
 
-    const WallClock* wall_clock_;
-    Waker* waker_;
-    std::size_t mask_;
-    std::unique_ptr<Slot[]> slots_;
-    /// Counts of events that were put in and taken out.
-    std::atomic<std::size_t> in_{0};
-    std::size_t out_{0};
+    /// Empty once the queue is closed; whoever raises an event uses it meanwhile.
+    busbar::detail::Lent<const WallClock> wall_clock_;
+    busbar::detail::WakerSlot waker_;
+    busbar::detail::BoundedRing<Raised> ring_;
     std::atomic<std::uint64_t> dropped_{0};
-    std::atomic<std::uint32_t> raisers_{0};
     std::atomic<bool> is_awake_{false};
-    std::atomic<bool> is_closed_{false};
 };
 
 } // namespace busbar::server

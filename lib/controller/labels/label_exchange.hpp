@@ -8,13 +8,13 @@
 
 #include <busbar/backend/label_backend.hpp>
 #include <busbar/controller/label_program.hpp>
+#include <busbar/core/detail/hand_over.hpp>
 
 #include "label_job.hpp"
 
 namespace busbar::controller::detail {
 
-/// The listener that is told of answers. Calls to it are made between two steps of a counter, so
-/// that set() can wait until calls to the previous listener have returned.
+/// The listener that is told of answers. set() waits until calls to the previous one have returned.
 class LabelListenerSlot {
 public:
     /// Replaces the listener and gives it a new number. Called by the server's thread.
@@ -33,9 +33,8 @@ public:
     void labels_changed();
 
 private:
-    std::atomic<backend::LabelListener*> listener_{nullptr};
+    busbar::detail::Lent<backend::LabelListener> listener_;
     std::atomic<std::uint64_t> number_{0};
-    std::atomic<std::uint32_t> callers_{0};
 };
 
 /// The state that the threads of SimulatedLabels share.

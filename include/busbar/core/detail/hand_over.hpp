@@ -8,18 +8,80 @@
 #include <busbar/core/waker.hpp>
 
 /// Threads hand work over to the one that drives a server: they put it where that thread finds it,
-/// in a HandOver or a flag, and then a WakerSlot tells it to look there. Neither blocks nor
-/// allocates, so that a task of the PLC may use them.
+/// in a HandOver, a BoundedRing (bounded_ring.hpp) or a flag, and then a WakerSlot tells it to look
+/// there. None of these blocks or allocates, so that a task of the PLC may use them.
+///
+/// Why this is right, in four steps. (1) What a thread wrote before it put an item is visible to
+/// the thread that takes it: each class says which of its operations synchronize. (2) No item is
+/// lost or taken twice: a HandOver is taken whole by one exchange, and a place of a BoundedRing has
+/// one owner at a time. (3) No item is forgotten: the thread that puts an item either wakes the
+/// taker after that, or finds that another thread has yet to do so, or that the taker has yet to
+/// look. A flag is set by an exchange, and the thread that finds it clear wakes; the taker clears
+/// it before it looks, so that an item which it does not find finds the flag clear. (4) Nothing is
+/// used after its end: Lent::set() waits for the threads that use what it replaces.
 namespace busbar::detail {
 
-/// The Waker of a thread that may go away while others wake it.
+/// An object that any thread uses, and that may go away while others use it.
 ///
-/// All operations but the last of wake() are sequentially consistent, so that they have one order.
-/// wake() counts itself in and then loads the Waker; set() stores another one and then loads the
-/// count. If wake() has loaded the Waker before it was replaced, it was counted in before, too, and
+/// All operations but the last of use() are sequentially consistent, so that they have one order.
+/// use() counts itself in and then loads the object; set() stores another one and then loads the
+/// count. If use() has loaded the object before it was replaced, it was counted in before, too, and
 /// set() waits until it has counted itself out; that is a release which set() acquires, so that the
-/// use of the Waker happens before set() returns. If it has loaded it afterwards, it has the other
+/// use of the object happens before set() returns. If it has loaded it afterwards, it has the other
 /// one.
+template <typename T>
+class Lent {
+public:
+    explicit Lent(T* object = nullptr) : object_{object} {}
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+
+    /// When this returns, the previous object is not in use any more. Called by one thread at a
+    /// time, and not inside use(). Calls `pause` while other threads are inside use().
+    template <typename Pause>
+    void set(T* object, Pause pause)
+    {
+        object_ = object;
+        while (users_ != 0) {
+            pause();
+        }
+    }
+    void set(T* object) noexcept
+    {
+        set(object, [] {});
+    }
+    [[nodiscard]] bool is_empty() const noexcept { return object_ == nullptr; }
+    /// Called from any thread: calls `act` with the object. False if there is none.
+    template <typename Act>
+    bool use(Act act)
+    {
+        const User user{users_};
+        T* const object = object_;
+        if (object == nullptr) {
+            return false;
+        }
+        act(*object);
+        return true;
+    }
+
+private:
+    /// Counts a thread inside use(), however it leaves it.
+    class User {
+    public:
+        explicit User(std::atomic<std::uint32_t>& count) : count_{count} { ++count_; }
+        User(const User&) = delete;
+        User& operator=(const User&) = delete;
+        ~User() { count_.fetch_sub(1, std::memory_order_release); }
+
+    private:
+        std::atomic<std::uint32_t>& count_;
+    };
+
+    std::atomic<T*> object_;
+    std::atomic<std::uint32_t> users_{0};
+};
+
+/// The Waker of a thread that may go away while others wake it.
 class BUSBAR_API WakerSlot {
 public:
     explicit WakerSlot(Waker* waker = nullptr) : waker_{waker} {}
@@ -29,14 +91,13 @@ public:
     /// When this returns, the previous Waker is not in use any more. Called by one thread at a
     /// time; waits for threads that are inside Waker::wake, which does not block.
     void set(Waker* waker) noexcept;
-    [[nodiscard]] bool is_empty() const noexcept { return waker_ == nullptr; }
+    [[nodiscard]] bool is_empty() const noexcept { return waker_.is_empty(); }
     /// Called from any thread: calls the Waker, if there is one. Exceptions of the Waker are
     /// discarded.
     void wake() noexcept;
 
 private:
-    std::atomic<Waker*> waker_;
-    std::atomic<std::uint32_t> callers_{0};
+    Lent<Waker> waker_;
 };
 
 /// Items on their way from any thread to the one that takes them, in the order in which they were
