@@ -18,8 +18,6 @@ namespace busbar::harness {
 
 namespace {
 
-using channel::detail::MessageType;
-
 constexpr std::size_t cipher_begin = channel::detail::symmetric_header_size;
 constexpr std::size_t clear_begin = cipher_begin + channel::detail::sequence_header_size;
 /// The client sends what its keys secure (Part 6, 6.7.5).
@@ -147,7 +145,7 @@ private:
     std::map<std::uint32_t, detail::Dissector> dissectors_;
 };
 
-/// What was in it is encrypted for a private key.
+/// The message that was sent is encrypted for a private key; this one is empty.
 std::optional<std::vector<std::byte>> Decryption::open_channel(Side from,
                                                                std::span<const std::byte> secured)
 {

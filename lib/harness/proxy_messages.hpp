@@ -27,16 +27,16 @@ struct ProxySecret {
     crypto::Secret text;
 };
 
-/// What the proxy knows of a request until its response has come.
+/// The facts that the proxy needs of a request until its response has come.
 struct ProxyExchange {
     std::uint32_t client_request_id{0};
     std::uint32_t request_handle{0};
-    /// Of a CreateSession, as the client has sent them.
+    /// These two are set for a CreateSession, as the client has sent them.
     ByteString client_nonce;
     ByteString client_certificate;
     /// The authentication token of the session.
     NodeId session;
-    /// Of an ActivateSession.
+    /// Set for an ActivateSession.
     std::optional<ProxySecret> secret;
     bool is_answered{false};
 };
@@ -57,7 +57,7 @@ public:
         std::string proxy_url;
         channel::EndpointUrl server_url;
         std::string server_url_text;
-        /// What the server answers to GetEndpoints.
+        /// The server's answer to GetEndpoints.
         std::vector<EndpointDescription> endpoints;
         /// Null if there is no security.
         const channel::ApplicationIdentity* identity{nullptr};

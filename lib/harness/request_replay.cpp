@@ -131,7 +131,7 @@ private:
             is_answered_[i] = true;
         });
     }
-    /// What an id in an exchange stands for. Servers may number the items of each Subscription from
+    /// Returns what an id in an exchange stands for. Servers may number the items of each Subscription from
     /// 1 on, so that an item's id means nothing without its Subscription's.
     [[nodiscard]] std::string kind_of(std::size_t i, std::string_view path) const
     {

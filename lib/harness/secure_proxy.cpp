@@ -140,10 +140,10 @@ private:
     detail::ProxyChannels channels_;
     WaitingRequests for_front_;
     WaitingRequests for_server_;
-    /// By the id of the request in between. A fault may double a response: what was answered is
-    /// kept as long as there is room.
+    /// Keys are the ids of requests in between. A fault may double a response, so that exchanges
+    /// that were answered are kept as long as there is room.
     std::map<std::uint32_t, ProxyExchange> exchanges_;
-    /// That id by the one of the request to the server.
+    /// Maps the id of a request to the server to that one.
     std::map<std::uint32_t, std::uint32_t> asked_;
 };
 

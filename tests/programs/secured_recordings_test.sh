@@ -46,6 +46,7 @@ login="--user operator --password-file password"
 # Both sides trust the proxy, and it them: each first meets a stranger.
 run 4 --pki proxy proxy "$first"
 says 'busbar cert trust'
+says '\-\-pass'
 run 4 --pki proxy --trust $login read "$first" "$level"
 mv pki/rejected/certs/* pki/trusted/certs/
 run 0 --pki proxy $login read "$first" "$level"

@@ -112,9 +112,9 @@ std::string check_option(const std::string& name, const std::vector<std::string>
         return is_mode ? "" : "expected Sign or SignAndEncrypt, found " + values.front();
     }
     for (const std::string& value : values) {
-        const std::string problem = name == "policy"   ? check_policy(value)
-                                    : name == "ignore" ? check_step(value)
-                                                       : std::string{};
+        std::string problem = name == "policy"   ? check_policy(value)
+                              : name == "ignore" ? check_step(value)
+                                                 : std::string{};
         if (!problem.empty()) {
             return problem;
         }

@@ -14,9 +14,9 @@ struct JunitCase {
     std::string class_name;
     std::string name;
     Outcome outcome{Outcome::Passed};
-    /// Of a case that failed or was skipped: one line.
+    /// One line; empty for a case that passed.
     std::string message;
-    /// Of a case that failed: may have several lines.
+    /// May have several lines; empty unless the case failed.
     std::string details;
     std::optional<double> seconds;
 };

@@ -117,8 +117,13 @@ Exit end_channels(Context& context, const ProxyArguments& arguments,
 {
     const std::string& url = context.options.url;
     LiveSecurity security{context};
-    for (const EndpointDescription& endpoint : endpoints) {
-        security.need_trust(endpoint);
+    try {
+        for (const EndpointDescription& endpoint : endpoints) {
+            security.need_trust(endpoint);
+        }
+    } catch (Failure& failure) {
+        failure.hint += "; or leave secured channels as they are: --pass";
+        throw;
     }
     LiveOptions options = arguments.live;
     options.is_secret = true;

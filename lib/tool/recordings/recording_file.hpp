@@ -12,7 +12,7 @@
 
 namespace busbar::tool {
 
-/// What commands that compare have in common.
+/// The arguments that all comparing commands have.
 struct ComparisonArguments {
     harness::ComparisonOptions options;
     /// File of a JUnit report; may be empty.

@@ -28,7 +28,7 @@ struct KnownNode {
     std::set<std::string> references;
 };
 
-/// What a server has.
+/// The nodes of a server.
 struct KnownServer {
     std::map<std::string, KnownNode> nodes;
     bool is_complete{true};
@@ -219,7 +219,7 @@ private:
         const auto b = real_of(second);
         return a && b && first.type() == second.type() && std::fabs(*a - *b) <= options_.tolerance;
     }
-    /// Those with nodes that one server lacks are told with these nodes.
+    /// References to nodes that one server lacks are not told: the nodes are.
     void compare_references(const std::string& key, const std::set<std::string>& first,
                             const std::set<std::string>& second, const KnownServer& of_first,
                             const KnownServer& of_second)

@@ -49,7 +49,7 @@ struct SimulatedArgument {
     BuiltInType type{BuiltInType::Double};
 };
 
-/// What a simulated Method returns: an input, a value, or what an expression of numbers gives.
+/// An output of a simulated Method: an input, a value, or the result of an expression of numbers.
 struct SimulatedAnswer {
     SimulatedArgument argument;
     std::optional<std::size_t> input;
@@ -59,7 +59,7 @@ struct SimulatedAnswer {
 
 /// A Method below Objects.
 struct SimulatedMethod {
-    /// What a call sets: a Variable, and the expression of its value.
+    /// A Variable that a call sets, and the expression of its value.
     struct Setting {
         std::string variable;
         Expression expression;
@@ -78,7 +78,7 @@ struct SimulatedEvent {
     Duration period{0};
 };
 
-/// What a file simulates.
+/// The contents of a simulation's file.
 struct SimulatedMachine {
     std::vector<SimulatedVariable> variables;
     std::vector<SimulatedMethod> methods;
