@@ -15,6 +15,7 @@
 #include <busbar/net/device_driver.hpp>
 
 #include "command_line/program_options.hpp"
+#include "gateway.hpp"
 #include "plc_thread.hpp"
 
 namespace {
@@ -114,6 +115,7 @@ void measure_modbus(const char* name, const Choices& choices, const ModbusProtoc
     harness::ModbusDevice device;
     harness::ModbusResponder responder{device};
     bench::PlcThread plc{responder};
+    plc.start();
     measure(name, choices, points, plc.port(), make_modbus_protocol(options, points));
 }
 
@@ -124,6 +126,7 @@ void measure_slmp(const char* name, const Choices& choices, const SlmpProtocolOp
     harness::SlmpResponder responder;
     responder.add_devices("D", 65'536);
     bench::PlcThread plc{responder};
+    plc.start();
     measure(name, choices, points, plc.port(), make_slmp_protocol(options, points));
 }
 
@@ -150,6 +153,34 @@ int run(const Choices& choices)
     return 0;
 }
 
+CLI::App* add_gateway(CLI::App& app, bench::GatewayOptions& options)
+{
+    CLI::App* const gateway = app.add_subcommand(
+        "gateway", "Reads simulated PLCs through an OPC UA server in front of them: our own, and "
+                   "those of others.");
+    gateway->add_option("--variables", options.variables, "registers that are Variables")
+        ->check(CLI::Range(2, 30'000))
+        ->capture_default_str();
+    gateway->add_option("--reads", options.reads, "of one value; a tenth as many of all")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    gateway->add_option("--seconds", options.seconds, "of the Subscription")
+        ->check(CLI::Range(1, 3'600))
+        ->capture_default_str();
+    gateway->add_option("--under-way", options.under_way, "requests at a time, of our own gateway")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+    gateway->add_option("--peer", options.peers,
+                        "a command that serves holding registers of the Modbus TCP device at port "
+                        "{plc} of this machine as an OPC UA server at port {port}, without "
+                        "security; may be repeated");
+    gateway
+        ->add_option("--peer-node", options.peer_node,
+                     "NodeId of its Variables, {} stands for the register")
+        ->capture_default_str();
+    return gateway;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -171,7 +202,12 @@ int main(int argc, char** argv)
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     command_line::add_program_options(app, "busbar-backend-bench");
+    bench::GatewayOptions gateways;
+    const CLI::App* const gateway = add_gateway(app, gateways);
     CLI11_PARSE(app, argc, argv);
+    if (gateway->parsed()) {
+        return bench::measure_gateways(gateways);
+    }
     if (choices.variables * choices.apart > 65'536) {
         give_up("--variables times --apart is more than 65,536 registers");
     }

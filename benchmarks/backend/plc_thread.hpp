@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -18,11 +20,12 @@
 
 namespace busbar::bench {
 
-/// The PLC's end of one connection at a time, on a thread of its own. `Responder` is one of the
-/// harness; it must outlive the object, and is used by that thread alone.
+/// The PLC's end of one connection, on a thread of its own. `Responder` is one of the harness; it
+/// must outlive the object, and is used by that thread alone.
 template <typename Responder>
 class PlcThread {
 public:
+    /// Takes the port; start() takes the connection.
     explicit PlcThread(Responder& responder) : responder_{responder}
     {
         listener_ = ::socket(AF_INET, SOCK_STREAM, 0);
@@ -36,7 +39,6 @@ public:
             throw std::runtime_error{"no port for a PLC"};
         }
         port_ = ntohs(address.sin_port);
-        thread_ = std::thread{[this] { serve(); }};
     }
     PlcThread(const PlcThread&) = delete;
     PlcThread& operator=(const PlcThread&) = delete;
@@ -44,10 +46,18 @@ public:
     ~PlcThread()
     {
         ::shutdown(listener_, SHUT_RDWR);
-        thread_.join();
+        if (thread_.joinable()) {
+            thread_.join();
+        }
         ::close(listener_);
     }
 
+    /// Starts the thread, which calls `before_requests` whenever something has come.
+    void start(std::function<void()> before_requests = {})
+    {
+        before_requests_ = std::move(before_requests);
+        thread_ = std::thread{[this] { serve(); }};
+    }
     [[nodiscard]] std::uint16_t port() const { return port_; }
 
 private:
@@ -64,6 +74,9 @@ private:
             const auto got = ::recv(socket, buffer.data(), buffer.size(), 0);
             if (got <= 0) {
                 break;
+            }
+            if (before_requests_) {
+                before_requests_();
             }
             const auto now =
                 std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
@@ -82,6 +95,7 @@ private:
     }
 
     Responder& responder_;
+    std::function<void()> before_requests_;
     int listener_{-1};
     std::uint16_t port_{0};
     std::thread thread_;
