@@ -118,8 +118,9 @@ table = "${table}"` });
     assert.equal(await plc.say("slow 3000"), "ok");
     await until(() => has(7, StatusCodes.BadTimeout) || has(7, StatusCodes.BadNoCommunication),
       () => `it is ${values.get(7).statusCode}`);
-    assert.ok(values.get(7).sourceTimestamp >= last);
-    assert.ok(values.get(7).sourceTimestamp <= new Date());
+    // A batch that the whole machine was too slow for is answered by the server, which knows no time of a value.
+    const { sourceTimestamp } = values.get(7);
+    assert.ok(!sourceTimestamp || (sourceTimestamp >= last && sourceTimestamp <= new Date()), `${sourceTimestamp}`);
     assert.equal(await plc.say("slow 0"), "ok");
     await until(() => all(StatusCodes.Good) === count, () => `${all(StatusCodes.Good)} are good`);
   });
