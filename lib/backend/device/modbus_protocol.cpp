@@ -75,7 +75,7 @@ ModbusRequest request_of(const PlanRequest& request)
 }
 
 /// Function 23, which writes and reads registers in one request, is not used: many devices do not
-/// have it, and the plan has no write whose place a read waits for.
+/// have it, and an exception does not say which of the two was refused, while a write is sent once.
 class ModbusLine final : public DeviceLine {
 public:
     /// `may_ask` says whether to ask for the identification, and must outlive the object.

@@ -121,8 +121,8 @@ SlmpLimits limits_of(const SlmpFindings& findings, bool is_datagram)
         limits.random_write = is_long ? 80 : 160;
         limits.random_write_bits = is_long ? 94 : 188;
     }
-    // How many blocks a PLC takes was not found in writing. One that takes fewer refuses a request
-    // by its size, which is then divided.
+    // Blocks of words and of bits together (MELSEC Communication Protocol Reference Manual,
+    // Appendix 5). A PLC that takes fewer refuses a request by its size, which is then divided.
     if (findings.has_block_read) {
         limits.read_blocks = is_long ? 60 : 120;
     }

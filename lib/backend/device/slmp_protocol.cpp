@@ -132,8 +132,9 @@ std::optional<DeviceAnswer> SlmpPlanLine::next_answer()
     return first;
 }
 
-/// SD203, the CPU's operating status, whose lowest four bits have the mode (list of special
-/// registers of QCPU). A PLC that has it in another place refuses it, or says RUN with its 0.
+/// SD203, the CPU's operating status, whose lowest four bits have the mode. The list of special
+/// registers of QCPU documents it; other clients read it of iQ-R and FX5, too. A PLC that has it in
+/// another place refuses it, or says RUN with its 0.
 constexpr SlmpDevice mode_device{.code = 0xA9, .number = 203};
 
 class SlmpProtocol final : public DeviceProtocol {
