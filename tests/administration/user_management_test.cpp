@@ -397,6 +397,40 @@ TEST_CASE("user management: changes are made one by one, and users take turns")
     CHECK(worker.jobs.empty());
 }
 
+TEST_CASE("user management: many Calls of one user wait for the Call of another")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    REQUIRE(users.user_list.add({"chief", {}, 0, {}, {"SecurityAdmin"}}, patience, users.random));
+    auto admin = users.log_in();
+    auto chief = users.log_in("chief", patience);
+    const auto add_later = [](TestClient& client, const char* name) {
+        CallRequest request;
+        CallMethodRequest& each = request.methods_to_call.emplace_back();
+        each.object_id = NodeId{0, id::UserManagement};
+        each.method_id = NodeId{0, id::UserManagement_AddUser};
+        each.input_arguments = {Variant{String{name}}, Variant{String{patience}},
+                                Variant{std::uint32_t{0}}, Variant{String{}}};
+        client.send(request);
+    };
+    for (const char* name : {"a", "b", "c"}) {
+        add_later(admin, name);
+    }
+    add_later(chief, "z");
+    const auto there = [&](const char* name) { return users.user_list.find(name).has_value(); };
+    for (int i = 0; i < 2; ++i) { // the one that was begun, and that of the other user
+        worker.work();
+        users.complete();
+    }
+    CHECK((there("a") && there("z")));
+    CHECK_FALSE((there("b") || there("c")));
+    while (!worker.jobs.empty()) {
+        worker.work();
+        users.complete();
+    }
+    CHECK((there("b") && there("c")));
+}
+
 TEST_CASE("user management: the jobs of some users leave places for those of others")
 {
     ManualWorker worker;

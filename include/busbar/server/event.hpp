@@ -110,7 +110,7 @@ private:
     template <typename Put>
     void push(Put put, bool& is_queued);
 
-    /// Empty once the queue is closed; whoever raises an event uses it meanwhile.
+    /// Empty once the queue is closed. A thread that raises an event uses it meanwhile.
     busbar::detail::Lent<const WallClock> wall_clock_;
     busbar::detail::WakerSlot waker_;
     busbar::detail::BoundedRing<Raised> ring_;

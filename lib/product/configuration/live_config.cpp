@@ -1,5 +1,6 @@
 #include "live_config.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <busbar/server/running_server.hpp>
@@ -7,6 +8,19 @@
 #include "limit_keys.hpp"
 
 namespace busbar::product {
+
+namespace {
+
+bool is_same(const server::EndpointConfig& a, const server::EndpointConfig& b)
+{
+    return a.security == b.security && a.allows_anonymous == b.allows_anonymous &&
+           a.allows_user_name == b.allows_user_name && a.password_policy == b.password_policy &&
+           a.allows_plain_passwords == b.allows_plain_passwords &&
+           a.allows_certificate == b.allows_certificate &&
+           a.certificate_policy == b.certificate_policy && a.allows_issued == b.allows_issued;
+}
+
+} // namespace
 
 LiveConfig::LiveConfig(server::Server& server, const Administered& administered,
                        const ControllerConfig& started, LogSink& log)
@@ -50,6 +64,16 @@ void LiveConfig::apply(const ControllerConfig& config) const
     if (!done) {
         log_.write(LogLevel::Error, "controller",
                    text(done.error()) + "; the server goes on as it was");
+    }
+}
+
+void LiveConfig::apply_offer(const ControllerConfig& config) const
+{
+    const auto wanted = next(config).endpoints;
+    const auto& offered = server_.config().endpoints;
+    if (!std::ranges::equal(wanted, offered,
+                            [](const auto& a, const auto& b) { return is_same(a, b); })) {
+        apply(config);
     }
 }
 

@@ -22,6 +22,9 @@ public:
     [[nodiscard]] Configured<void> check(const ControllerConfig& config) const;
     /// Applies a configuration that check() accepted. Logs steps that fail nevertheless.
     void apply(const ControllerConfig& config) const;
+    /// Does the same if the endpoints would offer other kinds of user: a change that is none has no
+    /// audit event.
+    void apply_offer(const ControllerConfig& config) const;
 
 private:
     [[nodiscard]] server::ServerConfig next(const ControllerConfig& config) const;

@@ -221,7 +221,7 @@ void Generation::attach(const Requests& requests)
                  return machine != nullptr && machine->mode() == controller::MachineMode::Run;
              },
          .users_changed = requests.security_changed,
-         .offer_changed = [this] { live_.apply(settings_->config()); },
+         .offer_changed = [this] { live_.apply_offer(settings_->config()); },
          .renewed = requests.renewed,
          .file_systems = files,
          .file_transfers = transfers(requests),
