@@ -13,6 +13,7 @@
 
 #include "administration/rights.hpp"
 #include "managed_fixture.hpp"
+#include "right_places.hpp"
 
 /// A server with all Objects of the administration, nine identities that log in there, and which
 /// row of the table of rights each of its nodes belongs to.
@@ -22,55 +23,6 @@ using namespace busbar;
 using namespace busbar::test;
 using namespace administration::detail;
 using administration::Authorities;
-
-/// Where what lies, by the names on the way; the longest that fits counts.
-struct Place {
-    std::string_view path;
-    Thing thing;
-};
-inline constexpr std::array places{
-    Place{"RequestServerStateChange", Thing::StateChange},
-    Place{"ServerDiagnosticsSummary", Thing::ServerStatus},
-    Place{"RoleSet", Thing::RoleRules},
-    Place{"ServerConfiguration", Thing::ServerFacts},
-    Place{"ServerConfiguration/UpdateCertificate", Thing::OwnCertificate},
-    Place{"ServerConfiguration/CreateSigningRequest", Thing::OwnCertificate},
-    Place{"ServerConfiguration/GetCertificates", Thing::OwnCertificate},
-    Place{"ServerConfiguration/CreateSelfSignedCertificate", Thing::OwnCertificate},
-    Place{"ServerConfiguration/DeleteCertificate", Thing::OwnCertificate},
-    Place{"ServerConfiguration/ApplyChanges", Thing::TransactionEnds},
-    Place{"ServerConfiguration/CancelChanges", Thing::TransactionEnds},
-    Place{"ServerConfiguration/ResetToServerDefaults", Thing::Reset},
-    Place{"ServerConfiguration/GetRejectedList", Thing::TrustLists},
-    Place{"ServerConfiguration/RemoveRejectedCertificate", Thing::TrustListChanges},
-    Place{"ServerConfiguration/TransactionDiagnostics", Thing::TrustLists},
-    Place{"ServerConfiguration/CertificateGroups/", Thing::TrustLists},
-    Place{"ServerConfiguration/CertificateGroups/*/TrustList/Write", Thing::TrustListChanges},
-    Place{"ServerConfiguration/CertificateGroups/*/TrustList/CloseAndUpdate",
-          Thing::TrustListChanges},
-    Place{"ServerConfiguration/CertificateGroups/*/TrustList/AddCertificate",
-          Thing::TrustListChanges},
-    Place{"ServerConfiguration/CertificateGroups/*/TrustList/RemoveCertificate",
-          Thing::TrustListChanges},
-    Place{"ServerConfiguration/UserManagement", Thing::UserManagement},
-    Place{"ServerConfiguration/UserManagement/Users", Thing::Users},
-    Place{"ServerConfiguration/UserManagement/AddUser", Thing::Users},
-    Place{"ServerConfiguration/UserManagement/ModifyUser", Thing::Users},
-    Place{"ServerConfiguration/UserManagement/RemoveUser", Thing::Users},
-    Place{"ServerConfiguration/UserManagement/ChangePassword", Thing::OwnPassword},
-    Place{"Settings", Thing::Settings},
-    Place{"Settings/users/anonymous", Thing::SecuritySettings},
-    Place{"Status", Thing::ServiceStatus},
-    Place{"recipes", Thing::Files},
-    Place{"recipes/CreateDirectory", Thing::FileChanges},
-    Place{"recipes/CreateFile", Thing::FileChanges},
-    Place{"recipes/Delete", Thing::FileChanges},
-    Place{"recipes/MoveOrCopy", Thing::FileChanges},
-    Place{"recipes/a/Write", Thing::FileChanges},
-    Place{"backup", Thing::Files},
-    Place{"backup/GenerateFileForWrite", Thing::FileChanges},
-    Place{"backup/CloseAndCommit", Thing::FileChanges},
-};
 
 struct Identity {
     const char* role; // null: anonymous, empty: a user without roles
@@ -99,23 +51,6 @@ struct Node {
     bool is_method;
     bool is_writable;
 };
-
-/// "*" in the pattern is one name.
-inline bool fits(std::string_view path, std::string_view pattern)
-{
-    while (!pattern.empty() && !path.empty()) {
-        if (pattern.front() == '*') {
-            pattern.remove_prefix(1);
-            path.remove_prefix(std::min(path.find('/'), path.size()));
-        } else if (pattern.front() == path.front()) {
-            pattern.remove_prefix(1);
-            path.remove_prefix(1);
-        } else {
-            return false;
-        }
-    }
-    return pattern.empty();
-}
 
 inline Thing thing_at(std::string_view path)
 {

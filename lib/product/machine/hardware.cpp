@@ -5,9 +5,12 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <busbar/types/enumerations.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "product/access/part_rights.hpp"
 
 namespace busbar::product {
 
@@ -41,18 +44,18 @@ constexpr std::array medium_names{
     MediumName{StorageMedium::State::Protected, "medium protected"},
 };
 
-model::NodeAccess for_those_who_may_stop()
+model::NodeAccess access_of_hardware()
 {
     constexpr auto may = static_cast<std::uint32_t>(PermissionType::Browse) |
                          static_cast<std::uint32_t>(PermissionType::Read) |
                          static_cast<std::uint32_t>(PermissionType::Call);
+    const PartRight& right = right_of(AdministeredPart::Hardware);
     model::NodeAccess access;
-    for (const std::uint32_t role : {id::WellKnownRole_Engineer, id::WellKnownRole_ConfigureAdmin,
-                                     id::WellKnownRole_SecurityAdmin}) {
-        RolePermissionType permission;
-        permission.role_id = NodeId{0, role};
-        permission.permissions = static_cast<PermissionType>(may);
-        access.role_permissions.push_back(std::move(permission));
+    if (right.channel != administration::detail::over::any) {
+        access.restrictions = right.channel;
+    }
+    for (NodeId& role : nodes_of(right.change)) {
+        access.role_permissions.push_back({std::move(role), static_cast<PermissionType>(may)});
     }
     return access;
 }
@@ -117,8 +120,14 @@ Result<void> publish_hardware(model::AddressSpace& space, model::NodeIndex folde
     if (!added) {
         return fail(added.error());
     }
-    space.set_node_access(*object, for_those_who_may_stop());
-    space.set_node_access(*added, for_those_who_may_stop());
+    std::vector<model::NodeIndex> nodes{*object, *added};
+    space.for_each_below(*added, [&](model::NodeIndex argument) {
+        nodes.push_back(argument);
+        return true;
+    });
+    for (const model::NodeIndex each : nodes) {
+        space.set_node_access(each, access_of_hardware());
+    }
     return {};
 }
 

@@ -8,9 +8,9 @@
 
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "core/unfinished.hpp"
+#include "product/access/part_rights.hpp"
 #include "restored_values.hpp"
 
 namespace busbar::product {
@@ -166,28 +166,22 @@ void Machine::look_for_log_files()
 
 std::vector<administration::FileSystem> Machine::file_systems()
 {
-    const auto roles = [](std::initializer_list<std::uint32_t> ids) {
-        std::vector<NodeId> nodes;
-        for (const std::uint32_t id : ids) {
-            nodes.emplace_back(std::uint16_t{0}, id);
-        }
-        return nodes;
+    const auto folder = [](AdministeredPart part, Storage& files) {
+        const PartRight& right = right_of(part);
+        return administration::FileSystem{.name = std::string{right.name},
+                                          .storage = &files,
+                                          .readers = nodes_of(right.see),
+                                          .writers = nodes_of(right.change)};
     };
-    administration::FileSystem events{.name = "EventLog", .storage = &event_files_};
-    administration::FileSystem log{.name = "ExecutionLog", .storage = &log_folder_};
+    administration::FileSystem events = folder(AdministeredPart::EventLog, event_files_);
+    administration::FileSystem log = folder(AdministeredPart::ExecutionLog, log_folder_);
     log.is_written_by_program = true;
     log.limits.max_entries = most_log_entries;
     log.limits.max_depth = 1;
-    log.readers =
-        roles({id::WellKnownRole_Operator, id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
-               id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin});
     events.is_written_by_program = true;
     events.limits = log.limits;
-    events.readers = log.readers;
     log.may_delete = controller::ExecutionLog::is_complete_file;
     log.begin_new_file = [this] { return execution_log_->begin_new_file(); };
-    log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
-                         id::WellKnownRole_SecurityAdmin});
     return execution_log_ ? std::vector{log, events} : std::vector{events};
 }
 

@@ -9,9 +9,9 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "core/json_writer.hpp"
+#include "product/access/part_rights.hpp"
 
 namespace busbar::product {
 
@@ -131,13 +131,13 @@ MachineBackup::MachineBackup(Needs needs)
 
 administration::TemporaryFileTransfer MachineBackup::transfer()
 {
-    const NodeId administrator{0, id::WellKnownRole_SecurityAdmin};
+    const PartRight& right = right_of(AdministeredPart::Backup);
     constexpr std::size_t max_size = controller::MemoryLimits{}.max_backup_size;
-    return {.name = "Backup",
+    return {.name = std::string{right.name},
             .owner = this,
             .limits = {.max_file_size = max_size, .max_held = 2 * max_size},
-            .readers = {administrator},
-            .writers = {administrator}};
+            .readers = nodes_of(right.see),
+            .writers = nodes_of(right.change)};
 }
 
 Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,

@@ -9,10 +9,10 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "controller/life/checksum.hpp"
 #include "core/json_writer.hpp"
+#include "product/access/part_rights.hpp"
 #include "product/store/received_program.hpp"
 #include "program_change.hpp"
 #include "program_file.hpp"
@@ -158,16 +158,14 @@ ProgramService::ProgramService(Needs needs)
 
 administration::TemporaryFileTransfer ProgramService::transfer()
 {
-    const std::vector<NodeId> designers{NodeId{0, id::WellKnownRole_Engineer},
-                                        NodeId{0, id::WellKnownRole_ConfigureAdmin},
-                                        NodeId{0, id::WellKnownRole_SecurityAdmin}};
-    return {.name = "Program",
+    const PartRight& right = right_of(AdministeredPart::Program);
+    return {.name = std::string{right.name},
             .owner = this,
             .limits = {.max_file_size = ReceivedProgram::max_text,
                        .max_held = 2 * ReceivedProgram::max_text,
                        .max_written = 1},
-            .readers = designers,
-            .writers = designers};
+            .readers = nodes_of(right.see),
+            .writers = nodes_of(right.change)};
 }
 
 std::string ProgramService::status_text() const

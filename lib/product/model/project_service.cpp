@@ -7,9 +7,9 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text_forms.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "core/json_writer.hpp"
+#include "product/access/part_rights.hpp"
 #include "project_labels.hpp"
 
 namespace busbar::product {
@@ -90,16 +90,14 @@ ProjectService::ProjectService(Needs needs)
 
 administration::TemporaryFileTransfer ProjectService::transfer()
 {
-    // A project contains users, their hashes and rules for access without security, so only
-    // administrators who may change these may read or write it.
-    const std::vector<NodeId> administrators{NodeId{0, id::WellKnownRole_SecurityAdmin}};
-    return {.name = "Project",
+    const PartRight& right = right_of(AdministeredPart::Project);
+    return {.name = std::string{right.name},
             .owner = this,
             .limits = {.max_file_size = max_project_size,
                        .max_held = 2 * max_project_size,
                        .max_written = 1},
-            .readers = administrators,
-            .writers = administrators};
+            .readers = nodes_of(right.see),
+            .writers = nodes_of(right.change)};
 }
 
 std::string ProjectService::status_text() const
