@@ -38,8 +38,10 @@ std::string between(const std::string& text, const std::string& before, const st
 
 } // namespace
 
-Controller::Controller(const ScratchFolder& scratch, std::string name, std::string configuration)
-    : scratch_{&scratch}, name_{std::move(name)}, configuration_{std::move(configuration)}
+Controller::Controller(const ScratchFolder& scratch, std::string name, std::string configuration,
+                       std::vector<std::string> arguments)
+    : scratch_{&scratch}, name_{std::move(name)}, configuration_{std::move(configuration)},
+      arguments_{std::move(arguments)}
 {
     start("0");
 }
@@ -52,8 +54,9 @@ void Controller::start(const std::string& port)
     const std::string file =
         scratch_->write(name_ + "/" + name_ + ".toml", server + configuration_);
     const std::string folder = scratch_->path() + "/" + name_;
-    program_ = std::make_unique<Program>(
-        std::vector<std::string>{BUSBAR_CONTROLLER, "--config", file}, folder, folder + "/log");
+    std::vector<std::string> command{BUSBAR_CONTROLLER, "--config", file};
+    command.insert(command.end(), arguments_.begin(), arguments_.end());
+    program_ = std::make_unique<Program>(command, folder, folder + "/log");
     if (!program_->wait_for("ready; ")) {
         throw std::runtime_error{name_ + " does not start, " + program_->end_text() + ": " +
                                  program_->output()};

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <busbar/core/date_time.hpp>
 
@@ -12,14 +13,16 @@ namespace busbar::test {
 /// A busbar-controller at a port of its own, in a folder of its own.
 class Controller {
 public:
-    /// `configuration` is TOML without its [server] table's port and address. Throws if it does not
-    /// start. The folder outlives it.
-    Controller(const ScratchFolder& scratch, std::string name, std::string configuration);
+    /// `configuration` is TOML without its [server] table's port and address, `arguments` come
+    /// after it on the command line. Throws if it does not start. The folder outlives it.
+    Controller(const ScratchFolder& scratch, std::string name, std::string configuration,
+               std::vector<std::string> arguments = {});
 
     void kill() { program_.reset(); }
     /// Starts it again, at the same port.
     void restart() { start(port_); }
 
+    [[nodiscard]] ::pid_t process() const { return program_->process(); }
     [[nodiscard]] const std::string& port() const { return port_; }
     [[nodiscard]] std::string url() const { return "opc.tcp://localhost:" + port_; }
 
@@ -29,6 +32,7 @@ private:
     const ScratchFolder* scratch_;
     std::string name_;
     std::string configuration_;
+    std::vector<std::string> arguments_;
     std::unique_ptr<Program> program_;
     std::string port_;
 };

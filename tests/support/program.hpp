@@ -56,6 +56,7 @@ public:
     [[nodiscard]] std::string output() const;
     /// False if that is never there.
     [[nodiscard]] bool wait_for(std::string_view text);
+    [[nodiscard]] ::pid_t process() const { return process_; }
     /// The exit code, or 128 and the signal's number; -1 if it does not end.
     [[nodiscard]] int wait_for_end();
     /// Whether it runs, or what it has ended with, for messages.
