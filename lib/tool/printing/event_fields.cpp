@@ -1,10 +1,8 @@
 #include "event_fields.hpp"
 
-#include <charconv>
-
+#include <busbar/client/event_filter.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/filter.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "display_text.hpp"
 #include "value.hpp"
@@ -13,88 +11,15 @@ namespace busbar::tool {
 
 namespace {
 
-/// "2:Press/Force": names of a path, each with its namespace if it is not 0.
-Array<QualifiedName> browse_path(std::string_view text)
-{
-    Array<QualifiedName> path;
-    while (!text.empty()) {
-        const std::string_view part = text.substr(0, text.find('/'));
-        text.remove_prefix(std::min(part.size() + 1, text.size()));
-        const std::size_t colon = part.find(':');
-        std::uint16_t index = 0;
-        const auto read = std::from_chars(part.data(), part.data() + part.size(), index);
-        const bool has_index = colon != std::string_view::npos && read.ec == std::errc{} &&
-                               read.ptr == part.data() + colon;
-        path.emplace_back(has_index ? index : std::uint16_t{0},
-                          String{has_index ? part.substr(colon + 1) : part});
-    }
-    return path;
-}
-
-SimpleAttributeOperand operand(std::string_view field)
-{
-    SimpleAttributeOperand operand;
-    operand.type_definition_id = NodeId{0, id::BaseEventType};
-    operand.browse_path = browse_path(field);
-    operand.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    return operand;
-}
-
-ExtensionObject literal(Variant value)
-{
-    LiteralOperand operand;
-    operand.value = std::move(value);
-    return ExtensionObject::from(std::move(operand));
-}
-
-ExtensionObject element(std::uint32_t index)
-{
-    ElementOperand operand;
-    operand.index = index;
-    return ExtensionObject::from(operand);
-}
-
-ContentFilterElement condition(FilterOperator filter_operator,
-                               std::initializer_list<ExtensionObject> operands)
-{
-    ContentFilterElement condition;
-    condition.filter_operator = filter_operator;
-    condition.filter_operands = operands;
-    return condition;
-}
-
-/// Up to two conditions, which all have to hold (Part 4, 7.7.3).
-ContentFilter where_clause(const EventChoice& choice)
-{
-    ContentFilter filter;
-    const bool has_severity = choice.severity > 0;
-    const bool has_type = !choice.type.is_null();
-    if (has_severity && has_type) { // the first of all elements is evaluated
-        filter.elements.push_back(condition(FilterOperator::And, {element(1), element(2)}));
-    }
-    if (has_severity) {
-        filter.elements.push_back(condition(
-            FilterOperator::GreaterThanOrEqual,
-            {ExtensionObject::from(operand("Severity")), literal(Variant{choice.severity})}));
-    }
-    if (has_type) {
-        filter.elements.push_back(
-            condition(FilterOperator::OfType, {literal(Variant{choice.type})}));
-    }
-    return filter;
-}
-
+/// The standard fields, then the user's own.
 EventFilter filter_of(const EventChoice& choice)
 {
-    EventFilter filter;
-    for (const std::string_view field : standard_event_fields) {
-        filter.select_clauses.push_back(operand(field));
-    }
-    for (const std::string& field : choice.fields) {
-        filter.select_clauses.push_back(operand(field));
-    }
-    filter.where_clause = where_clause(choice);
-    return filter;
+    client::EventSelection selection;
+    selection.fields.assign(standard_event_fields.begin(), standard_event_fields.end());
+    selection.fields.insert(selection.fields.end(), choice.fields.begin(), choice.fields.end());
+    selection.severity = choice.severity;
+    selection.type = choice.type;
+    return client::event_filter(selection);
 }
 
 } // namespace
