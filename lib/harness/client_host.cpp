@@ -21,6 +21,7 @@ ClientHost::ClientHost(World& world, client::ClientConfig config, const ClientPa
                    .log = parts.log != nullptr ? parts.log : &world.new_log(Actor::Client),
                    .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
                    .identity = parts.identity,
+                   .key_log = parts.key_log,
                    .chunk_hook = &world.network().chunk_hook()},
       client_{std::make_unique<client::Client>(std::move(config), environment_, world.now())},
       open_{world.scheduler(), [this] { open(); }}, deadline_{world.scheduler(),

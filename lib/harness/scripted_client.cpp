@@ -64,6 +64,7 @@ Result<void> ScriptedClient::open(Duration limit)
         .log = &log_,
         .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
         .identity = parts_.identity,
+        .key_log = parts_.key_log,
         .chunk_hook = chunks_.get()};
     channel_.emplace(config_, environment, world_.now());
     update();

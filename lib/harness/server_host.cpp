@@ -184,6 +184,7 @@ ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& lo
         .users = parts.users != nullptr ? parts.users : &anybody_,
         .access = parts.access,
         .waker = this,
+        .key_log = parts.key_log,
         .chunk_hook = chunk_hook};
     auto created = server::Server::create(std::move(config), environment, std::move(address_space));
     if (!created) {

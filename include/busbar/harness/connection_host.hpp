@@ -33,7 +33,7 @@ struct ClientParts {
     std::string application_uri{"urn:busbar:harness:client"};
     /// Makes nonces; if null, numbers of the world, which protect nothing. For a ConnectionHost.
     crypto::Random* random{nullptr};
-    /// Receives the keys of its channels; null for none, see ChannelEnvironment. Likewise.
+    /// Receives the keys of its channels, in builds with BUSBAR_KEY_LOG; null for none.
     channel::KeyLog* key_log{nullptr};
 };
 

@@ -39,9 +39,9 @@ public:
     /// Creates and activates a session of an anonymous user, with what the channel's security
     /// needs; runs the world meanwhile. The error is expect()'s.
     Result<void> open_session(Duration limit = std::chrono::minutes{1});
-    /// Sends a request unchanged, except that a request handle of 0 becomes a new one and a null
-    /// authentication token the session's. Returns its RequestId, 0 if `wrong` sends it never;
-    /// Bad_NotConnected without a channel.
+    /// Sends a request unchanged, except that a request handle of 0 becomes a new one, a null
+    /// authentication token the session's, and a null timestamp the time of day. Returns its
+    /// RequestId, 0 if `wrong` sends it never; Bad_NotConnected without a channel.
     template <typename Request>
     Result<std::uint32_t> send(Request request, const Wrong& wrong = {})
     {
@@ -50,6 +50,9 @@ public:
         }
         if (request.request_header.authentication_token.is_null()) {
             request.request_header.authentication_token = authentication_token_;
+        }
+        if (request.request_header.timestamp == DateTime{}) {
+            request.request_header.timestamp = world_.clock().now();
         }
         auto body = encode_body(request);
         return body ? send_body(*body, wrong) : fail(body.error());

@@ -11,26 +11,12 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/harness/engine_watch.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::harness {
-
-/// Is notified when the server's own code begins to run and when it has ended: for faults that
-/// shall happen to the server alone, such as memory that runs out. The calls do not nest.
-class BUSBAR_API EngineWatch {
-public:
-    EngineWatch() = default;
-    EngineWatch(const EngineWatch&) = delete;
-    EngineWatch& operator=(const EngineWatch&) = delete;
-    virtual ~EngineWatch() = default;
-
-    /// Called before the host calls into the server.
-    virtual void enter() = 0;
-    /// Called after it.
-    virtual void leave() = 0;
-};
 
 /// The parts that a hosted server needs in addition to its configuration. All pointers must outlive
 /// the host.
@@ -47,6 +33,9 @@ struct ServerParts {
     /// Observes code that is not called through ServerHost::server(). What the server calls, such
     /// as a data source or a log, runs inside.
     EngineWatch* watch{nullptr};
+    /// Gets the keys of the server's channels, for Wireshark, in builds with BUSBAR_KEY_LOG. May be
+    /// null.
+    channel::KeyLog* key_log{nullptr};
 };
 
 /// Returns a configuration with one endpoint without security, on which every user has all rights:
