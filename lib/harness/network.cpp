@@ -96,6 +96,9 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
         log("there is no listener at " + printable(url) + listeners());
         return fail(status::Bad_ConnectionRejected);
     }
+    if (const auto name = client_names_.find(client_address); name != client_names_.end()) {
+        timeline_->name_client(connection_count_, name->second);
+    }
     constexpr std::uint64_t first_stream = 1'000;
     const auto own = weathers_.find(client_address);
     const auto link =
@@ -140,6 +143,11 @@ Weather& Network::weather_of(std::string_view client_address)
     return known != weathers_.end()
                ? known->second
                : weathers_.emplace(std::string{client_address}, weather_).first->second;
+}
+
+void Network::name_client(std::string_view address, std::string_view name)
+{
+    client_names_.insert_or_assign(std::string{address}, std::string{name});
 }
 
 std::string Network::listeners() const

@@ -61,6 +61,15 @@ Timeline::Entry& Timeline::next()
     return entry;
 }
 
+void Timeline::name_client(std::size_t connection, std::string_view name)
+{
+    // As many as there are lines, which is enough for all but a crowd.
+    while (client_names_.size() >= max_entries) {
+        client_names_.erase(client_names_.begin());
+    }
+    client_names_.insert_or_assign(connection, std::string{name});
+}
+
 void Timeline::sent(std::size_t connection, Side from, const DissectedFrame& frame)
 {
     connections_ = std::max(connections_, connection);
@@ -95,7 +104,9 @@ std::string Timeline::text_of(const Entry& entry) const
     if (!entry.what.empty()) {
         return text + " network: " + entry.what + "\n";
     }
-    return text + (entry.from == Side::Client ? " client -> " : " server -> ") +
+    const auto name = client_names_.find(entry.connection);
+    const std::string client = name == client_names_.end() ? "client" : name->second;
+    return text + " " + (entry.from == Side::Client ? client : "server") + " -> " +
            frame_text(entry.frame) + "\n";
 }
 

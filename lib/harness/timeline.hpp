@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ public:
     /// `scheduler` must outlive it.
     explicit Timeline(const Scheduler& scheduler) : scheduler_{&scheduler} {}
 
+    /// The client of a connection is not just "client".
+    void name_client(std::size_t connection, std::string_view name);
     /// `from` has sent the first chunk of a message.
     void sent(std::size_t connection, Side from, const DissectedFrame& frame);
     /// Adds a line about a connection that is not a message: "cut after PublishResponse 3".
@@ -46,6 +49,8 @@ private:
     std::vector<Entry> entries_;
     std::size_t count_{0};
     std::size_t connections_{0};
+    /// By the number of the connection.
+    std::map<std::size_t, std::string> client_names_;
 };
 
 } // namespace busbar::harness::detail

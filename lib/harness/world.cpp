@@ -18,7 +18,7 @@ namespace {
 struct Worlds {
     std::mutex mutex;
     std::vector<const World*> all;
-    FailTest fail_test{nullptr};
+    FailTest on_failure{nullptr};
 };
 
 Worlds& worlds()
@@ -43,7 +43,7 @@ std::string section(std::string_view title, std::string_view text)
 
 FailTest set_fail_test(FailTest fail_test)
 {
-    return std::exchange(worlds().fail_test, fail_test);
+    return std::exchange(worlds().on_failure, fail_test);
 }
 
 std::string account_of_worlds(std::size_t lines)
@@ -57,6 +57,14 @@ std::string account_of_worlds(std::size_t lines)
     return text;
 }
 
+void fail_test(const std::string& why)
+{
+    const FailTest on_failure = worlds().on_failure;
+    if (on_failure != nullptr && std::uncaught_exceptions() == 0) {
+        on_failure(why);
+    }
+}
+
 World::World(std::uint64_t seed, DateTime begin) : seed_{seed}, clock_{scheduler_, begin}
 {
     Worlds& known = worlds();
@@ -66,17 +74,16 @@ World::World(std::uint64_t seed, DateTime begin) : seed_{seed}, clock_{scheduler
 
 World::~World()
 {
-    Worlds& known = worlds();
     {
+        Worlds& known = worlds();
         const std::lock_guard lock{known.mutex};
         known.all.erase(std::remove(known.all.begin(), known.all.end(), this), known.all.end());
     }
-    const std::string pending = network_.pending_faults();
-    if (!pending.empty() && !network_.forgives_pending_faults() && known.fail_test != nullptr &&
-        std::uncaught_exceptions() == 0) {
-        known.fail_test("faults that have never acted, so that the test proves nothing of them "
-                        "(Network::forgive_pending_faults() if that is meant):\n" +
-                        pending + account());
+    if (const std::string pending = network_.pending_faults();
+        !pending.empty() && !network_.forgives_pending_faults()) {
+        fail_test("faults that have never acted, so that the test proves nothing of them "
+                  "(Network::forgive_pending_faults() if that is meant):\n" +
+                  pending + account());
     }
 }
 
@@ -88,6 +95,11 @@ LogSink& World::new_log(Actor kind)
     if (const std::size_t number = ++speakers_.at(index); number > 1) {
         name += " " + std::to_string(number);
     }
+    return new_log(std::move(name));
+}
+
+LogSink& World::new_log(std::string name)
+{
     return *logs_.emplace_back(std::make_unique<Speaker>(log_, std::move(name)));
 }
 

@@ -3,16 +3,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <busbar/core/api.hpp>
-#include <busbar/harness/connection_host.hpp>
+#include <busbar/harness/bench_client.hpp>
 #include <busbar/harness/server_host.hpp>
-#include <busbar/types/attribute.hpp>
-#include <busbar/types/method.hpp>
-#include <busbar/types/subscription.hpp>
 
 namespace busbar::harness {
 
@@ -38,7 +36,16 @@ public:
     [[nodiscard]] World& world() { return world_; }
     [[nodiscard]] ServerHost& host() { return server_; }
     [[nodiscard]] server::Server& server() { return server_.server(); }
-    [[nodiscard]] ConnectionHost& client() { return client_; }
+    [[nodiscard]] ConnectionHost& client() { return first_.host(); }
+    /// Returns the further client of this name, which is made when it is first asked for: with the
+    /// options of the first client, but an address of its own, 192.0.2.2 and following, for
+    /// Network::weather_of(). Log and trace have its lines under its name. It lives as long as the
+    /// bench.
+    BenchClient& client(std::string_view name);
+    /// Makes a further client with options of its own. Throws std::invalid_argument if there is one
+    /// of this name.
+    BenchClient& add_client(std::string name, client::ConnectionConfig config,
+                            ClientParts parts = {});
 
     /// Creates a data source and adds it to the server. It lives as long as the server needs it,
     /// which a member of a class derived from Bench would not.
@@ -57,64 +64,86 @@ public:
     Result<NodeId> add_variable(std::string_view name, const model::BoundValue& value,
                                 model::Access access = model::Access::ReadWrite);
 
-    /// Connects and logs in if there is no session, also after a loss.
-    Result<void> connect();
     /// Lets virtual time pass.
     void run_for(Duration time) { world_.run_for(time); }
 
-    /// Reads the Value attribute with both timestamps; a DataValue with the status if the service
-    /// fails.
-    [[nodiscard]] DataValue read(const NodeId& node);
-    /// Reads all nodes in one request.
-    [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes);
+    // The verbs of the first client; see BenchClient.
+
+    /// Connects and logs in if there is no session, also after a loss.
+    Result<void> connect() { return first_.connect(); }
+    /// Sends a request of any service and returns its response.
+    template <typename Response, typename Request>
+    [[nodiscard]] Result<Response> call(Request request)
+    {
+        return first_.call<Response>(std::move(request));
+    }
+    /// Reads an attribute with both timestamps.
+    [[nodiscard]] DataValue read(const NodeId& node, AttributeId attribute = AttributeId::Value)
+    {
+        return first_.read(node, attribute);
+    }
+    /// Reads the values of all nodes in one request.
+    [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes)
+    {
+        return first_.read(nodes);
+    }
     /// Writes a value, and returns the result.
-    StatusCode write(const NodeId& node, Variant value);
+    StatusCode write(const NodeId& node, Variant value)
+    {
+        return first_.write(node, std::move(value));
+    }
     /// Calls a Method.
     [[nodiscard]] Result<CallMethodResult> call(const NodeId& object, const NodeId& method,
-                                                Array<Variant> arguments = {});
-
-    /// Watches the value, with a Subscription that publishes and samples at `interval`. The first
-    /// value is among values() after a while. If the connection or the Subscription is lost, a
-    /// value with the reason as its status is added to values(), and the next verb watches the node
-    /// again. Bad_InvalidArgument for an interval of half the client's request_timeout or more.
+                                                Array<Variant> arguments = {})
+    {
+        return first_.call(object, method, std::move(arguments));
+    }
+    /// Watches the value.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
-                         std::uint32_t queue_size = 100);
-    /// The values of a watched node since the last call; at most the last 100,000. Throws
-    /// std::invalid_argument if subscribe() has not been called for the node.
-    [[nodiscard]] std::vector<DataValue> values(const NodeId& node);
+                         std::uint32_t queue_size = 100)
+    {
+        return first_.subscribe(node, interval, queue_size);
+    }
+    /// The values of a watched node since the last call.
+    [[nodiscard]] std::vector<DataValue> values(const NodeId& node) { return first_.values(node); }
+    /// Runs the world until a value of the node is `wanted`, and returns that value.
+    template <typename Wanted>
+    DataValue await(const NodeId& node, const Wanted& wanted,
+                    Duration limit = std::chrono::minutes{1})
+    {
+        return first_.await(node, wanted, limit);
+    }
+    /// Watches the Events of a node.
+    StatusCode subscribe_events(const NodeId& notifier,
+                                const client::EventSelection& selection = {},
+                                Duration interval = std::chrono::milliseconds{100})
+    {
+        return first_.subscribe_events(notifier, selection, interval);
+    }
+    /// The Events of a node since the last call.
+    [[nodiscard]] std::vector<BenchEvent> events(const NodeId& notifier)
+    {
+        return first_.events(notifier);
+    }
+    /// Runs the world until there is an Event with this Message, or for which a function is true.
+    template <typename Wanted>
+    BenchEvent await_event(const NodeId& notifier, const Wanted& wanted,
+                           Duration limit = std::chrono::minutes{1})
+    {
+        return first_.await_event(notifier, wanted, limit);
+    }
 
 private:
-    struct Watched {
-        NodeId node;
-        Duration interval{0};
-        std::uint32_t queue_size{0};
-        bool is_lost{false};
-        std::vector<DataValue> values;
-
-        void add(DataValue value);
-    };
-
-    /// Creates the item of a watched node.
-    StatusCode watch(std::size_t index);
-    /// All Subscriptions have ended.
-    void lose(StatusCode why);
-
-    [[nodiscard]] Result<std::uint32_t> subscription(Duration interval);
-    void publish();
-    void published(const Result<PublishResponse>& response);
+    Bench(std::unique_ptr<World> world, BenchOptions options);
 
     std::unique_ptr<World> own_world_;
     World& world_;
-    Duration request_timeout_;
+    client::ConnectionConfig client_config_;
+    ClientParts client_parts_;
     std::vector<std::unique_ptr<server::DataSource>> owned_;
     ServerHost server_;
-    ConnectionHost client_;
-    /// The Subscriptions of this connection's session, by publishing interval.
-    std::map<Duration, std::uint32_t> subscriptions_;
-    /// The client handle is the index.
-    std::vector<Watched> watched_;
-    std::vector<SubscriptionAcknowledgement> acknowledgements_;
-    int publishing_{0};
+    BenchClient first_;
+    std::map<std::string, std::unique_ptr<BenchClient>, std::less<>> further_;
 };
 
 } // namespace busbar::harness

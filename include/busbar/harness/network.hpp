@@ -71,6 +71,9 @@ public:
     /// The behaviour for the later connections of one client, at first as it is for all. May be
     /// changed at any time.
     [[nodiscard]] Weather& weather_of(std::string_view client_address);
+    /// From now on the trace has this name for what the client with this address sends, not
+    /// "client".
+    void name_client(std::string_view address, std::string_view name);
     /// Plays the script in addition to those that were played before. Throws std::invalid_argument,
     /// which says why, if one of its faults could never act.
     void play(const FaultScript& script);
@@ -115,6 +118,7 @@ private:
     std::uint64_t seed_;
     Weather weather_;
     std::map<std::string, Weather, std::less<>> weathers_;
+    std::map<std::string, std::string, std::less<>> client_names_;
     std::map<std::string, Acceptor*> acceptors_;
     std::set<std::string, std::less<>> exempt_;
     Weather no_weather_;

@@ -9,7 +9,7 @@
 #include <busbar/core/result.hpp>
 #include <busbar/harness/text.hpp>
 
-/// What a test framework has to know of the worlds of a test; catch.hpp and its siblings use it.
+/// Tells a test framework of the worlds of a test; catch.hpp and its siblings use it.
 namespace busbar::harness {
 
 /// Returns what to print beside a check that fails: of each world that exists, the seed that
@@ -19,9 +19,14 @@ namespace busbar::harness {
 
 /// Tells the framework that the running test has failed; must not throw.
 using FailTest = void (*)(const std::string& why);
-/// Sets what is called when a world ends whose faults have never acted, and returns what was; null,
-/// as at first: nothing is called. Not beside running tests.
+/// Sets what is called when a world ends whose faults have never acted, or a scripted peer whose
+/// report has never been read, and returns what was; null, as at first: nothing is called. Not
+/// beside running tests.
 BUSBAR_API FailTest set_fail_test(FailTest fail_test);
+/// Lets the running test fail for this reason, to which its framework adds the account of the
+/// worlds that exist; nothing if an exception is on its way, or no framework has called
+/// set_fail_test(). May be called by destructors.
+BUSBAR_API void fail_test(const std::string& why);
 
 /// Returns the value, or throws std::runtime_error with the status: for what a test needs and is
 /// not about.

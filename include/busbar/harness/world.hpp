@@ -69,9 +69,12 @@ public:
     /// Returns a log for one of them, whose lines begin with "client", the next one's with
     /// "client 2". Lives as long as the world.
     [[nodiscard]] LogSink& new_log(Actor kind);
+    /// The same with a name that the test gives.
+    [[nodiscard]] LogSink& new_log(std::string name);
     /// The last messages on its network; see Network::trace().
     [[nodiscard]] std::string trace(std::size_t lines = 20) const { return network_.trace(lines); }
-    /// What a test that fails shows: the seed, the last lines of the log, the last messages.
+    /// Returns the seed, the last lines of the log and the last messages: a test that fails shows
+    /// them.
     [[nodiscard]] std::string account(std::size_t lines = 20) const;
 
 private:
