@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string>
 
+#include <busbar/core/attribute_id.hpp>
 #include <busbar/harness/catch.hpp>
 #include <busbar/server/memory_source.hpp>
 #include <busbar/types/ids.hpp>
@@ -53,6 +54,7 @@ TEST_CASE_METHOD(LevelBench, "a bench reads, writes and calls", "[harness]")
     CHECK_THAT((*values)[1], holds(9.0));
     CHECK_THAT((*values)[2], has_status(status::Bad_NodeIdUnknown));
     CHECK(read(std::vector<NodeId>{}).error() == status::Bad_NothingToDo);
+    CHECK_THAT(read(level, AttributeId::BrowseName), holds(QualifiedName{1, "Level"}));
     CHECK(write(level, Variant{"high"}) == status::Bad_TypeMismatch);
     CHECK(write(level, 2.5) == status::Good);
     CHECK_THAT(read(level), holds(2.5));
