@@ -64,6 +64,7 @@ bool is_empty(const String& text)
 DiscoveryServer::DiscoveryServer(World& world, DiscoveryServerOptions options)
     : world_{world}, options_{std::move(options)}, server_{world, options_.url, parts_of(options_)}
 {
+    server_.forgive_report(); // of what it does not know, it answers Bad_ServiceUnsupported
     answer_requests();
 }
 

@@ -1,9 +1,31 @@
 #include <busbar/harness/link.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
+#include <busbar/harness/log_book.hpp>
+
 namespace busbar::harness {
+
+std::string Weather::flaw() const
+{
+    if (min_latency > max_latency) {
+        return "min_latency " + text_of(min_latency) + " is above max_latency " +
+               text_of(max_latency);
+    }
+    if (min_latency < Duration{0}) {
+        return "min_latency " + text_of(min_latency) + " is below 0 s";
+    }
+    if (max_stall < Duration{0}) {
+        return "max_stall " + text_of(max_stall) + " is below 0 s";
+    }
+    if (mean_life < Duration{0}) {
+        return "mean_life " + text_of(mean_life) + " is below 0 s";
+    }
+    return max_notice < Duration{0} ? "max_notice " + text_of(max_notice) + " is below 0 s"
+                                    : std::string{};
+}
 
 Link::Link(Scheduler& scheduler, const Weather& weather, Chance chance)
     : scheduler_{&scheduler}, weather_{&weather}, chance_{chance}
@@ -62,6 +84,9 @@ void Link::send(Side from, std::span<const std::byte> bytes, Duration delay)
 {
     if (is_cut_) {
         return;
+    }
+    if (const std::string flaw = weather_->flaw(); !flaw.empty()) {
+        throw std::invalid_argument{"the weather contradicts itself: " + flaw};
     }
     limit_life();
     TimePoint time = scheduler_->now() + delay;

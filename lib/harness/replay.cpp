@@ -34,8 +34,9 @@ std::string place_of(const std::vector<std::byte>& stream, Side from, std::size_
 } // namespace
 
 Replay::Replay(World& world, const Recording& recording, Side played, std::uint32_t connection)
-    : world_{world}, played_{played}, expected_{recording.stream(connection, other(played))},
-      sending_{world.scheduler(), [this] { send_due(); }}
+    : world_{world}, seed_{recording.seed}, played_{played},
+      expected_{recording.stream(connection, other(played))}, sending_{world.scheduler(),
+                                                                       [this] { send_due(); }}
 {
     for (const Recording::Entry& entry : recording.entries) {
         if (entry.connection != connection) {
@@ -130,6 +131,16 @@ bool Replay::is_over() const
 }
 
 std::string Replay::difference() const
+{
+    std::string text = first_difference();
+    if (!text.empty() && seed_ != world_.seed()) {
+        text += "; the recording has the seed " + std::to_string(seed_) + ", the world " +
+                std::to_string(world_.seed());
+    }
+    return text;
+}
+
+std::string Replay::first_difference() const
 {
     const std::size_t common = std::min(came_.size(), expected_.size());
     const auto end = came_.begin() + static_cast<std::ptrdiff_t>(common);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/harness/report.hpp>
+#include <busbar/harness/text.hpp>
+
 #include "dissector.hpp"
 #include "wrong_chunks.hpp"
 
@@ -223,14 +226,22 @@ ScriptedServer::ScriptedServer(World& world, std::string_view url, const Scripte
     : world_{world}, url_{url}, parts_{parts}, log_{world.new_log(Actor::Server)},
       random_{world.new_chance(Actor::Server).next()}
 {
-    if (!world.network().listen(url, *this)) {
-        unexpected_.emplace_back("the URL is none: " + url_);
+    if (const auto listens = world.network().listen(url, *this); !listens) {
+        unexpected_.push_back("it does not listen at \"" + url_ + "\": " +
+                              (listens.error() == status::Bad_InvalidState
+                                   ? "something else does already"
+                                   : text_of(listens.error())));
     }
 }
 
 ScriptedServer::~ScriptedServer()
 {
     world_.network().unlisten(*this);
+    if (const std::string text = follow_up(); !has_been_asked_ && !text.empty()) {
+        fail_test("a scripted server was not asked as its script says, and the test has not looked "
+                  "at its report():\n" +
+                  text);
+    }
 }
 
 detail::ScriptStep& ScriptedServer::add(detail::ScriptStep& step, std::uint32_t encoding_id)
@@ -342,6 +353,12 @@ std::optional<std::vector<std::byte>> ScriptedServer::take_replaced(std::string_
 }
 
 std::string ScriptedServer::report() const
+{
+    has_been_asked_ = true;
+    return follow_up();
+}
+
+std::string ScriptedServer::follow_up() const
 {
     std::string text;
     for (const std::string& line : unexpected_) {

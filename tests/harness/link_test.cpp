@@ -343,6 +343,21 @@ TEST_CASE("a weather that contradicts itself is told where it is used", "[harnes
     const auto link =
         std::make_shared<Link>(world.scheduler(), world.network().weather(), Chance{1, 1});
     CHECK_THROWS_AS(link->send(Side::Client, std::vector<std::byte>(1)), std::invalid_argument);
+    CHECK_THROWS_WITH(link->send(Side::Client, std::vector<std::byte>(1)),
+                      Catch::Contains("min_latency 0.005 s is above max_latency 0.001 s"));
+    CHECK(Weather{}.flaw() == "");
+    Weather weather;
+    weather.max_stall = -1s;
+    CHECK(weather.flaw() == "max_stall -1.000 s is below 0 s");
+    weather = {};
+    weather.min_latency = -1s;
+    CHECK(weather.flaw() == "min_latency -1.000 s is below 0 s");
+    weather = {};
+    weather.mean_life = -1s;
+    CHECK(weather.flaw() == "mean_life -1.000 s is below 0 s");
+    weather = {};
+    weather.max_notice = -1s;
+    CHECK(weather.flaw() == "max_notice -1.000 s is below 0 s");
 }
 
 TEST_CASE("a life that ends is for connections that exist, too", "[harness]")

@@ -2,8 +2,10 @@
 
 #include <busbar/harness/catch.hpp>
 #include <busbar/harness/identity.hpp>
+#include <busbar/harness/report.hpp>
 #include <busbar/harness/scripted_client.hpp>
 #include <busbar/harness/scripted_server.hpp>
+#include <busbar/types/attribute.hpp>
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/session.hpp>
 
@@ -239,6 +241,60 @@ TEST_CASE("values are shown as a test wants to read them", "[harness]")
     timed.server_timestamp = DateTime::from_unix_seconds(0);
     CHECK(text_of(timed) == "Byte 3, server 1970-01-01T00:00:00Z");
     CHECK(Catch::Detail::stringify(NodeId{1, "Level"}) == "ns=1;s=Level");
+}
+
+TEST_CASE("a scripted client says when it sends", "[harness]")
+{
+    World world;
+    ScriptedServer server{world, "opc.tcp://server:4840"};
+    const auto is_timed = [](const auto& request) {
+        return request.request_header.timestamp != DateTime{};
+    };
+    server.expect<CreateSessionRequest>(is_timed).reply(CreateSessionResponse{});
+    server.expect<ActivateSessionRequest>(is_timed).reply(ActivateSessionResponse{});
+    server
+        .expect<ReadRequest>([](const ReadRequest& request) {
+            return request.request_header.timestamp == DateTime{7};
+        })
+        .reply(ReadResponse{});
+    channel::ClientChannelConfig config;
+    config.endpoint_url = "opc.tcp://server:4840";
+    ScriptedClient client{world, config};
+    REQUIRE(client.open());
+    REQUIRE(client.open_session());
+    ReadRequest request;
+    request.request_header.timestamp = DateTime{7};
+    REQUIRE(client.send(request));
+    CHECK(client.expect<ReadResponse>().has_value());
+    CHECK(server.report() == "");
+}
+
+TEST_CASE("a script that was not followed fails a test that does not look", "[harness]")
+{
+    static std::string failures;
+    const FailTest before = set_fail_test([](const std::string& why) { failures += why; });
+    World world;
+    const auto with_server = [&](auto work) {
+        failures.clear();
+        ScriptedServer server{world, "opc.tcp://server:4840"};
+        server.expect<WriteRequest>().reply(WriteResponse{});
+        work(server);
+    };
+    with_server([](ScriptedServer&) {});
+    CHECK_THAT(failures, Catch::Contains("expected WriteRequest, came nothing"));
+    with_server([](ScriptedServer& server) { CHECK_FALSE(server.is_done()); });
+    CHECK(failures == "");
+    with_server([](ScriptedServer& server) { CHECK_FALSE(server.report().empty()); });
+    CHECK(failures == "");
+    with_server([](ScriptedServer& server) { server.forgive_report(); });
+    CHECK(failures == "");
+    with_server([&](ScriptedServer& server) {
+        server.forgive_report();
+        ScriptedServer doubled{world, "opc.tcp://server:4840"};
+    });
+    CHECK_THAT(failures, Catch::Contains("does not listen at \"opc.tcp://server:4840\": "
+                                         "something else does already"));
+    set_fail_test(before);
 }
 
 } // namespace scripted_test

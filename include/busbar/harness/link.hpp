@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <busbar/core/api.hpp>
@@ -43,7 +44,7 @@ public:
 };
 
 /// The behaviour of a network. Shared by links; may be changed at any time. By default nothing goes
-/// wrong. A least value beyond its greatest one throws std::invalid_argument where it is used.
+/// wrong.
 struct Weather {
     /// The latency of each burst of bytes.
     Duration min_latency{std::chrono::milliseconds{1}};
@@ -63,6 +64,10 @@ struct Weather {
     Duration max_notice{0};
     /// The bytes that each direction carries in a second; 0: any number.
     std::size_t bytes_per_second{0};
+
+    /// Returns what contradicts itself, "min_latency 0.005 s is above max_latency 0.001 s"; empty
+    /// if nothing does. A link that is to carry bytes throws std::invalid_argument with it.
+    [[nodiscard]] BUSBAR_API std::string flaw() const;
 };
 
 class Link;

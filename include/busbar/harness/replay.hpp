@@ -33,7 +33,8 @@ public:
     [[nodiscard]] bool is_over() const;
 
     /// Empty if everything that has arrived so far equals the recording. Otherwise the first byte
-    /// that differs, and the message that contains it.
+    /// that differs, the message that contains it, and the seeds if the world has another one than
+    /// the recording. compare_messages() says which values differ.
     [[nodiscard]] std::string difference() const;
 
 private:
@@ -45,9 +46,11 @@ private:
 
     void begin(std::shared_ptr<Link> link);
     void send_due();
+    [[nodiscard]] std::string first_difference() const;
     [[nodiscard]] TimePoint time_of(const Recording::Entry& entry) const;
 
     World& world_;
+    std::uint64_t seed_;
     Side played_;
     std::vector<Recording::Entry> entries_;
     std::vector<std::byte> expected_;
