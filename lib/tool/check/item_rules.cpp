@@ -351,8 +351,12 @@ const SpecRule rules[] = {
              item.requested_parameters.filter = ExtensionObject::from(EventFilter{});
          });
      }},
-    {"item-filter-of-attribute", create, "Only a Value has a DataChangeFilter",
-     "DisplayName, filter = DataChangeFilter", status::Bad_FilterNotAllowed, "Part 4, 7.22.2",
+    {"item-filter-of-attribute",
+     create,
+     "The filter of a DisplayName is not used, or is refused",
+     "DisplayName, filter = DataChangeFilter",
+     {status::Good, status::Bad_FilterNotAllowed},
+     "Part 4, 5.13.1.1",
      RuleNeed::Session,
      [](Subject& subject) {
          return changed(subject, some_scalar(), [](MonitoredItemCreateRequest& item) {
@@ -361,8 +365,13 @@ const SpecRule rules[] = {
              item.requested_parameters.filter = ExtensionObject::from(DataChangeFilter{});
          });
      }},
-    {"item-deadband-negative", create, "A negative deadband is refused",
-     "ServiceLevel, deadbandType = Absolute, deadbandValue = -1", bad_filter, "Part 4, 7.22.2",
+    {"item-deadband-negative",
+     create,
+     "A negative deadband is granted, as each change is larger, or refused",
+     "ServiceLevel, deadbandType = Absolute, deadbandValue = -1",
+     {status::Good, status::Bad_DeadbandFilterInvalid, status::Bad_MonitoredItemFilterInvalid,
+      status::Bad_MonitoredItemFilterUnsupported, status::Bad_FilterNotAllowed},
+     "Part 4, 7.22.2",
      RuleNeed::Session,
      [](Subject& subject) { return deadband(subject, standard(id::Server_ServiceLevel), 1, -1); }},
     {"item-deadband-type", create, "An unknown deadbandType is refused",

@@ -187,6 +187,19 @@ Answer with_token(RawChannel& channel, std::uint32_t token_id)
     return response_status(channel.wire().receive());
 }
 
+/// Sends a message with the first token after its renewal; `is_used`: and one before.
+Answer old_token(Subject& subject, bool is_used)
+{
+    RawChannel channel{subject};
+    const ChannelSecurityToken old = channel.token();
+    if (is_used && !channel.ask()) {
+        return came(status::Bad_ConnectionClosed);
+    }
+    channel.wire().send("OPNF", channel.open_request(SecurityTokenRequestType::Renew));
+    const auto response = channel.take_token(channel.wire().receive());
+    return response ? with_token(channel, old.token_id) : came(response.error());
+}
+
 Answer closed(Subject& subject)
 {
     RawChannel channel{subject};
@@ -347,12 +360,11 @@ const SpecRule rules[] = {
          });
      }},
     {"channel-renew-old", "OpenSecureChannel", "The old token serves until the new one is used",
-     "Renew, then the old token", status::Good, tokens, RuleNeed::OpenChannel,
-     [](Subject& subject) {
-         return renewed(subject, [](RawChannel& channel, const ChannelSecurityToken& old) {
-             return with_token(channel, old.token_id);
-         });
-     }},
+     "a request, Renew, then the old token", status::Good, tokens, RuleNeed::OpenChannel,
+     [](Subject& subject) { return old_token(subject, true); }},
+    {"channel-renew-unused", "OpenSecureChannel", "A token serves until it expires, used or not",
+     "Issue, Renew, then the first token", status::Good, "Part 4, 5.6.2.1", RuleNeed::OpenChannel,
+     [](Subject& subject) { return old_token(subject, false); }},
     {"channel-renew-new", "OpenSecureChannel", "The new token serves at once",
      "Renew, then the new token", status::Good, tokens, RuleNeed::OpenChannel,
      [](Subject& subject) {
