@@ -134,46 +134,39 @@ TEST_CASE("what is no recording is refused", "[harness]")
     CHECK(read_status(small_text, limits) == status::Bad_EncodingLimitsExceeded);
 }
 
-TEST_CASE("a recorder stops at its limits and says so", "[harness]")
+TEST_CASE_METHOD(BenchFixture, "a recorder stops at its limits and says so", "[harness]")
 {
-    World world;
-    ServerHost server{world};
     RecordingLimits limits;
     limits.max_bytes = 100;
-    const auto recorder = std::make_shared<Recorder>(world.seed(), limits);
-    world.network().set_observer(recorder);
-    ConnectionHost client{world};
-    REQUIRE(client.open());
+    const auto recorder = std::make_shared<Recorder>(world().seed(), limits);
+    world().network().set_observer(recorder);
+    REQUIRE(connect());
     CHECK_FALSE(recorder->recording().is_complete);
     CHECK(recorder->recording().stream(1, Side::Client).size() <= 100);
 }
 
-TEST_CASE("a recorder and a replay take what they are made for", "[harness]")
+TEST_CASE_METHOD(BenchFixture, "a recorder and a replay take what they are made for", "[harness]")
 {
-    World world;
-    ServerHost server{world};
     RecordingLimits limits;
     limits.max_connections = 1;
-    const auto recorder = std::make_shared<Recorder>(world.seed(), limits);
-    world.network().set_observer(recorder);
-    ConnectionHost client{world};
-    REQUIRE(client.open());
+    const auto recorder = std::make_shared<Recorder>(world().seed(), limits);
+    world().network().set_observer(recorder);
+    REQUIRE(connect());
     CHECK(recorder->recording().is_complete);
     const std::size_t first = recorder->recording().stream(1, Side::Client).size();
-    ConnectionHost another{world};
-    REQUIRE(another.open());
+    REQUIRE(client("another").connect());
     CHECK_FALSE(recorder->recording().is_complete);
     CHECK(recorder->recording().stream(1, Side::Client).size() == first);
     CHECK(recorder->recording().stream(2, Side::Client).empty());
 
     // Nobody is there, or comes to one that plays a client.
     const Recording recording = small_recording();
-    Replay replay{world, recording, Side::Client};
+    Replay replay{world(), recording, Side::Client};
     CHECK(replay.run("opc.tcp://nobody:1").error() == status::Bad_ConnectionRejected);
-    REQUIRE(world.network().listen("opc.tcp://replay:1", replay));
+    REQUIRE(world().network().listen("opc.tcp://replay:1", replay));
     client::ConnectionConfig config = open_connection_config();
     config.channel.endpoint_url = "opc.tcp://replay:1";
-    CHECK(ConnectionHost{world, config}.open().error() == status::Bad_ConnectionRejected);
+    CHECK(ConnectionHost{world(), config}.open().error() == status::Bad_ConnectionRejected);
     // Its server has another answer than the one byte that was recorded.
     REQUIRE(replay.run(url));
     CHECK_FALSE(replay.is_over());
@@ -229,19 +222,31 @@ TEST_CASE("a replayed server hears byte for byte what the recorded one heard", "
     CHECK_FALSE(replay.is_over());
 }
 
-TEST_CASE("a replay plays the connection that it is told to", "[harness]")
+TEST_CASE_METHOD(BenchFixture, "a replay says that its world has another seed", "[harness]")
 {
-    World world;
-    ServerHost server{world};
-    const auto recorder = std::make_shared<Recorder>(world.seed());
-    world.network().set_observer(recorder);
-    ConnectionHost first{world};
-    REQUIRE(first.open());
-    ConnectionHost second{world};
-    REQUIRE(second.open());
-    world.network().set_observer(nullptr);
-    first.drop();
-    second.drop();
+    const auto recorder = std::make_shared<Recorder>(world().seed());
+    world().network().set_observer(recorder);
+    REQUIRE(connect());
+    client().close();
+    const Recording recording = recorder->recording();
+    World again{recording.seed + 1};
+    const ServerHost server{again};
+    Replay replay{again, recording, Side::Client};
+    REQUIRE(replay.run(url));
+    CHECK_THAT(replay.difference(),
+               Catch::Contains("the recording has the seed " + std::to_string(recording.seed) +
+                               ", the world " + std::to_string(recording.seed + 1)));
+}
+
+TEST_CASE_METHOD(BenchFixture, "a replay plays the connection that it is told to", "[harness]")
+{
+    const auto recorder = std::make_shared<Recorder>(world().seed());
+    world().network().set_observer(recorder);
+    REQUIRE(connect());
+    REQUIRE(client("second").connect());
+    world().network().set_observer(nullptr);
+    client().drop();
+    client("second").host().drop();
     const Recording recording = recorder->recording();
 
     // Each end in a world of its own: what the other sends of another connection does not fit.

@@ -31,17 +31,16 @@ LabelWorldOptions LabelSimulation::world_options(const LabelSimulationOptions& o
 }
 
 LabelSimulation::LabelSimulation(const LabelSimulationOptions& options)
-    : chance_{options.seed, 1}, board_{first_numbers(options.clients)}, plant_{"", variables(true),
-                                                                               world_options(
-                                                                                   options)},
-      trace_{plant_.world.scheduler()}, download_{plant_.world.scheduler(), [this] { download(); }},
-      scan_end_{plant_.world.scheduler(), [this] { plant_.go_on_scanning(); }}
+    : chance_{options.seed, 1}, board_{first_numbers(options.clients)},
+      plant_{"", variables(true), world_options(options)}, trace_{plant_.world().scheduler()},
+      download_{plant_.world().scheduler(), [this] { download(); }},
+      scan_end_{plant_.world().scheduler(), [this] { plant_.go_on_scanning(); }}
 {
-    plant_.world.network().weather().max_latency = 5ms;
+    plant_.world().network().weather().max_latency = 5ms;
     add_nodes();
     plant_.start();
     for (std::size_t i = 0; i < options.clients; ++i) {
-        clients_.push_back(std::make_unique<LabelClient>(plant_.world, board_, trace_, i,
+        clients_.push_back(std::make_unique<LabelClient>(plant_.world(), board_, trace_, i,
                                                          Chance{options.seed, 100 + i}));
     }
     for (const auto& client : clients_) {
@@ -99,7 +98,7 @@ void LabelSimulation::download()
 void LabelSimulation::run(std::chrono::seconds time)
 {
     download_.set_after(100ms);
-    plant_.world.run_for(time);
+    plant_.world().run_for(time);
 }
 
 void LabelSimulation::finish()
@@ -109,7 +108,7 @@ void LabelSimulation::finish()
         client->calm();
     }
     plant_.download("", variables(true));
-    plant_.world.run_for(3s);
+    plant_.world().run_for(3s);
     for (const auto& client : clients_) {
         client->check_end();
     }

@@ -50,14 +50,14 @@ struct Fixture : LabelWorld {
             field.value_rank = -1;
             definition.fields.push_back(field);
         }
-        model::AddressSpace& space = host.server().address_space();
+        model::AddressSpace& space = server().address_space();
         REQUIRE(model::add_structure_type(space, named("PairType", standard(id::Structure)),
                                           std::move(definition)));
         return own("PairType");
     }
     [[nodiscard]] const binary::DynamicTypes& types()
     {
-        return data_types.of(host.server().address_space());
+        return data_types.of(server().address_space());
     }
     [[nodiscard]] ExtensionObject pair(std::int32_t count, double speed, const char* name)
     {
@@ -200,7 +200,7 @@ TEST_CASE_METHOD(Fixture, "8.1 Write: an array in a structure with more and fewe
     text.value_rank = -1;
     text.max_string_length = 4;
     definition.fields = {list, text};
-    REQUIRE(model::add_structure_type(host.server().address_space(),
+    REQUIRE(model::add_structure_type(server().address_space(),
                                       named("BatchType", standard(id::Structure)),
                                       std::move(definition)));
     MappedPart amounts = field("Amounts", {});
@@ -300,9 +300,8 @@ TEST_CASE_METHOD(Fixture, "8.2 Structures: fields are told apart whatever is in 
             field.data_type = type;
             field.value_rank = -1;
         }
-        REQUIRE(model::add_structure_type(host.server().address_space(),
-                                          named(name, standard(id::Structure)),
-                                          std::move(definition)));
+        REQUIRE(model::add_structure_type(
+            server().address_space(), named(name, standard(id::Structure)), std::move(definition)));
         return own(name);
     };
     const NodeId int16 = standard(id::Int16);

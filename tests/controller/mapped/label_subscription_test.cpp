@@ -73,10 +73,10 @@ TEST_CASE("9.12 Sampling modes: a Read waits for the PLC unless all Variables ar
     world.start();
     world.run_scans(10);
     static_cast<void>(world.read("blank"));
-    const TimePoint begin = world.world.now();
+    const TimePoint begin = world.world().now();
     const auto values = world.read_all({"speed", "other", "blank"});
     CHECK(values[2].status == status::Good);
-    CHECK((world.world.now() - begin < LabelWorld::scan_cycle) ==
+    CHECK((world.world().now() - begin < LabelWorld::scan_cycle) ==
           (mode == SamplingMode::AllVariables));
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("10.3 Label update: MonitoredItems have their last values with Good_Ov
     // Names are resolved at the end of a scan: of one that takes its time.
     world.stop_scans();
     world.download("", retyped);
-    world.world.run_for(250ms);
+    world.world().run_for(250ms);
     CHECK(world.source.is_updating());
     const auto last = world.next();
     REQUIRE(last.size() == 1);

@@ -1,16 +1,22 @@
 #include "label_world.hpp"
 
+#include <algorithm>
+#include <iterator>
+
+#include <busbar/harness/report.hpp>
+
 namespace busbar::test {
 
 using controller::MappedPart;
 
 namespace {
 
-server::ServerConfig config()
+harness::BenchOptions bench_options(std::uint64_t seed)
 {
-    server::ServerConfig config = harness::open_server_config();
-    config.limits.subscriptions.sampling = server::stepped_sampling();
-    return config;
+    harness::BenchOptions options;
+    options.seed = seed;
+    options.server.limits.subscriptions.sampling = server::stepped_sampling();
+    return options;
 }
 
 MappedOptions mapped_options(SamplingMode sampling)
@@ -32,13 +38,12 @@ make_labels(controller::Program program, const controller::SimulatedLabelsOption
 } // namespace
 
 LabelWorld::LabelWorld(controller::Program program, LabelWorldOptions options)
-    : world{options.seed}, labels{make_labels(std::move(program), options.labels)},
-      source{labels, mapped_options(options.sampling), &book}, host{world, config()}, client{world},
-      options_{std::move(options)}, plc_{make_plc()}, scan_{world.scheduler(), [this] { scan(); }}
+    : Bench{bench_options(options.seed)}, labels{make_labels(std::move(program), options.labels)},
+      source{labels, mapped_options(options.sampling), &book}, options_{std::move(options)},
+      plc_{make_plc()}, scan_{world().scheduler(), [this] { scan(); }}
 {
-    REQUIRE(host.is_running());
-    host.add_source(source);
-    source.set_space(&host.server().address_space());
+    server().add_source(source);
+    source.set_space(&server().address_space());
 }
 
 controller::Program LabelWorld::program_of(const std::string& types, const std::string& variables)
@@ -61,7 +66,7 @@ std::unique_ptr<controller::Plc> LabelWorld::make_plc() const
 
 void LabelWorld::scan()
 {
-    const DateTime now = world.clock().now();
+    const DateTime now = world().clock().now();
     plc_->scan(now, scan_cycle);
     labels->end_of_scan(now);
     if (next_plc_ != nullptr && &next_plc_->image()->memory() == &labels->memory()) {
@@ -75,7 +80,7 @@ model::NewNode LabelWorld::named(const std::string& name, const NodeId& parent)
     model::NewNode node;
     node.id = own(name);
     node.browse_name = QualifiedName{1, String{name}};
-    node.parent = host.server().address_space().find(parent);
+    node.parent = server().address_space().find(parent);
     return node;
 }
 
@@ -98,7 +103,7 @@ void LabelWorld::add(const std::string& name, const NodeId& type, MappedPart val
         variable.array_dimensions = {elements};
     }
     const NodeId parent{0, id::ObjectsFolder};
-    REQUIRE(host.server().address_space().add_variable(named(name, parent), variable));
+    REQUIRE(server().address_space().add_variable(named(name, parent), variable));
     mapping.variables[own(name)].value = std::move(value);
 }
 
@@ -108,18 +113,18 @@ void LabelWorld::add(const std::string& name, const Array<Argument>& inputs,
     model::NewMethod method;
     method.input_arguments = inputs;
     const NodeId parent{0, id::ObjectsFolder};
-    REQUIRE(host.server().address_space().add_method(named(name, parent), method));
+    REQUIRE(server().address_space().add_method(named(name, parent), method));
     mapping.methods[own(name)] = std::move(methods_mapping);
 }
 
 void LabelWorld::start()
 {
-    model::AddressSpace& space = host.server().address_space();
+    model::AddressSpace& space = server().address_space();
     const auto mapped = controller::map_nodes(space, data_types.of(space), mapping, source);
     CHECK(mapped.left_out.empty());
     go_on_scanning();
     source.start();
-    REQUIRE(client.connect());
+    REQUIRE(connect());
 }
 
 void LabelWorld::download(const std::string& types, const std::string& variables)
@@ -130,14 +135,9 @@ void LabelWorld::download(const std::string& types, const std::string& variables
 
 Array<DataValue> LabelWorld::read_all(const std::vector<std::string>& names)
 {
-    ReadRequest request;
-    request.timestamps_to_return = TimestampsToReturn::Both;
-    for (const std::string& name : names) {
-        request.nodes_to_read.push_back(MappedFixture::value_of(own(name)));
-    }
-    auto response = client.call<ReadResponse>(request);
-    REQUIRE(response);
-    return std::move(response->results);
+    std::vector<NodeId> nodes;
+    std::ranges::transform(names, std::back_inserter(nodes), own);
+    return harness::need(Bench::read(nodes));
 }
 
 Array<StatusCode> LabelWorld::write(const std::vector<std::pair<std::string, Variant>>& values)
@@ -150,22 +150,12 @@ Array<StatusCode> LabelWorld::write(const std::vector<std::pair<std::string, Var
         one.value.value = value;
         request.nodes_to_write.push_back(one);
     }
-    auto response = client.call<WriteResponse>(request);
-    REQUIRE(response);
-    return std::move(response->results);
+    return harness::need(Bench::call<WriteResponse>(std::move(request))).results;
 }
 
 CallMethodResult LabelWorld::call(const std::string& method, Array<Variant> inputs)
 {
-    CallRequest request;
-    CallMethodRequest one;
-    one.object_id = NodeId{0, id::ObjectsFolder};
-    one.method_id = own(method);
-    one.input_arguments = std::move(inputs);
-    request.methods_to_call = {one};
-    auto response = client.call<CallResponse>(request);
-    REQUIRE(response);
-    return response->results[0];
+    return harness::need(Bench::call(NodeId{0, id::ObjectsFolder}, own(method), std::move(inputs)));
 }
 
 void LabelWorld::monitor(const std::vector<std::string>& names)
@@ -175,7 +165,7 @@ void LabelWorld::monitor(const std::vector<std::string>& names)
     create.requested_lifetime_count = 1'000;
     create.requested_max_keep_alive_count = 100;
     create.publishing_enabled = true;
-    const auto made = client.call<CreateSubscriptionResponse>(create);
+    const auto made = Bench::call<CreateSubscriptionResponse>(create);
     REQUIRE(made);
     CreateMonitoredItemsRequest request;
     request.subscription_id = made->subscription_id;
@@ -190,7 +180,7 @@ void LabelWorld::monitor(const std::vector<std::string>& names)
         item.requested_parameters.queue_size = 1;
         request.items_to_create.push_back(item);
     }
-    const auto items = client.call<CreateMonitoredItemsResponse>(request);
+    const auto items = Bench::call<CreateMonitoredItemsResponse>(request);
     REQUIRE(items);
     for (const auto& item : items->results) {
         REQUIRE(item.status_code == status::Good);
@@ -199,7 +189,7 @@ void LabelWorld::monitor(const std::vector<std::string>& names)
 
 std::vector<std::pair<std::uint32_t, DataValue>> LabelWorld::next()
 {
-    const auto response = client.call<PublishResponse>(PublishRequest{});
+    const auto response = Bench::call<PublishResponse>(PublishRequest{});
     REQUIRE(response);
     std::vector<std::pair<std::uint32_t, DataValue>> all;
     for (const ExtensionObject& part : response->notification_message.notification_data) {

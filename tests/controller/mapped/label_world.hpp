@@ -11,8 +11,7 @@
 #include <busbar/controller/mapped_nodes.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/simulated_labels.hpp>
-#include <busbar/harness/client_host.hpp>
-#include <busbar/harness/server_host.hpp>
+#include <busbar/harness/bench.hpp>
 #include <busbar/model/data_types.hpp>
 
 #include "mapped_fixture.hpp"
@@ -29,7 +28,7 @@ struct LabelWorldOptions {
 
 /// A simulated PLC with labels, a server that has them as nodes, and a client behind a network: all
 /// of it real but for the time.
-class LabelWorld {
+class LabelWorld : public harness::Bench {
 public:
     static constexpr std::chrono::milliseconds scan_cycle{20};
 
@@ -60,7 +59,7 @@ public:
     /// A scan that takes long.
     void stop_scans() { scan_.cancel(); }
     void go_on_scanning() { scan_.set_after(scan_cycle); }
-    void run_scans(int count) { world.run_for(count * scan_cycle); }
+    void run_scans(int count) { run_for(count * scan_cycle); }
 
     [[nodiscard]] Array<DataValue> read_all(const std::vector<std::string>& names);
     [[nodiscard]] DataValue read(const std::string& name) { return read_all({name})[0]; }
@@ -84,14 +83,11 @@ public:
         return labels->memory().value<T>(program->handle_of(*program->variable(name)).value());
     }
 
-    harness::World world;
     std::shared_ptr<controller::SimulatedLabels> labels;
     ErrorBook book;
     controller::MappedSource source;
     model::DataTypes data_types;
     controller::Mapping mapping;
-    harness::ServerHost host;
-    harness::ClientHost client;
 
 private:
     void scan();

@@ -3,14 +3,13 @@
 #include <optional>
 
 #include <busbar/binary/dynamic_value.hpp>
+#include <busbar/harness/catch.hpp>
 #include <busbar/model/data_types.hpp>
 #include <busbar/server/memory_source.hpp>
-#include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
 #include "machine_parts.hpp"
-#include "support/server_fixture.hpp"
 
 namespace machine_server_test {
 
@@ -21,19 +20,17 @@ using namespace busbar::controller::test;
 namespace {
 
 /// A server that publishes a program whose values lie in memory, and a client of it.
-struct MachineServer : busbar::test::ServerFixture {
+struct MachineServer : harness::BenchFixture {
     MachineServer()
     {
         MachineNodesOptions options = machine_options();
-        options.source = server.add_source(memory);
-        model::AddressSpace& space = server.address_space();
-        nodes =
-            MachineNodes::create(space, published.program, published.publication, options).value();
+        options.source = host().add_source(memory);
+        nodes = MachineNodes::create(space(), published.program, published.publication, options)
+                    .value();
         for (const PublishedVariable& each : published.publication.published()) {
             const Variant value = initial_value(each);
             REQUIRE(memory.add(value) < published.publication.published().size());
         }
-        client.emplace(log_in_as("operator"));
     }
 
     /// Of a scalar or an array of one dimension; texts and matrices are none of the program's.
@@ -44,28 +41,20 @@ struct MachineServer : busbar::test::ServerFixture {
             return type.built_in == BuiltInType::UInt16 ? Variant{std::uint16_t{0xBEEF}}
                                                         : Variant{std::int16_t{7}};
         }
-        const auto* const definition = data_types.of(server.address_space()).find(type.data_type);
+        const auto* const definition = data_types.of(space()).find(type.data_type);
         REQUIRE(definition != nullptr);
         CHECK(definition->encoding_id == type.encoding);
         return Variant{binary::to_extension_object(binary::DynamicValue{*definition}).value()};
     }
+    [[nodiscard]] model::AddressSpace& space() { return server().address_space(); }
     [[nodiscard]] NodeId id_of(const char* text) const { return {nodes->namespace_index(), text}; }
     [[nodiscard]] DataValue read(const char* id, AttributeId attribute = AttributeId::Value)
     {
-        ReadRequest request;
-        request.nodes_to_read.resize(1);
-        request.nodes_to_read[0].node_id = id_of(id);
-        request.nodes_to_read[0].attribute_id = static_cast<std::uint32_t>(attribute);
-        return client->call<ReadResponse>(std::move(request)).value().results[0];
+        return Bench::read(id_of(id), attribute);
     }
-    [[nodiscard]] StatusCode write(const char* id, Variant value)
+    StatusCode write(const char* id, Variant value)
     {
-        WriteRequest request;
-        request.nodes_to_write.resize(1);
-        request.nodes_to_write[0].node_id = id_of(id);
-        request.nodes_to_write[0].attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-        request.nodes_to_write[0].value = DataValue{std::move(value)};
-        return client->call<WriteResponse>(std::move(request)).value().results[0];
+        return Bench::write(id_of(id), std::move(value));
     }
     /// The BrowseNames of what hierarchical references lead to.
     [[nodiscard]] std::vector<std::string> browse(const NodeId& node)
@@ -76,7 +65,7 @@ struct MachineServer : busbar::test::ServerFixture {
         request.nodes_to_browse[0].reference_type_id = NodeId{0, id::HierarchicalReferences};
         request.nodes_to_browse[0].include_subtypes = true;
         request.nodes_to_browse[0].result_mask = 63; // BrowseResultMask All (Part 4, 7.3)
-        const auto response = client->call<BrowseResponse>(std::move(request)).value();
+        const auto response = need(call<BrowseResponse>(std::move(request)));
         std::vector<std::string> names;
         for (const ReferenceDescription& each : response.results[0].references) {
             names.push_back(each.browse_name.name.str());
@@ -86,9 +75,8 @@ struct MachineServer : busbar::test::ServerFixture {
 
     Published published{machine_program()};
     model::DataTypes data_types;
-    server::MemorySource memory{wall_clock};
+    server::MemorySource memory{world().clock()};
     std::optional<MachineNodes> nodes;
-    std::optional<busbar::test::TestClient> client;
 };
 
 } // namespace
@@ -121,7 +109,7 @@ TEST_CASE_METHOD(MachineServer, "A client reads and writes a structure as a whol
 {
     const NodeId axis_type = id_of("Types/Axis");
     CHECK(read("Axis1", AttributeId::DataType).value == Variant{axis_type});
-    const auto* const axis = data_types.of(server.address_space()).find(axis_type);
+    const auto* const axis = data_types.of(space()).find(axis_type);
     REQUIRE(axis != nullptr);
     binary::DynamicValue value{*axis};
     REQUIRE(value.set("m2", Variant{std::int32_t{1}}));
@@ -130,7 +118,7 @@ TEST_CASE_METHOD(MachineServer, "A client reads and writes a structure as a whol
     CHECK(write("Axis1", written) == status::Good);
     CHECK(read("Axis1").value == written);
 
-    const auto* const point = data_types.of(server.address_space()).find(id_of("Types/Point"));
+    const auto* const point = data_types.of(space()).find(id_of("Types/Point"));
     REQUIRE(point != nullptr);
     CHECK(write("Axis1",
                 Variant{binary::to_extension_object(binary::DynamicValue{*point}).value()}) ==
@@ -140,8 +128,8 @@ TEST_CASE_METHOD(MachineServer, "A client reads and writes a structure as a whol
 TEST_CASE_METHOD(MachineServer, "A client sees mode, error and what is added online (6-2-1)")
 {
     CHECK(read("Controller/DeviceState/Mode").value == Variant{"PROGRAM"});
-    nodes->set_mode(server.address_space(), OperatingMode::Run);
-    nodes->set_error_state(server.address_space(), ErrorState::ContinuousError);
+    nodes->set_mode(space(), OperatingMode::Run);
+    nodes->set_error_state(space(), ErrorState::ContinuousError);
     CHECK(read("Controller/DeviceState/Mode").value == Variant{"RUN"});
     CHECK(read("Controller/DeviceState/ErrorState").value == Variant{"ContinuousError"});
 
@@ -150,14 +138,14 @@ TEST_CASE_METHOD(MachineServer, "A client sees mode, error and what is added onl
     const ProgramTypes types = ProgramTypes::create(edit).value();
     published.publication.add(types);
     REQUIRE(memory.add(Variant{std::int16_t{9}}) == 6);
-    REQUIRE(nodes->add_variables(server.address_space(), published.publication));
+    REQUIRE(nodes->add_variables(space(), published.publication));
     CHECK(read("Added").value == Variant{std::int16_t{9}});
     CHECK(read("Odd").status == status::Bad_NodeIdUnknown);
     CHECK(read("Controller/DeviceState/NumberOfPublishedVariables").value ==
           Variant{std::uint32_t{7}});
     CHECK(read("Controller/DeviceState/UnpublishedVariablesStatus").value ==
           Variant{std::uint16_t{8}});
-    advance(std::chrono::milliseconds{1});
+    run_for(std::chrono::milliseconds{1});
     CHECK(read("Controller/GlobalVars/NodeVersion").value != version);
 }
 
