@@ -79,7 +79,8 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
 {
     const auto key = key_of(url);
     const auto found = key ? acceptors_.find(*key) : acceptors_.end();
-    if (found != acceptors_.end() && exempt_.contains(*key)) {
+    const bool is_exempt = key && std::find(exempt_.begin(), exempt_.end(), *key) != exempt_.end();
+    if (found != acceptors_.end() && is_exempt) {
         return connect_plainly(*found->second, client, client_address);
     }
     ++connection_count_;
@@ -133,7 +134,7 @@ Result<void> Network::exempt(std::string_view url)
     if (!key) {
         return fail(key.error());
     }
-    exempt_.insert(*std::move(key));
+    exempt_.push_back(*std::move(key));
     return {};
 }
 

@@ -131,8 +131,8 @@ private:
             is_answered_[i] = true;
         });
     }
-    /// Returns what an id in an exchange stands for. Servers may number the items of each Subscription from
-    /// 1 on, so that an item's id means nothing without its Subscription's.
+    /// Returns what an id in an exchange stands for. Servers may number the items of each
+    /// Subscription from 1 on, so that an item's id means nothing without its Subscription's.
     [[nodiscard]] std::string kind_of(std::size_t i, std::string_view path) const
     {
         const std::string kind{detail::kind_of_id(path)};

@@ -4,7 +4,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -104,8 +103,7 @@ public:
 
 private:
     void begin(const std::shared_ptr<Link>& link);
-    [[nodiscard]] Result<std::shared_ptr<Link>> connect_plainly(Acceptor& acceptor, LinkEnd& client,
-                                                                std::string_view client_address);
+    Result<std::shared_ptr<Link>> connect_plainly(Acceptor&, LinkEnd&, std::string_view address);
     /// Lets a fault that was played act now on all connections.
     void act(std::size_t index);
     /// ", there is opc.tcp://server:4840".
@@ -120,7 +118,7 @@ private:
     std::map<std::string, Weather, std::less<>> weathers_;
     std::map<std::string, std::string, std::less<>> client_names_;
     std::map<std::string, Acceptor*> acceptors_;
-    std::set<std::string, std::less<>> exempt_;
+    std::vector<std::string> exempt_;
     Weather no_weather_;
     std::shared_ptr<detail::Timeline> timeline_;
     std::shared_ptr<detail::ChunkTap> tap_;

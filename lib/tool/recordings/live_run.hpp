@@ -39,7 +39,7 @@ public:
     [[nodiscard]] harness::RealWorld& world() { return live_.world(); }
     /// The URL where clients connect.
     [[nodiscard]] const std::string& url() const { return url_; }
-    /// Lines of standard input that are no faults: false for those that it does not know. A Failure
+    /// Takes a line of standard input that is not a fault; false if it does not know it. A Failure
     /// that it throws is told.
     using Orders = std::function<bool(const std::string& line)>;
     /// Plays the faults and serves until it is over, calling `tick` several times a second; writes

@@ -229,18 +229,19 @@ private:
             const bool is_standard = !target.starts_with("ns");
             return !is_standard && !server.nodes.contains(target);
         };
+        const std::string title = key + " reference ";
         for (const std::string& reference : first) {
             if (!second.contains(reference) && !leads_out(reference, of_second)) {
-                add(key + " reference " + reference, "there", "");
+                add(title + reference, "there", "");
             }
         }
         for (const std::string& reference : second) {
             if (!first.contains(reference) && !leads_out(reference, of_first)) {
-                add(key + " reference " + reference, "", "there");
+                add(title + reference, "", "there");
             }
         }
     }
-    void add(std::string what, std::string first, std::string second)
+    void add(const std::string& what, const std::string& first, const std::string& second)
     {
         if (differences_.size() < options_.max_lines) {
             differences_.push_back({safe(what), safe(first), safe(second)});
