@@ -21,7 +21,7 @@ std::string label(const std::string& type)
     const std::string list = "\"Line\"\n\"Class\"\t\"Label Name\"\t\"Data Type\"\t\"Constant\"\n"
                              "\"VAR_GLOBAL\"\t\"x\"\t\"" +
                              type + "\"\t\"\"\n";
-    return test::shown(read_program_text(list, "l.csv", {}, Unserved::LeaveOut));
+    return controller::test::shown(read_program_text(list, "l.csv", {}, Unserved::LeaveOut));
 }
 
 Program read(const std::string& list)

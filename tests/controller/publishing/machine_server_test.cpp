@@ -65,7 +65,7 @@ struct MachineServer : harness::BenchFixture {
         request.nodes_to_browse[0].reference_type_id = NodeId{0, id::HierarchicalReferences};
         request.nodes_to_browse[0].include_subtypes = true;
         request.nodes_to_browse[0].result_mask = 63; // BrowseResultMask All (Part 4, 7.3)
-        const auto response = need(call<BrowseResponse>(std::move(request)));
+        const auto response = harness::need(call<BrowseResponse>(std::move(request)));
         std::vector<std::string> names;
         for (const ReferenceDescription& each : response.results[0].references) {
             names.push_back(each.browse_name.name.str());
