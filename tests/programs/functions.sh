@@ -15,11 +15,12 @@ fail() {
     sed 's/^/  /' log out 2> /dev/null
 }
 
-# await COMMAND...: until it succeeds.
+# await COMMAND...: until it succeeds, for a minute. What takes longer is asked for less often:
+# each time is a process or more, which the tests beside this one would wait for.
 await() {
-    for _ in $(seq 1500); do
+    for polls in $(seq 600); do
         "$@" && return 0
-        sleep 0.02
+        if [ "$polls" -le 20 ]; then sleep 0.02; else sleep 0.1; fi
     done
     fail "waited in vain for: $*"
     return 1

@@ -24,10 +24,16 @@ cell_controller '' '' > module.toml
 discover() { ends_with 0 --trust discover "opc.tcp://localhost:$lds"; }
 is_found() { discover && grep -q -e "opc.tcp://[^ ]*:$port" out; }
 is_lost() { discover && ! grep -q -e "opc.tcp://[^ ]*:$port" out; }
-# To load it takes a while where others build.
+# To load it takes a while where others build: a minute.
 is_ready() { grep -q -s '^ready' lds.log; }
-for _ in 1 2 3 4 5 6; do is_ready || sleep 10; done
-is_ready || fail "the discovery server does not start: $(cat lds.log)"
+lds_ready() {
+    for _ in $(seq 300); do
+        ! is_ready || return 0
+        sleep 0.2
+    done
+    return 1
+}
+lds_ready || fail "the discovery server does not start: $(cat lds.log)"
 
 entry model 9.11: discovery
 run 0 project set cell.busbar discovery.url "opc.tcp://localhost:$lds" discovery.interval_s 10
@@ -51,9 +57,7 @@ wait $lds_pid 2> /dev/null
 await logged 'cannot register\|no connection\|is not registered'
 env node "$here/lds.cjs" "$modules" $lds lds > lds.log 2>&1 < /dev/null &
 lds_pid=$!
-for _ in 1 2 3 4; do
-    is_ready || sleep 15
-done
+lds_ready
 await is_found
 kill "$pid"
 await ended
