@@ -74,10 +74,15 @@ public:
     /// Waits until the call of the bus that is under way has returned.
     ~BusSource() override;
 
+    /// Those of BusSourceOptions::source, and defaults.
     [[nodiscard]] server::DataSourceOptions options() const override;
+    /// Answers at once while the connection is lost.
     void read(server::ReadBatch batch) override;
+    /// Likewise.
     void write(server::WriteBatch batch) override;
+    /// Opens the connection, unless that is done.
     void attach(server::Waker* waker) override;
+    /// Completes the batches that the bus has answered.
     void handle_completions() override;
 
 private:
