@@ -173,6 +173,8 @@ says '[12]\.5'
 run 0 --insecure write "$tank" 'ns=1;s=Setpoint' 60
 run 0 --insecure read "$tank" 'ns=1;s=Setpoint'
 says ' 60 '
+run 1 --insecure diff "$tank" "$first" --no-values
+says 'ns=1;s=Setpoint *Variable *-'
 run 1 --insecure write "$tank" 'ns=1;s=Level' 7
 says Bad_NotWritable
 run 0 --insecure call "$tank" i=85 'ns=1;s=Add' 1.5 2
@@ -206,6 +208,8 @@ says 'found "near"; expected before, at, after'
 echo 'delay' > bad.faults
 run 2 proxy "$first" --faults bad.faults
 says 'bad.faults:1: found the end; expected a time with its unit'
+run 3 proxy opc.tcp://127.0.0.1:1 --timeout 5
+says '\-\-pass the proxy begins without the server'
 run 2 proxy "$first" --listen there
 says 'expected \[ADDRESS:\]PORT'
 exit $failures

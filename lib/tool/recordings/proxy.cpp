@@ -157,7 +157,13 @@ Exit run_proxy(Context& context, const ProxyArguments& arguments)
     if (arguments.passes) {
         return pass(context, arguments);
     }
-    const auto endpoints = endpoints_of(context);
+    Array<EndpointDescription> endpoints;
+    try {
+        endpoints = endpoints_of(context);
+    } catch (Failure& failure) {
+        failure.hint += "; with --pass the proxy begins without the server";
+        throw;
+    }
     const bool has_security =
         std::any_of(endpoints.begin(), endpoints.end(), [](const EndpointDescription& endpoint) {
             return endpoint.security_mode != MessageSecurityMode::None;

@@ -160,6 +160,16 @@ std::optional<double> real_of(const Variant& value)
     return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
 }
 
+/// Types of values are told; those of other attributes are known.
+std::string attribute_text(AttributeId attribute, const Variant& value)
+{
+    const String* const text = value.get_if<String>();
+    if (attribute != AttributeId::Value && text != nullptr) {
+        return std::string{text->view()};
+    }
+    return harness::text_of(value);
+}
+
 class ServerComparison {
 public:
     explicit ServerComparison(const harness::ComparisonOptions& options) : options_{options} {}
@@ -203,8 +213,8 @@ private:
             const bool is_same =
                 is_there == is_here && (!is_there || this->is_same(a->second, b->second));
             if (!is_same) {
-                add(key + " " + name, is_there ? harness::text_of(a->second) : "nothing",
-                    is_here ? harness::text_of(b->second) : "nothing");
+                add(key + " " + name, is_there ? attribute_text(attribute, a->second) : "nothing",
+                    is_here ? attribute_text(attribute, b->second) : "nothing");
             }
         }
     }
