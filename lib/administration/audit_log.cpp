@@ -251,7 +251,9 @@ void AuditLog::record(const Record& record)
     if (lines_->wants(record.kind)) {
         lines_->record(record);
     }
-    if (queue_ != nullptr && row_of(record.kind).event_type != 0 && !is_told_as_call(record)) {
+    const bool is_told = is_told_as_call(record) ||
+                         (record.kind == RecordKind::SettingsChanged && is_changing_settings_);
+    if (queue_ != nullptr && row_of(record.kind).event_type != 0 && !is_told) {
         // The queue counts events that it has no room for.
         static_cast<void>(queue_->raise(audit_event(record, server_id_)));
     }

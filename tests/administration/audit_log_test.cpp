@@ -390,6 +390,11 @@ TEST_CASE("audit: what a Method does is told once")
         CHECK(told(kind, users, true) == Types{}); // MethodCalled follows
         CHECK(told(kind, users, false).size() == 1);
     }
+    log.set_changing_settings(true); // by a Write or a Method
+    CHECK(told(RecordKind::SettingsChanged, users, false) == Types{});
+    CHECK(told(RecordKind::UsersChanged, users, false) == Types{"i=2058"});
+    log.set_changing_settings(false);
+    CHECK(told(RecordKind::SettingsChanged, users, false) == Types{"i=2058"});
     CHECK(told(RecordKind::MethodCalled, users, true) == Types{"i=2127"});
     for (const NodeId& each : {role, NodeId{1, "RoleSet//Fitter"}}) { // Part 18, 4.5
         CHECK(told(RecordKind::MethodCalled, each, true) == Types{"i=17641"});
