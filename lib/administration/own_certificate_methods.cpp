@@ -154,17 +154,34 @@ void OwnCertificateMethods::run_slowly(const std::shared_ptr<MethodCall>& call,
 {
     const auto making_key = std::make_shared<char>();
     making_key_ = making_key;
-    needs_.table.run(needs_.worker, std::move(work),
-                     [this, call, making_key, finish = std::move(finish)](StatusCode done) {
-                         making_key_.reset();
-                         const StatusCode status =
-                             done.is_bad() ? done
-                                           : busbar::detail::guarded(
-                                                 needs_.log, "a Method of administration", finish);
-                         if (status.is_bad()) {
-                             call->fail(status);
-                         }
-                     });
+    needs_.table.run(
+        needs_.worker,
+        [call, work = std::move(work)] {
+            if (!call->is_abandoned()) {
+                work();
+            }
+        },
+        [this, call, making_key, holder = holder_of(needs_.server, *call),
+         finish = std::move(finish)](StatusCode done) {
+            making_key_.reset();
+            StatusCode status = done;
+            if (done.is_good()) {
+                status = check_wanted(*call, holder);
+            }
+            if (status.is_good()) {
+                status = busbar::detail::guarded(needs_.log, "a Method of administration", finish);
+            }
+            if (status.is_bad()) {
+                call->fail(status);
+            }
+        });
+}
+
+StatusCode OwnCertificateMethods::check_wanted(const MethodCall& call, const Holder& holder) const
+{
+    return call.is_abandoned()
+               ? StatusCode{status::Bad_Timeout}
+               : check_still(needs_.server, holder, call.object_id(), call.method_id());
 }
 
 /// Part 12, 7.10.10. A new key stays in the files until its certificate arrives.

@@ -7,6 +7,7 @@
 #include <busbar/server/worker.hpp>
 
 #include "node_table.hpp"
+#include "permissions.hpp"
 #include "transaction.hpp"
 
 namespace busbar::administration::detail {
@@ -45,9 +46,13 @@ private:
     [[nodiscard]] Checked<crypto::OwnCertificate> own_of(const server::MethodCall& call) const;
     [[nodiscard]] Checked<void> check_own(const crypto::OwnCertificate& own) const;
     /// Runs `work` where keys are generated, then `finish` on the server's thread. If there is no
-    /// room for the work, or it throws, the call fails instead.
+    /// room for the work, it throws, the client gives up, or its user loses the right or the
+    /// session, the call fails instead.
     void run_slowly(const std::shared_ptr<server::MethodCall>& call, std::function<void()> work,
                     std::function<void()> finish);
+    /// Returns Good if the client still waits and its user still has the right.
+    [[nodiscard]] StatusCode check_wanted(const server::MethodCall& call,
+                                          const Holder& holder) const;
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
     /// Answers the call if the own certificate may not be replaced now.
     [[nodiscard]] bool refuses_another(server::MethodCall& call);

@@ -2,6 +2,8 @@
 #include <functional>
 #include <stdexcept>
 
+#include <busbar/server/running_server.hpp>
+
 #include "configuration_fixture.hpp"
 
 namespace own_certificate_test {
@@ -282,6 +284,42 @@ TEST_CASE("own certificate: while a key is made nothing is applied, and a late o
     REQUIRE(late);
     CHECK(name(late->results[0].status_code) == "Bad_InvalidState");
     CHECK(fixture.apply(other) == "Bad_InvalidState"); // it is deleted still
+}
+
+TEST_CASE("own certificate: a key whose client gave up, or lost the right, is not taken",
+          "[attack]")
+{
+    constexpr const char* patience = "patience is all";
+    const bool gives_up = GENERATE(true, false);
+    ManualWorker worker;
+    OwnCertificate fixture{&worker};
+    REQUIRE(fixture.user_list.add({"pat", {}, 0, {}, {}}, patience, fixture.random));
+    fixture.configured.replace({{.name = "chief", .roles = {"SecurityAdmin"}}});
+    const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, "pat"};
+    REQUIRE(fixture.roles.add_identity("SecurityAdmin", rule));
+    auto pat = fixture.log_in("pat", patience);
+    REQUIRE(fixture.remove(pat) == "Good");
+    pat.timeout_hint = gives_up ? 1'000 : 0;
+    const auto made = pat.send(OwnCertificate::slow_make());
+    if (gives_up) {
+        fixture.advance(std::chrono::seconds{2});
+        pat.connection.handle_deadline(fixture.now);
+    } else {
+        REQUIRE(fixture.roles.remove_identity("SecurityAdmin", rule));
+        server::RunningServer{fixture.server}.roles_changed();
+    }
+    worker.work();
+    fixture.complete();
+    const auto answer = pat.take<CallResponse>(made);
+    CHECK(name(answer ? answer->results[0].status_code : answer.error()) ==
+          (gives_up ? "Bad_Timeout" : "Bad_NodeIdUnknown"));
+    if (!gives_up) { // the same user, later
+        REQUIRE(fixture.roles.add_identity("SecurityAdmin", rule));
+        server::RunningServer{fixture.server}.roles_changed();
+    }
+    pat.timeout_hint = 0;
+    CHECK(fixture.apply(pat) != "Good"); // nothing takes the place of the one that was deleted
+    CHECK(fixture.certificate() == server_identity().certificates.front().thumbprint_text());
 }
 
 TEST_CASE("own certificate: a worker that is busy is no state that lasts")
