@@ -29,6 +29,12 @@ Variant first_value(const ResolvedType& type)
     return Variant{has_zero ? std::int64_t{0} : type.subrange->lower};
 }
 
+/// True for a list such as [1, 2], but not for (X := 1).
+bool is_list(const InitialValue& value)
+{
+    return !value.parts.empty() && value.parts.front().member.empty();
+}
+
 /// Finds the value of the enumerator with that name.
 std::optional<std::int32_t> enumerator(const DerivedType& type, const Variant& value)
 {
@@ -81,27 +87,31 @@ bool InitialValues::store_default(const Target& target) const
 
 bool InitialValues::apply(const Target& target, const InitialValue& value) const
 {
-    std::uint64_t next = 0;
-    return target.type.is_array() ? apply_list(target, value, next) : apply_one(target, value);
+    return target.type.is_array() ? apply_list(target, value, 0, 0) : apply_one(target, value);
 }
 
-bool InitialValues::apply_list(const Target& array, const InitialValue& list,
-                               std::uint64_t& next) const
+bool InitialValues::apply_list(const Target& array, const InitialValue& list, std::size_t level,
+                               std::uint64_t first) const
 {
+    const std::vector<Bounds>& dimensions = array.type.dimensions;
+    std::uint64_t of_one = 1;
+    if (level + 1 < dimensions.size() && is_list(list) && is_list(list.parts.front())) {
+        for (std::size_t i = level + 1; i < dimensions.size(); ++i) {
+            of_one *= static_cast<std::uint64_t>(dimensions[i].upper - dimensions[i].lower + 1);
+        }
+    }
     bool fits = true;
     for (const InitialValue& part : list.parts) {
-        const bool is_list = !part.parts.empty() && part.parts.front().member.empty();
-        for (std::uint32_t i = 0; i < part.repeat && next < array.place.elements; ++i) {
-            const std::uint64_t before = next;
-            if (is_list) {
-                fits = apply_list(array, part, next) && fits;
+        const std::uint64_t room = (array.place.elements - first) / of_one;
+        for (std::uint64_t i = 0; i < std::min<std::uint64_t>(part.repeat, room); ++i) {
+            if (of_one > 1 || is_list(part)) {
+                fits = apply_list(array, part, level + 1, first) && fits;
             } else {
-                const std::uint64_t offset = next++ * array.place.stride;
-                fits = apply_one({array.type, array.place, array.to + offset}, part) && fits;
+                fits = apply_one({array.type, array.place, array.to + first * array.place.stride},
+                                 part) &&
+                       fits;
             }
-            if (next == before) { // the list is empty, however often it is repeated
-                break;
-            }
+            first += of_one;
         }
     }
     return fits;

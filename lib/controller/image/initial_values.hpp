@@ -30,10 +30,10 @@ private:
 
     [[nodiscard]] bool store_default(const Target& target) const;
     [[nodiscard]] bool apply(const Target& target, const InitialValue& value) const;
-    /// Fills elements from index `next` on, which it advances; nested lists as one list, the last
-    /// index counting fastest.
-    [[nodiscard]] bool apply_list(const Target& array, const InitialValue& list,
-                                  std::uint64_t& next) const;
+    /// Fills elements from index `first` on by a list below `level` dimensions. A list of lists has
+    /// one for each index, of which a short one leaves the rest of its elements alone.
+    [[nodiscard]] bool apply_list(const Target& array, const InitialValue& list, std::size_t level,
+                                  std::uint64_t first) const;
     [[nodiscard]] bool apply_one(const Target& target, const InitialValue& value) const;
     [[nodiscard]] bool apply_members(const Target& target, const InitialValue& value) const;
 

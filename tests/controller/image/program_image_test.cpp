@@ -191,6 +191,13 @@ TEST_CASE("Initial values of every kind (6-2-2)")
                        .type = array(of(ElementaryType::Int), {{0, 1}, {0, 2}}),
                        .initial = list({three, three})}) ==
           Variant::matrix(Array<std::int16_t>{1, 2, 2, 1, 2, 2}, Array<std::uint32_t>{2, 3}));
+    // A row that is short, or has no value, does not move the next one.
+    CHECK(begins_with({.name = "a",
+                       .type = array(of(ElementaryType::Int), {{0, 2}, {0, 2}}),
+                       .initial = list({list({initial(std::int64_t{7})}), InitialValue{},
+                                        list({initial(std::int64_t{8})})})}) ==
+          Variant::matrix(Array<std::int16_t>{7, 0, 0, 0, 0, 0, 8, 0, 0},
+                          Array<std::uint32_t>{3, 3}));
 }
 
 TEST_CASE("Initial values of structures, member by member (6-2-2)")
