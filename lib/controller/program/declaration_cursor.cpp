@@ -99,16 +99,26 @@ bool DeclarationCursor::expect_word(std::string_view word)
 
 bool DeclarationCursor::expect_name(std::string& name, std::string_view what)
 {
-    if (now_.kind != DeclarationToken::Kind::Word || kind_of_word(now_.text) == WordKind::Keyword ||
-        kind_of_word(now_.text) == WordKind::ElementaryType) {
+    std::string_view text = now_.text;
+    if (is_quoted_name()) {
+        text = text.substr(1, text.size() - 2);
+    } else if (now_.kind != DeclarationToken::Kind::Word ||
+               kind_of_word(text) == WordKind::Keyword ||
+               kind_of_word(text) == WordKind::ElementaryType) {
         return fail(what);
     }
-    if (now_.text.size() > limits_->max_name_length) {
+    if (text.size() > limits_->max_name_length) {
         return fail("a name of at most " + std::to_string(limits_->max_name_length) + " bytes");
     }
-    name = now_.text;
+    name = text;
     take();
     return keep(name.size());
+}
+
+bool DeclarationCursor::is_quoted_name() const
+{
+    return now_.kind == DeclarationToken::Kind::Text && now_.text.starts_with('"') &&
+           now_.text.size() > 2 && now_.text.find('$') == now_.text.npos;
 }
 
 bool DeclarationCursor::keep(std::size_t bytes)

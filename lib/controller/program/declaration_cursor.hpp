@@ -74,8 +74,10 @@ public:
     /// Takes this symbol; otherwise reports a problem.
     [[nodiscard]] bool expect_symbol(std::string_view symbol);
     [[nodiscard]] bool expect_word(std::string_view word);
-    /// Takes a word that is not a keyword; otherwise reports that `what` was expected.
+    /// Takes a word that is not a keyword, or a name in double quotes as TIA Portal writes it;
+    /// otherwise reports that `what` was expected.
     [[nodiscard]] bool expect_name(std::string& name, std::string_view what);
+    [[nodiscard]] bool is_quoted_name() const;
     /// Takes `bytes` from the budget; reports a problem, and gives false, if it is exhausted.
     [[nodiscard]] bool keep(std::size_t bytes);
 

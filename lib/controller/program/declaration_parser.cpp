@@ -36,6 +36,9 @@ bool DeclarationParser::read_block()
     if (cursor_->skip_word("RESOURCE")) {
         return read_resource();
     }
+    if (cursor_->skip_word("DATA_BLOCK")) {
+        return read_data_block() || (leave_out(LeftOut::Kind::Variable) && skip_data_block());
+    }
     bool is_part = false;
     const bool is_read = read_beside(is_part);
     return is_part ? is_read

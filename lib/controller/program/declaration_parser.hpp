@@ -126,6 +126,21 @@ private:
     /// Parses the name of a type, with those of its namespaces.
     [[nodiscard]] bool read_qualified(TypeUse& use);
 
+    // declaration_siemens.cpp
+    /// What the header of a block says.
+    struct BlockHeader {
+        bool is_hidden{false};
+        bool is_retained{false};
+    };
+    [[nodiscard]] bool skip_header(BlockHeader& header);
+    /// Parses a data block, whose first word is taken, as a variable.
+    [[nodiscard]] bool read_data_block();
+    [[nodiscard]] bool read_block_type(TypeUse& use);
+    /// Parses the assignments after BEGIN, and END_DATA_BLOCK.
+    [[nodiscard]] bool read_start_values(InitialValue& initial);
+    /// Skips the rest of a data block after a problem.
+    [[nodiscard]] bool skip_data_block();
+
     [[nodiscard]] Program& program() { return pass_->program; }
 
     DeclarationCursor* cursor_;

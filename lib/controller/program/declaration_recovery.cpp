@@ -12,12 +12,14 @@ namespace busbar::controller::detail {
 namespace {
 
 /// Words that begin a block and are no names.
-constexpr std::array<std::string_view, 7> block_begins{
-    "CONFIGURATION", "FUNCTION_BLOCK", "PROGRAM", "TYPE", "VAR_ACCESS", "VAR_CONFIG", "VAR_GLOBAL",
+constexpr std::array<std::string_view, 8> block_begins{
+    "CONFIGURATION", "DATA_BLOCK", "FUNCTION_BLOCK", "PROGRAM",
+    "TYPE",          "VAR_ACCESS", "VAR_CONFIG",     "VAR_GLOBAL",
 };
-constexpr std::array<std::string_view, 10> block_ends{
-    "END_CLASS",     "END_CONFIGURATION", "END_FUNCTION", "END_FUNCTION_BLOCK", "END_INTERFACE",
-    "END_NAMESPACE", "END_PROGRAM",       "END_RESOURCE", "END_TYPE",           "END_VAR",
+constexpr std::array<std::string_view, 11> block_ends{
+    "END_CLASS",          "END_CONFIGURATION", "END_DATA_BLOCK", "END_FUNCTION",
+    "END_FUNCTION_BLOCK", "END_INTERFACE",     "END_NAMESPACE",  "END_PROGRAM",
+    "END_RESOURCE",       "END_TYPE",          "END_VAR",
 };
 
 /// The units of IEC 61131-3, 3rd edition, 6.6, with statements or prototypes.
@@ -32,6 +34,7 @@ constexpr std::array unit_rows{
     UnitRow{"PROGRAM", "END_PROGRAM", "is a program"},
     UnitRow{"CLASS", "END_CLASS", "is a class"},
     UnitRow{"INTERFACE", "END_INTERFACE", "is an interface"},
+    UnitRow{"ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK", "is an organization block"},
 };
 
 constexpr std::array<std::string_view, 6> unit_modifiers{

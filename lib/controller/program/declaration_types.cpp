@@ -31,6 +31,7 @@ bool DeclarationParser::read_type()
     const std::size_t later = cursor_->constants().later_count();
     declaring_.clear();
     declaring_publish_ = {};
+    const bool is_quoted = cursor_->is_quoted_name();
     if (!cursor_->keep(sizeof type) ||
         !cursor_->expect_name(type.name, "the name of a type or 'END_TYPE'")) {
         return false;
@@ -40,8 +41,13 @@ bool DeclarationParser::read_type()
     TypeUse base;
     const std::size_t extends = cursor_->now().offset;
     const ProgramPlace extends_place = cursor_->place();
-    if ((cursor_->skip_word("EXTENDS") && !read_qualified(base)) || !cursor_->expect_symbol(":") ||
-        !read_type_body(type)) {
+    BlockHeader unused;
+    if (is_quoted && !skip_header(unused)) {
+        return false;
+    }
+    const bool is_colon_omitted = is_quoted && cursor_->is_word("STRUCT");
+    if ((cursor_->skip_word("EXTENDS") && !read_qualified(base)) ||
+        (!is_colon_omitted && !cursor_->expect_symbol(":")) || !read_type_body(type)) {
         return false;
     }
     if (cursor_->constants().later_count() != later) {
@@ -114,8 +120,8 @@ bool DeclarationParser::read_member(DerivedType& type)
         return false;
     }
     path_ += "." + names.front().text;
-    if (!cursor_->expect_symbol(":") || !read_use(use) || !read_initial(initial) ||
-        !read_pragmas(unused) || !read_end(comment)) {
+    if (!read_pragmas(unused) || !cursor_->expect_symbol(":") || !read_use(use) ||
+        !read_initial(initial) || !read_pragmas(unused) || !read_end(comment)) {
         return false;
     }
     path_.resize(path);

@@ -23,6 +23,9 @@ bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
     if (is_at_nameless()) {
         return read_nameless(use);
     }
+    if (cursor_->is_quoted_name()) {
+        return read_qualified(use);
+    }
     if (cursor_->now().kind != DeclarationToken::Kind::Word) {
         return cursor_->fail("a type");
     }

@@ -1,8 +1,10 @@
 #include "literal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <busbar/core/text.hpp>
 
@@ -154,6 +156,22 @@ std::optional<ElementaryType> type_of_prefix(std::string_view prefix)
     return elementary_type(prefix);
 }
 
+/// The short prefixes that Siemens has for numbers: "W#16#FF".
+std::optional<ElementaryType> type_of_short_prefix(std::string_view prefix)
+{
+    constexpr std::array<std::pair<std::string_view, ElementaryType>, 5> rows{{
+        {"B", ElementaryType::Byte},
+        {"W", ElementaryType::Word},
+        {"DW", ElementaryType::Dword},
+        {"LW", ElementaryType::Lword},
+        {"L", ElementaryType::Dint},
+    }};
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const auto& row) {
+        return busbar::detail::is_same_ignoring_case(row.first, prefix);
+    });
+    return found == rows.end() ? std::nullopt : std::optional{found->second};
+}
+
 } // namespace
 
 std::string found_expected(std::string_view text, std::string_view what)
@@ -182,8 +200,14 @@ std::optional<LiteralResult> read_typed_literal(std::string_view text)
 {
     const std::size_t hash = text.find('#');
     const std::string_view prefix = text.substr(0, hash);
+    const std::string_view body = text.substr(hash + 1);
     if (const auto type = type_of_prefix(prefix)) {
-        return typed_value(*type, text, text.substr(hash + 1));
+        return typed_value(*type, text, body);
+    }
+    // An enumeration may have such a name, but no value that begins with a digit.
+    const bool is_number = !body.empty() && body.front() >= '0' && body.front() <= '9';
+    if (const auto type = type_of_short_prefix(prefix); type && is_number) {
+        return typed_number(*type, text, body);
     }
     if (kind_of_word(prefix) == WordKind::UnknownType) {
         return wrong_literal(text, "a value of a type that is known here");
