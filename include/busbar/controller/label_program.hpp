@@ -26,9 +26,10 @@ namespace busbar::controller {
 ///
 /// The type of label of each variable: BOOL Bit, INT Word, UINT and WORD UnsignedWord, DINT and
 /// enumerations DoubleWord, UDINT and DWORD UnsignedDoubleWord, REAL Float, LREAL Double, TIME
-/// Time, STRING String, arrays of UTF16_UNIT UnicodeString, and the types of label_types(). A
-/// STRING's bytes are used unchanged: they should be CP932 if clients are to see its characters.
-/// All other types are unsupported.
+/// Time, STRING String, WSTRING and arrays of UTF16_UNIT UnicodeString, and the types of
+/// label_types(). A STRING's bytes are used unchanged: they should be CP932 if clients are to see
+/// its characters. All other types are unsupported: the manual has no labels of 8 and of 64 bits,
+/// to which LTIME and dates would belong. types() has each WSTRING as an array of UTF16_UNIT.
 ///
 /// Variables that are not published, and members of structures at an address, are not accessible;
 /// CONSTANT ones are not labels. Elements are counted from the lower bound of their declaration.

@@ -8,6 +8,7 @@
 
 #include "controller/program/leaving_out.hpp"
 #include "controller/program/program_problem.hpp"
+#include "wide_texts.hpp"
 
 namespace busbar::controller {
 
@@ -38,6 +39,13 @@ void append(std::vector<DerivedType> own, Program& program)
     }
 }
 
+Configured<ProgramTypes> types_of_labels(const Program& program)
+{
+    return ProgramTypes::create(program).and_then([](ProgramTypes types) {
+        return check_initial_values(types).transform([&] { return std::move(types); });
+    });
+}
+
 } // namespace
 
 LabelProgram::LabelProgram(Key, Program program) : program_{std::move(program)} {}
@@ -48,8 +56,7 @@ void LabelProgram::leave_out(Program& program)
     const std::vector<DerivedType> own = label_types();
     leave_out_types_of(program, own);
     append(own, program);
-    if (!ProgramTypes::create(program).and_then(
-            [](const ProgramTypes& types) { return check_initial_values(types); })) {
+    if (!types_of_labels(program)) {
         detail::ProgramSieve{program, {}}.run();
     }
     // Nothing is wrong with these, so that they are still the last ones.
@@ -73,7 +80,10 @@ Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program, 
 
 std::optional<Problem> LabelProgram::make(const server::ImageOptions& options)
 {
-    auto types = ProgramTypes::create(program_);
+    auto types = types_of_labels(program_);
+    if (types && detail::lay_out_wide_texts(program_, *types)) {
+        types = ProgramTypes::create(program_);
+    }
     if (!types) {
         return std::move(types.error());
     }

@@ -21,7 +21,7 @@ constexpr std::array<DeclaredLabelType, declared_label_type_count> all_declared{
     {"LREAL", LabelType::Double},
     {"TIME", LabelType::Time},
     {"STRING(n)", LabelType::String},
-    {"ARRAY[0..n] OF UTF16_UNIT", LabelType::UnicodeString},
+    {"WSTRING(n), ARRAY[0..n] OF UTF16_UNIT", LabelType::UnicodeString},
     {"any timer or counter .S", LabelType::Timer, TimerPart::Contact},
     {"any timer or counter .C", LabelType::Timer, TimerPart::Coil},
     {"TIMER, RETENTIVETIMER .N", LabelType::Timer, TimerPart::Current},

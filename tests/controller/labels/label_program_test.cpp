@@ -255,6 +255,44 @@ TEST_CASE("labels begin as the program declares its variables")
     CHECK(bench.read("A[2]") == wire(std::int32_t{8}));
 }
 
+TEST_CASE("a WSTRING is a label of UTF-16, which begins as it is declared (8.2)")
+{
+    LabelBench bench{program_of(
+        "W : WSTRING[4] := \"a$6E29\"; Ws : ARRAY [1..2] OF WSTRING[3] := [2(\"$D83D$DE00\")]; "
+        "N : Name; P : Part := (Name := \"x\"); E : Name := \"\"; Ps : ARRAY [0..1] OF Part;",
+        "TYPE Name : WSTRING[2] := \"on\"; "
+        "Part : STRUCT Id : INT := 4; Name : Name; Other : WSTRING[2] := \"o\"; END_STRUCT; "
+        "END_TYPE ")};
+    struct Row {
+        std::string name;
+        std::uint32_t length;
+        std::string_view bytes;
+    };
+    for (const Row& row :
+         {Row{"W", 4, {"a\0\x29\x6E\0\0\0\0\0\0", 10}},
+          Row{"Ws[2]", 3, {"\x3D\xD8\x00\xDE\0\0\0\0", 8}}, Row{"N", 2, {"o\0n\0\0\0", 6}},
+          Row{"P.Name", 2, {"x\0\0\0\0\0", 6}}, Row{"P.Other", 2, {"o\0\0\0\0\0", 6}},
+          Row{"E", 2, {"\0\0\0\0\0\0", 6}}, Row{"Ps[1].Name", 2, {"o\0n\0\0\0", 6}}}) {
+        INFO(row.name);
+        const ResolvedLabel label = bench.resolve(row.name);
+        REQUIRE(label.error == LabelError::None);
+        CHECK(label.kind == LabelKind{LabelType::UnicodeString, TimerPart::None, row.length});
+        CHECK(bench.read(row.name).size() == row.bytes.size());
+        // What follows the first zero is of no account.
+        const auto bytes = bench.read(row.name);
+        const std::size_t end = row.bytes.find(std::string_view{"\0\0", 2});
+        CHECK(std::vector<std::byte>(bytes.begin(),
+                                     bytes.begin() + static_cast<std::ptrdiff_t>(end)) ==
+              wire(row.bytes.substr(0, end)));
+    }
+    CHECK(bench.write("W", wire(std::string_view{"b\0\0\0\0\0\0\0\0\0", 10})) == LabelStatus::Done);
+    CHECK(bench.read("W") == wire(std::string_view{"b\0\0\0\0\0\0\0\0\0", 10}));
+    CHECK(bench.resolve("P.Id").kind.type == LabelType::Word);
+    const auto refused = SimulatedLabels::create(program_of("W : WSTRING[2] := \"abc\";"));
+    REQUIRE_FALSE(refused);
+    CHECK(text(refused.error()).find("expected a value of WSTRING[2]") != std::string::npos);
+}
+
 TEST_CASE("a program that cannot be is refused as others are")
 {
     const auto refusal = [](Program program) {
