@@ -74,7 +74,7 @@ public:
     /// Waits until the call of the bus that is under way has returned.
     ~BusSource() override;
 
-    /// Those of BusSourceOptions::source, and defaults.
+    /// Returns the timeout of BusSourceOptions::source, and defaults.
     [[nodiscard]] server::DataSourceOptions options() const override;
     /// Answers at once while the connection is lost.
     void read(server::ReadBatch batch) override;
