@@ -14,8 +14,8 @@ using namespace std::chrono_literals;
 class TankFixture : public BenchFixture {
 public:
     TankSource& tank{make_source<TankSource>()};
-    NodeId level{add_variable("Level", tank.variable(TankSource::level, 0.0)).value()};
-    NodeId set_point{add_variable("SetPoint", tank.variable(TankSource::set_point, 0.0)).value()};
+    NodeId level{need(add_variable("Level", tank.variable(TankSource::level, 0.0)))};
+    NodeId set_point{need(add_variable("SetPoint", tank.variable(TankSource::set_point, 0.0)))};
 };
 
 TEST_CASE_METHOD(TankFixture, "the level is read")
@@ -45,6 +45,14 @@ TEST_CASE_METHOD(TankFixture, "a client that watches the level sees it change, a
     REQUIRE(seen.size() == 3);
     CHECK_THAT(seen[0], holds(0.0));
     CHECK_THAT(seen[2], holds(2.0));
+}
+
+TEST_CASE_METHOD(TankFixture, "another client sees what is written, and when")
+{
+    BenchClient& panel = client("panel");
+    REQUIRE(panel.subscribe(set_point) == status::Good);
+    CHECK(write(set_point, 30.0) == status::Good);
+    CHECK_THAT(panel.await(set_point, 30.0, 1s), holds(30.0));
 }
 
 TEST_CASE_METHOD(TankFixture, "a dead bus costs a Bad_Timeout, and the tank comes back")
