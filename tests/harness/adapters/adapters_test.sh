@@ -1,6 +1,6 @@
 #!/bin/sh
 # What a failing test of each framework shows.
-# usage: adapters_test.sh PROGRAM, which has three tests that fail, and nothing else
+# usage: adapters_test.sh PROGRAM, which has four tests that fail, and nothing else
 set -u
 out=$(mktemp)
 trap 'rm -f "$out"' EXIT
@@ -24,6 +24,8 @@ says '0.010 s server -> ReadResponse Double 1.5'
 says 'server: session: "Busbar" activated'
 # A result that a test needs.
 says 'the test needs has failed: Bad_NodeIdExists'
+# A value that a test waits for; frameworks break long lines.
+says 'had no value that holds'
 # A fault.
 says 'faults that have never acted'
 says 'cut at WriteRequest 1'

@@ -21,6 +21,12 @@ TEST_CASE_METHOD(BenchFixture, "what is needed fails")
     need(add_variable("Level", 1.5));
 }
 
+TEST_CASE_METHOD(BenchFixture, "a value never comes")
+{
+    const NodeId level = need(add_variable("Level", 1.5));
+    await(level, holds(7.0), std::chrono::seconds{5});
+}
+
 TEST_CASE_METHOD(BenchFixture, "a fault never acts")
 {
     world().network().play(fault::cut().at(Message{"WriteRequest"}));

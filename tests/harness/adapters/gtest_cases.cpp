@@ -21,6 +21,12 @@ TEST_F(Cases, WhatIsNeededFails)
     need(add_variable("Level", 1.5));
 }
 
+TEST_F(Cases, AValueNeverComes)
+{
+    const NodeId level = need(add_variable("Level", 1.5));
+    await(level, 7.0, std::chrono::seconds{5});
+}
+
 TEST_F(Cases, AFaultNeverActs)
 {
     world().network().play(fault::cut().at(Message{"WriteRequest"}));
