@@ -2,6 +2,7 @@
 
 // Replaces operator new for the whole program, so that failing_memory.hpp works: one file of a
 // test's program includes this. At its end the program says how many allocations failed.
+// NOLINTBEGIN(misc-definitions-in-headers): it is a source that comes with the headers.
 
 #include <cstddef>
 #include <cstdio>
@@ -167,3 +168,4 @@ void operator delete[](void* memory, std::size_t) noexcept
 {
     busbar::harness::detail::release(memory);
 }
+// NOLINTEND(misc-definitions-in-headers)
