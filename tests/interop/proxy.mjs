@@ -11,7 +11,7 @@ const busbar = process.env.BUSBAR_CLIENT;
 export async function startProxy(target) {
   const folder = mkdtempSync(join(tmpdir(), "busbar-proxy-"));
   const recording = join(folder, "recording");
-  const proxy = spawn(busbar, ["proxy", `opc.tcp://127.0.0.1:${target}`, "--control", "--quiet", "--record", recording],
+  const proxy = spawn(busbar, ["proxy", `opc.tcp://127.0.0.1:${target}`, "--pass", "--control", "--quiet", "--record", recording],
     { stdio: ["pipe", "ignore", "pipe"] });
   const ended = new Promise((resolve) => proxy.on("exit", resolve));
   const url = await new Promise((resolve, reject) => {

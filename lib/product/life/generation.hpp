@@ -153,7 +153,7 @@ public:
     /// The program of a machine.
     [[nodiscard]] ProgramInForce program() const;
     /// Returns true if the configured file of that program contains another one, or cannot be read.
-    /// The answer is up to a second old.
+    /// The answer is remembered for twenty times as long as it takes to find it.
     [[nodiscard]] bool is_program_file_other();
     /// Stores the document of a ReceivedProgram, or removes it, for the next reading.
     [[nodiscard]] Configured<void> keep_program(const std::optional<std::string>& document)
@@ -223,7 +223,7 @@ private:
     /// True if the runtime's own task scans instead.
     bool has_own_task_{false};
     struct OtherFile {
-        std::chrono::steady_clock::time_point time;
+        std::chrono::steady_clock::time_point valid_until;
         bool is_other;
     };
     /// Remembered by is_program_file_other().

@@ -119,14 +119,18 @@ ProgramInForce Generation::program() const
 
 bool Generation::is_program_file_other()
 {
-    // A program may be a folder of many files, and every status asks.
-    constexpr std::chrono::seconds validity{1};
-    const auto now = std::chrono::steady_clock::now();
-    if (!other_file_ || now - other_file_->time >= validity) {
+    // A program may be a folder of many files, and every status asks: looking again and again may
+    // take a twentieth of the server's time.
+    constexpr int share = 20;
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    if (!other_file_ || begin >= other_file_->valid_until) {
         const MachineConfig& machine = config_.machine;
         const auto file =
             SourceFiles{}.program_text(machine.program_file, ReceivedProgram::max_text);
-        other_file_ = {.time = now, .is_other = !file || **file != *machine.program_text};
+        const auto end = Clock::now();
+        other_file_ = {.valid_until = end + share * (end - begin),
+                       .is_other = !file || **file != *machine.program_text};
     }
     return other_file_->is_other;
 }
