@@ -12,7 +12,7 @@ namespace busbar::product {
 
 namespace {
 
-std::vector<NodeId> nodes_of(const std::vector<std::string>& roles)
+std::vector<NodeId> nodes_named(const std::vector<std::string>& roles)
 {
     static constexpr std::array<std::pair<std::string_view, std::uint32_t>, 6> known{
         {{"Observer", id::WellKnownRole_Observer},
@@ -43,8 +43,8 @@ FileSystems::FileSystems(const std::vector<FilesConfig>& files)
         all_.push_back({.name = each.name,
                         .storage = &folder,
                         .limits = each.limits,
-                        .readers = nodes_of(each.readers),
-                        .writers = nodes_of(each.writers)});
+                        .readers = nodes_named(each.readers),
+                        .writers = nodes_named(each.writers)});
     }
 }
 
