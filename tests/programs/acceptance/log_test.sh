@@ -181,6 +181,13 @@ simulate 'medium out'
 # The log has that line of the start, too.
 is_away_again() { [ "$(grep -c 'the medium is away' log)" -eq 2 ]; }
 await is_away_again
+# What waits is saved first, by the next turn of what saves.
+is_saved() {
+    lines=$(wc -l < "$log")
+    sleep 0.5
+    [ "$(wc -l < "$log")" -eq "$lines" ]
+}
+await is_saved
 written=$(wc -l < "$log")
 chief 0 read "$url" i=2259
 [ "$(wc -l < "$log")" -eq "$written" ] || fail "records are written to a medium that is going"
