@@ -69,37 +69,6 @@ const Row& row_of(RecordKind kind)
     return place < rows.size() ? rows[place] : none;
 }
 
-/// True for what a Method has done and MethodCalled tells: each Method has one event.
-bool is_told_as_call(const Record& record)
-{
-    return (record.kind == RecordKind::SettingsChanged || record.kind == RecordKind::UsersChanged ||
-            record.kind == RecordKind::RolesChanged) &&
-           field(record, "MethodId") != nullptr;
-}
-
-bool is_role(const NodeId& object)
-{
-    static constexpr std::array roles{
-        id::WellKnownRole_Anonymous,          id::WellKnownRole_AuthenticatedUser,
-        id::WellKnownRole_TrustedApplication, id::WellKnownRole_Observer,
-        id::WellKnownRole_Operator,           id::WellKnownRole_Supervisor,
-        id::WellKnownRole_Engineer,           id::WellKnownRole_ConfigureAdmin,
-        id::WellKnownRole_SecurityAdmin};
-    return std::any_of(roles.begin(), roles.end(),
-                       [&](std::uint32_t role) { return object.is(role); }) ||
-           (object.namespace_index() == 1 && object.id_type() == IdType::String &&
-            object.string().view().starts_with("RoleSet/"));
-}
-
-/// True for a Method of a role, which adds or removes a part of its mapping rule (Part 18, 4.5).
-bool is_rule_change(const Record& record)
-{
-    const Variant* const object =
-        record.kind == RecordKind::MethodCalled ? field(record, "ObjectId") : nullptr;
-    const auto* const id = object != nullptr ? object->get_if<NodeId>() : nullptr;
-    return id != nullptr && is_role(*id);
-}
-
 /// Returns the event type for what is wrong with the certificate (Part 5, 6.4.13 to 6.4.18).
 std::uint32_t certificate_type(StatusCode status)
 {
@@ -210,8 +179,7 @@ Event audit_event(const Record& record, std::string_view server_id)
     const bool is_done = !record.status.is_bad() || record.kind == RecordKind::SessionClosed;
     Event event;
     event.event_type = NodeId{0, is_of_certificate(record.kind) ? certificate_type(record.status)
-                                 : is_rule_change(record) ? id::RoleMappingRuleChangedAuditEventType
-                                                          : row.event_type};
+                                                                : row.event_type};
     event.source_name = source_name(record, row.source_name);
     event.message = LocalizedText{
         "en", String{record.text.empty() ? std::string{name(record.kind)} : record.text}};
@@ -251,9 +219,7 @@ void AuditLog::record(const Record& record)
     if (lines_->wants(record.kind)) {
         lines_->record(record);
     }
-    const bool is_told = is_told_as_call(record) ||
-                         (record.kind == RecordKind::SettingsChanged && is_changing_settings_);
-    if (queue_ != nullptr && row_of(record.kind).event_type != 0 && !is_told) {
+    if (queue_ != nullptr && row_of(record.kind).event_type != 0) {
         // The queue counts events that it has no room for.
         static_cast<void>(queue_->raise(audit_event(record, server_id_)));
     }

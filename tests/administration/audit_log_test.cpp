@@ -363,47 +363,6 @@ TEST_CASE_METHOD(Fixture, "audit: Writes and Calls, without secrets",
     CHECK(lines.records[0].find("InputArguments") == std::string::npos);
 }
 
-TEST_CASE("audit: what a Method does is told once")
-{
-    LogBook lines;
-    AuditLog log{lines};
-    FixedWallClock clock;
-    auto queue = std::make_shared<server::EventQueue>(clock, nullptr, 16);
-    log.attach(queue, "urn:server");
-    const auto told = [&](RecordKind kind, const NodeId& object, bool is_call) {
-        const RecordField fields[] = {{"ObjectId", Variant{object}}, {"MethodId", Variant{object}}};
-        Record record{kind};
-        record.fields = std::span{fields}.first(is_call ? 2 : 0);
-        log.record(record);
-        std::vector<std::string> types;
-        server::Event event;
-        while (queue->next(event)) {
-            types.push_back(to_string(event.event_type));
-        }
-        return types;
-    };
-    const NodeId users{0, id::UserManagement};
-    const NodeId role{0, id::WellKnownRole_Operator};
-    using Types = std::vector<std::string>;
-    for (const RecordKind kind :
-         {RecordKind::UsersChanged, RecordKind::RolesChanged, RecordKind::SettingsChanged}) {
-        CHECK(told(kind, users, true) == Types{}); // MethodCalled follows
-        CHECK(told(kind, users, false).size() == 1);
-    }
-    log.set_changing_settings(true); // by a Write or a Method
-    CHECK(told(RecordKind::SettingsChanged, users, false) == Types{});
-    CHECK(told(RecordKind::UsersChanged, users, false) == Types{"i=2058"});
-    log.set_changing_settings(false);
-    CHECK(told(RecordKind::SettingsChanged, users, false) == Types{"i=2058"});
-    CHECK(told(RecordKind::MethodCalled, users, true) == Types{"i=2127"});
-    for (const NodeId& each : {role, NodeId{1, "RoleSet//Fitter"}}) { // Part 18, 4.5
-        CHECK(told(RecordKind::MethodCalled, each, true) == Types{"i=17641"});
-    }
-    CHECK(told(RecordKind::MethodCalled, NodeId{1, "Files/RoleSet"}, true) == Types{"i=2127"});
-    CHECK(told(RecordKind::MethodCalled, NodeId{0, id::Server_ServerCapabilities_RoleSet}, true) ==
-          Types{"i=2127"});
-}
-
 TEST_CASE("audit: each kind of record is an event of its type, or none")
 {
     LogBook lines;

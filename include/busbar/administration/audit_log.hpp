@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <string>
 
@@ -36,10 +35,6 @@ public:
     /// is the server's ApplicationUri.
     void attach(std::shared_ptr<server::EventQueue> queue, std::string server_id);
 
-    /// While this is true, records of changed settings become no events: those of a change that a
-    /// Write or a Method makes, which has an event of its own.
-    void set_changing_settings(bool is_changing) { is_changing_settings_ = is_changing; }
-
     void write(LogLevel level, std::string_view source, std::string_view text) override
     {
         lines_->write(level, source, text);
@@ -51,7 +46,6 @@ private:
     LogSink* lines_;
     std::shared_ptr<server::EventQueue> queue_;
     std::string server_id_;
-    std::atomic<bool> is_changing_settings_{false};
 };
 
 /// Returns the event for a record: Status and ids, actor and origin, and the fields that the event

@@ -31,7 +31,7 @@ std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
 }
 
 /// Returns how long to wait for a Method that makes a key: on a small controller an RSA key of 4096
-/// bits takes minutes, and a key that nothing waits for is thrown away.
+/// bits takes minutes, and a client that gives up does not get what was made.
 Duration time_for_key(const Context& context)
 {
     constexpr Duration least = std::chrono::minutes{5};
