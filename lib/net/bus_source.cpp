@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/net/system.hpp>
 
@@ -30,8 +31,9 @@ public:
     [[nodiscard]] bool has_answered() const override { return has_answered_; }
     Result<void> send(const backend::PlanRequest& request, TimePoint /*now*/) override
     {
-        thread_.give(request);
-        return {};
+        // The plan takes the request as sent unless this fails.
+        const StatusCode given = busbar::detail::caught([&] { thread_.give(request); });
+        return given.is_bad() ? Result<void>{fail(given)} : Result<void>{};
     }
     [[nodiscard]] std::optional<backend::DeviceAnswer> next_answer() override
     {
@@ -106,12 +108,13 @@ struct BusSource::Impl {
         if (is_opening || device.state() != backend::DeviceState::Waiting) {
             return;
         }
-        is_opening = true;
         if (const TimePoint now = detail::now(); device.wants_connection(now)) {
-            device.connecting(now);
             thread.give(BusThread::Open{});
+            is_opening = true;
+            device.connecting(now);
         } else {
             thread.give(BusThread::Pause{device.next_deadline()});
+            is_opening = true;
         }
     }
     void take(BusThread::Paused /*paused*/) { is_opening = false; }
@@ -162,6 +165,7 @@ server::DataSourceOptions BusSource::options() const
 
 void BusSource::read(server::ReadBatch batch)
 {
+    impl_->connect(); // unless that failed before
     impl_->source.read(std::move(batch));
 }
 
@@ -180,8 +184,14 @@ void BusSource::attach(server::Waker* waker)
 
 void BusSource::handle_completions()
 {
-    for (BusThread::Outcome& outcome : impl_->thread.take()) {
-        std::visit([this](auto& each) { impl_->take(each); }, outcome);
+    while (auto outcome = impl_->thread.take()) {
+        const StatusCode thrown = busbar::detail::guarded(impl_->log, "an answer of a bus", [&] {
+            std::visit([this](auto& each) { impl_->take(each); }, *outcome);
+        });
+        if (thrown.is_bad()) { // what the plan waits for may be gone
+            busbar::detail::attempt(
+                [this] { impl_->device.lost("there is no memory", detail::now()); });
+        }
     }
     impl_->connect();
 }

@@ -27,8 +27,16 @@ void BusThread::set_waker(Waker* waker)
 {
     const std::lock_guard lock{mutex_};
     waker_ = waker;
-    if (waker_ != nullptr && !outcomes_.empty()) {
-        waker_->wake();
+    if (outcome_) {
+        wake();
+    }
+}
+
+/// The mutex is locked.
+void BusThread::wake()
+{
+    if (waker_ != nullptr) {
+        busbar::detail::attempt([this] { waker_->wake(); });
     }
 }
 
@@ -41,17 +49,22 @@ void BusThread::give(Job job)
     changed_.notify_one();
 }
 
-std::vector<BusThread::Outcome> BusThread::take()
+std::optional<BusThread::Outcome> BusThread::take()
 {
-    const std::lock_guard lock{mutex_};
-    return std::exchange(outcomes_, {});
+    std::optional<Outcome> outcome;
+    {
+        const std::lock_guard lock{mutex_};
+        outcome.swap(outcome_);
+    }
+    changed_.notify_one();
+    return outcome;
 }
 
 void BusThread::run()
 {
     std::unique_lock lock{mutex_};
     for (;;) {
-        changed_.wait(lock, [this] { return ends_ || !jobs_.empty(); });
+        changed_.wait(lock, [this] { return ends_ || (!jobs_.empty() && !outcome_); });
         if (ends_) {
             return;
         }
@@ -61,17 +74,15 @@ void BusThread::run()
             if (changed_.wait_until(lock, pause->until, [this] { return ends_; })) {
                 return;
             }
-            outcomes_.emplace_back(Paused{});
+            outcome_ = Paused{};
         } else {
             lock.unlock();
             const auto* const request = std::get_if<backend::PlanRequest>(&job);
             Outcome outcome = request != nullptr ? outcome_of(*request) : outcome_of(Open{});
             lock.lock();
-            outcomes_.push_back(std::move(outcome));
+            outcome_ = std::move(outcome);
         }
-        if (waker_ != nullptr) {
-            waker_->wake();
-        }
+        wake();
     }
 }
 

@@ -4,9 +4,9 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
-#include <vector>
 
 #include <busbar/backend/device.hpp>
 #include <busbar/net/bus_source.hpp>
@@ -42,14 +42,18 @@ public:
     /// Waits for the call that is under way, and drops the jobs that follow.
     ~BusThread();
 
-    /// Is woken for each outcome; null for none. The one before is not used any more then.
+    /// Is woken for each outcome; null for none. The one before is not used any more then. What it
+    /// throws is discarded.
     void set_waker(Waker* waker);
+    /// Fails as std::bad_alloc, with nothing given.
     void give(Job job);
-    /// Returns the outcomes since the last call, in their order.
-    [[nodiscard]] std::vector<Outcome> take();
+    /// Returns the outcome of the oldest job that is done, and nothing if there is none. The next
+    /// job begins then at the earliest, so that the thread needs no memory for outcomes.
+    [[nodiscard]] std::optional<Outcome> take();
 
 private:
     void run();
+    void wake();
     [[nodiscard]] Outcome outcome_of(const Open& open);
     [[nodiscard]] Outcome outcome_of(const backend::PlanRequest& request);
 
@@ -59,7 +63,7 @@ private:
     std::condition_variable changed_;
     Waker* waker_{nullptr};
     std::deque<Job> jobs_;
-    std::vector<Outcome> outcomes_;
+    std::optional<Outcome> outcome_;
     bool ends_{false};
     std::thread thread_; // last, since it uses the others
 };

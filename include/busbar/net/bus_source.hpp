@@ -20,7 +20,8 @@ namespace busbar::net {
 
 /// A bus, as a driver library or a serial line has it: a call sends one telegram and waits for the
 /// answer. A BusSource makes all calls on one thread, one after the other; none of them may wait
-/// for ever. An exception fails the telegram with Bad_InternalError.
+/// for ever. An exception fails the telegram, or the attempt to open the connection, with
+/// Bad_InternalError, or Bad_OutOfMemory.
 ///
 /// The error says what comes next. Bad_Timeout: this telegram has no answer, others go on.
 /// Bad_NoCommunication: the connection is lost, and open() is called. Any other: the device refuses
