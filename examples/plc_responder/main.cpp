@@ -70,7 +70,7 @@ struct Options {
     std::uint16_t port{0};
     std::size_t max_connections{64};
     std::vector<std::uint8_t> units{};
-    /// Options that are commands, in their order.
+    /// Options that are commands: those of one name in their order.
     std::vector<std::string> commands{};
 };
 

@@ -509,6 +509,9 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
     write("plc/press.csv", "name,at,access\nSpeed,holding:0:int16,write\n");
     std::filesystem::create_symlink(at("p/x.st"), at("files/link.st"));
     std::filesystem::create_symlink(at("files"), at("linked"));
+    std::filesystem::create_directories(at("secrets/deep"));
+    std::filesystem::create_directories(at("sub"));
+    std::filesystem::create_symlink(at("secrets/deep"), at("sub/led"));
     const Row further[] = {
         {"[server]\nnodesets = [\"" + at("models/m.xml") + "\"]", "models", "an information model"},
         {"[[backend]]\nname = \"press\"\nprotocol = \"modbus\"\naddress = \"192.0.2.20:502\"\n"
@@ -519,6 +522,8 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
         {"[machine]\nprogram = \"" + at("files/link.st") + "\"", "p", machine},
         {"[machine]\nprogram = \"" + at("files/link.st") + "\"", "linked", machine},
         {"[machine]\nprogram = \"" + at("linked/b.st") + "\"", "files", machine},
+        {"[[backend]]\nname = \"press\"\nprotocol = \"slmp\"\n" + slmp, "sub/led/..",
+         "the password of a PLC"},
     };
     for (const auto& [text, files, said] : further) {
         INFO(text << "\n" << files << ": " << complaint(with(text, files)));

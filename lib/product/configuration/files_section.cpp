@@ -28,12 +28,13 @@ std::array<std::filesystem::path, 2> places(const std::string& path)
     };
     std::error_code ignored;
     // Make it absolute first: for a relative path that does not exist, weakly_canonical would
-    // leave the working directory out.
-    const auto absolute = std::filesystem::absolute(path).lexically_normal();
+    // leave the working directory out. What ".." leads out of may be a link.
+    const auto absolute = std::filesystem::absolute(path);
+    const auto normal = absolute.lexically_normal();
     const auto real = std::filesystem::weakly_canonical(absolute, ignored);
     // The link's own folder may be a link, too.
-    const auto folder = std::filesystem::weakly_canonical(whole(absolute).parent_path(), ignored);
-    return {whole(real.empty() ? absolute : real), folder / whole(absolute).filename()};
+    const auto folder = std::filesystem::weakly_canonical(whole(normal).parent_path(), ignored);
+    return {whole(real.empty() ? normal : real), folder / whole(normal).filename()};
 }
 
 /// True if one of the folders is or contains the other.

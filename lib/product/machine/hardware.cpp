@@ -46,17 +46,21 @@ constexpr std::array medium_names{
 
 model::NodeAccess access_of_hardware()
 {
-    constexpr auto may = static_cast<std::uint32_t>(PermissionType::Browse) |
-                         static_cast<std::uint32_t>(PermissionType::Read) |
-                         static_cast<std::uint32_t>(PermissionType::Call);
+    constexpr auto may_see = static_cast<std::uint32_t>(PermissionType::Browse) |
+                             static_cast<std::uint32_t>(PermissionType::Read);
+    constexpr auto may_change = may_see | static_cast<std::uint32_t>(PermissionType::Call);
     const PartRight& right = right_of(AdministeredPart::Hardware);
     model::NodeAccess access;
     if (right.channel != administration::detail::over::any) {
         access.restrictions = right.channel;
     }
-    for (NodeId& role : nodes_of(right.change)) {
-        access.role_permissions.push_back({std::move(role), static_cast<PermissionType>(may)});
-    }
+    const auto grant = [&](unsigned roles, std::uint32_t may) {
+        for (NodeId& role : nodes_of(static_cast<administration::detail::Roles>(roles))) {
+            access.role_permissions.push_back({std::move(role), static_cast<PermissionType>(may)});
+        }
+    };
+    grant(right.change, may_change);
+    grant(right.see & ~unsigned{right.change}, may_see);
     return access;
 }
 
