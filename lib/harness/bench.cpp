@@ -44,7 +44,7 @@ BenchClient& Bench::client(std::string_view name)
         return *known->second;
     }
     ClientParts parts = client_parts_;
-    parts.address = "192.0.2." + std::to_string(2 + further_.size() % 250);
+    parts.log = nullptr;
     return add_client(std::string{name}, client_config_, std::move(parts));
 }
 
@@ -52,6 +52,12 @@ BenchClient& Bench::add_client(std::string name, client::ConnectionConfig config
 {
     if (further_.contains(name)) {
         throw std::invalid_argument{"add_client(): there is a client " + name};
+    }
+    const auto is_taken = [&] {
+        return parts.address == client_parts_.address || parts.address == ClientParts{}.address;
+    };
+    for (std::size_t i = further_.size(); is_taken(); ++i) {
+        parts.address = "192.0.2." + std::to_string(2 + i % 250);
     }
     if (parts.log == nullptr) {
         parts.log = &world_.new_log(name);

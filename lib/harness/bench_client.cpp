@@ -42,6 +42,10 @@ void add_to(std::vector<Item>& items, Item item)
 
 const Variant& BenchEvent::operator[](std::string_view name) const
 {
+    static const Variant null;
+    if (fields.empty()) {
+        return null;
+    }
     const auto found = fields.find(name);
     if (found == fields.end()) {
         throw std::invalid_argument{"the field " + std::string{name} +
@@ -88,8 +92,8 @@ Result<void> BenchClient::connect_within(Duration limit)
         }
     }
     for (std::size_t i = 0; i < watched_.size(); ++i) {
-        if (watched_[i].is_lost && watch(i).is_good()) {
-            watched_[i].is_lost = false;
+        if (watched_[i].is_lost) {
+            static_cast<void>(watch(i)); // tried again with the next verb
         }
     }
     return {};
@@ -194,13 +198,13 @@ Result<std::uint32_t> BenchClient::subscription(Duration interval)
 
 StatusCode BenchClient::subscribe(const NodeId& node, Duration interval, std::uint32_t queue_size)
 {
-    return add({Kind::Value, node, interval, queue_size, {}, false, {}, {}});
+    return add({Kind::Value, node, interval, queue_size, {}, false, {}, {}, 0});
 }
 
 StatusCode BenchClient::subscribe_events(const NodeId& notifier,
                                          const client::EventSelection& selection, Duration interval)
 {
-    return add({Kind::Events, notifier, interval, 10'000, selection, false, {}, {}});
+    return add({Kind::Events, notifier, interval, 10'000, selection, false, {}, {}, 0});
 }
 
 StatusCode BenchClient::add(Watched watched)
@@ -218,7 +222,7 @@ StatusCode BenchClient::add(Watched watched)
 
 StatusCode BenchClient::watch(std::size_t index)
 {
-    const Watched& watched = watched_[index];
+    Watched& watched = watched_[index];
     const client::EventSelection selection = watched.selection;
     const auto subscription_id = subscription(watched.interval);
     if (!subscription_id) {
@@ -230,7 +234,8 @@ StatusCode BenchClient::watch(std::size_t index)
     MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
     item.item_to_monitor = value_of(watched.node);
     item.monitoring_mode = MonitoringMode::Reporting;
-    item.requested_parameters.client_handle = static_cast<std::uint32_t>(index);
+    watched.handle = ++last_handle_;
+    item.requested_parameters.client_handle = watched.handle;
     item.requested_parameters.queue_size = watched.queue_size;
     item.requested_parameters.discard_oldest = true;
     if (watched.kind == Kind::Events) {
@@ -256,7 +261,11 @@ StatusCode BenchClient::watch(std::size_t index)
         static_cast<void>(host_.call<DeleteMonitoredItemsResponse>(std::move(removal)));
         return field;
     }
-    while (publishing_ < publish_requests) {
+    if (created.status_code.is_good()) {
+        watched_[index].is_lost = false; // before publish(), which may lose it at once
+    }
+    // One that cannot be sent has failed already, and is not repeated.
+    for (int missing = publish_requests - publishing_; missing > 0; --missing) {
         publish();
     }
     return created.status_code;
@@ -333,25 +342,31 @@ void BenchClient::received(const ExtensionObject& data)
     }
     if (const auto* const changes = data.get_if<DataChangeNotification>()) {
         for (const MonitoredItemNotification& change : changes->monitored_items) {
-            if (change.client_handle < watched_.size()) {
-                add_to(watched_[change.client_handle].values, change.value);
+            if (Watched* const watched = watched_with(change.client_handle)) {
+                add_to(watched->values, change.value);
             }
         }
     }
     if (const auto* const list = data.get_if<EventNotificationList>()) {
         for (const EventFieldList& event : list->events) {
-            if (event.client_handle >= watched_.size()) {
+            Watched* const watched = watched_with(event.client_handle);
+            if (watched == nullptr) {
                 continue;
             }
-            Watched& watched = watched_[event.client_handle];
             BenchEvent known;
-            for (std::size_t i = 0; i < watched.selection.fields.size(); ++i) {
-                known.fields[watched.selection.fields[i]] =
+            for (std::size_t i = 0; i < watched->selection.fields.size(); ++i) {
+                known.fields[watched->selection.fields[i]] =
                     i < event.event_fields.size() ? event.event_fields[i] : Variant{};
             }
-            add_to(watched.events, std::move(known));
+            add_to(watched->events, std::move(known));
         }
     }
+}
+
+BenchClient::Watched* BenchClient::watched_with(std::uint32_t handle)
+{
+    const auto found = std::ranges::find(watched_, handle, &Watched::handle);
+    return found == watched_.end() ? nullptr : &*found;
 }
 
 bool BenchClient::is_watched(Kind kind, const NodeId& node) const
@@ -436,7 +451,10 @@ Item BenchClient::await_item(const NodeId& node, FunctionRef<bool(const Item&)> 
     };
     const TimePoint begin = world_.now();
     if (!is_watched(kind, node)) {
-        const StatusCode result = is_value ? subscribe(node) : subscribe_events(node);
+        const auto connected = connect_within(limit);
+        const StatusCode result = !connected ? connected.error()
+                                  : is_value ? subscribe(node)
+                                             : subscribe_events(node);
         if (result.is_bad()) {
             throw std::runtime_error{to_string(node) + " cannot be watched: " + text_of(result) +
                                      "\n" + account_of_worlds()};
@@ -467,7 +485,7 @@ Item BenchClient::await_item(const NodeId& node, FunctionRef<bool(const Item&)> 
         }
         return false;
     };
-    if (!run_until(take, limit)) {
+    if (!run_until(take, limit - (world_.now() - begin))) {
         throw std::runtime_error{
             to_string(node) + (is_value ? " had no value that " : " had no Event that ") +
             std::string{wanted} + ", from " + text_of(begin.time_since_epoch()) + " to " +

@@ -237,7 +237,7 @@ ScriptedServer::ScriptedServer(World& world, std::string_view url, const Scripte
 ScriptedServer::~ScriptedServer()
 {
     world_.network().unlisten(*this);
-    if (const std::string text = follow_up(); !has_been_asked_ && !text.empty()) {
+    if (const std::string text = unseen_report(); !text.empty()) {
         fail_test("a scripted server was not asked as its script says, and the test has not looked "
                   "at its report():\n" +
                   text);
@@ -354,16 +354,30 @@ std::optional<std::vector<std::byte>> ScriptedServer::take_replaced(std::string_
 
 std::string ScriptedServer::report() const
 {
-    has_been_asked_ = true;
-    return follow_up();
+    excuses_all_ = true;
+    return unexpected() + missing();
 }
 
-std::string ScriptedServer::follow_up() const
+std::string ScriptedServer::unseen_report() const
+{
+    if (excuses_all_) {
+        return {};
+    }
+    return unexpected() + (excuses_steps_ ? std::string{} : missing());
+}
+
+std::string ScriptedServer::unexpected() const
 {
     std::string text;
     for (const std::string& line : unexpected_) {
         text += line + "\n";
     }
+    return text;
+}
+
+std::string ScriptedServer::missing() const
+{
+    std::string text;
     for (const detail::ScriptStep& step : steps_) {
         text += "expected " + step.name + ", came nothing\n";
     }

@@ -40,6 +40,13 @@ public:
     }
 };
 
+/// Counts its lines.
+struct CountingLog final : LogSink {
+    void write(LogLevel, std::string_view, std::string_view) override { ++count; }
+
+    int count{0};
+};
+
 /// What an exception of a call says.
 template <typename Work>
 std::string thrown_by(Work work)
@@ -95,6 +102,23 @@ TEST_CASE_METHOD(ClientBench, "a further client may have options of its own", "[
     BenchClient& lost = add_client("lost", config);
     CHECK_THAT(lost.read(level), has_status(status::Bad_ConnectionRejected));
     CHECK_THAT(world().account(), Catch::Contains("there is no listener at opc.tcp://sever:4840"));
+    CHECK_THAT(add_client("panel", open_connection_config()).read(level), holds(1.5));
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK_THAT(world().trace(), Catch::Contains("panel -> ReadRequest ns=1;s=Level"));
+    CHECK_THAT(world().trace(), Catch::Contains("client -> ReadRequest ns=1;s=Level"));
+}
+
+TEST_CASE("a further client does not write to the log of the first one", "[harness]")
+{
+    CountingLog log;
+    BenchOptions options;
+    options.client_parts.log = &log;
+    ClientBench bench{options};
+    CHECK(bench.client("hmi").subscribe(bench.level, 0ms) == status::Bad_InvalidArgument);
+    CHECK(log.count == 0);
+    CHECK_THAT(bench.world().account(), Catch::Contains("hmi") && Catch::Contains("an interval"));
+    CHECK(bench.subscribe(bench.level, 0ms) == status::Bad_InvalidArgument);
+    CHECK(log.count > 0);
 }
 
 TEST_CASE_METHOD(ClientBench, "a bench sends requests of any service", "[harness]")
@@ -144,6 +168,17 @@ TEST_CASE_METHOD(ClientBench, "a bench says which values came instead", "[harnes
     const auto never = [](const DataValue& /*value*/) { return false; };
     CHECK_THAT(thrown_by([&] { await(level, never, 0s); }),
                Catch::Contains("satisfies the test's condition"));
+}
+
+TEST_CASE_METHOD(ClientBench, "a bench waits no longer than its limit for a connection",
+                 "[harness]")
+{
+    world().network().weather_of("192.0.2.1").min_latency = 20s;
+    world().network().weather_of("192.0.2.1").max_latency = 20s;
+    const TimePoint begin = world().now();
+    CHECK_THAT(thrown_by([&] { await(level, 1.5, 5s); }),
+               Catch::Contains("ns=1;s=Level cannot be watched: Bad_Timeout"));
+    CHECK(world().now() - begin == 5s);
 }
 
 TEST_CASE_METHOD(ClientBench, "a bench waits for a value past a loss", "[harness]")
@@ -226,10 +261,19 @@ TEST_CASE_METHOD(ClientBench, "a bench tells of lost Events and watches again", 
     REQUIRE(lost.size() == 1);
     CHECK(lost[0].status == status::Bad_ConnectionClosed);
     CHECK(lost[0].message().empty());
+    CHECK(lost[0]["Severity"] == Variant{});
+    CHECK(lost[0]["Limit"] == Variant{});
     CHECK(connect());
     raise("again");
     CHECK(await_event(server_object, "again").status == status::Good);
     CHECK_THAT(values(level).back(), holds(1.5));
+
+    world().network().cut();
+    world().scheduler().after(5s, [this] { raise("severe", 900); });
+    const auto is_severe = [](const BenchEvent& event) {
+        return event["Severity"] == Variant{std::uint16_t{900}}; // also asked of the loss
+    };
+    CHECK(await_event(server_object, is_severe).message() == "severe");
 }
 
 TEST_CASE("memory of a bench's server fails where a test says", "[harness]")

@@ -156,6 +156,13 @@ TEST_CASE_METHOD(LevelBench, "a bench tells of a Subscription that the server en
     const auto found = values(level);
     REQUIRE_FALSE(found.empty());
     CHECK_THAT(found.back(), holds(1.5));
+
+    // The server itself has not ended the first Subscription, whose notifications do not count.
+    CHECK(write(level, 2.5) == status::Good);
+    run_for(1s);
+    const auto written = values(level);
+    REQUIRE(written.size() == 1);
+    CHECK_THAT(written[0], holds(2.5));
 }
 
 TEST_CASE("a bench whose server cannot be made says why", "[harness]")

@@ -284,7 +284,20 @@ TEST_CASE("a script that was not followed fails a test that does not look", "[ha
     CHECK_THAT(failures, Catch::Contains("expected WriteRequest, came nothing"));
     with_server([](ScriptedServer& server) { CHECK_FALSE(server.is_done()); });
     CHECK(failures == "");
-    with_server([](ScriptedServer& server) { CHECK_FALSE(server.report().empty()); });
+    const auto ask_out_of_turn = [&] {
+        ConnectionHost client{world};
+        CHECK_FALSE(client.open());
+    };
+    with_server([&](ScriptedServer& server) {
+        ask_out_of_turn();
+        CHECK_FALSE(server.is_done());
+    });
+    CHECK_THAT(failures,
+               Catch::Contains("expected WriteRequest, came ") && !Catch::Contains("came nothing"));
+    with_server([&](ScriptedServer& server) {
+        ask_out_of_turn();
+        CHECK_FALSE(server.report().empty());
+    });
     CHECK(failures == "");
     with_server([](ScriptedServer& server) { server.forgive_report(); });
     CHECK(failures == "");

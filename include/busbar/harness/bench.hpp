@@ -38,12 +38,13 @@ public:
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return first_.host(); }
     /// Returns the further client of this name, which is made when it is first asked for: with the
-    /// options of the first client, but an address of its own, 192.0.2.2 and following, for
-    /// Network::weather_of(). Log and trace have its lines under its name. It lives as long as the
-    /// bench.
+    /// options of the first client, but a log and an address of its own, 192.0.2.2 and following,
+    /// for Network::weather_of(). The world's log and trace have its lines under its name. It lives
+    /// as long as the bench.
     BenchClient& client(std::string_view name);
-    /// Makes a further client with options of its own. Throws std::invalid_argument if there is one
-    /// of this name.
+    /// Makes a further client with options of its own. If its address is the default or the first
+    /// client's, it gets one as a client() does. Throws std::invalid_argument if there is one of
+    /// this name.
     BenchClient& add_client(std::string name, client::ConnectionConfig config,
                             ClientParts parts = {});
 

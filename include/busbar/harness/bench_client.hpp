@@ -28,8 +28,8 @@ struct BUSBAR_API BenchEvent {
     /// The fields have the names that were asked for.
     std::map<std::string, Variant, std::less<>> fields{};
 
-    /// Returns a field, null if the Event does not have it. Throws std::invalid_argument if it was
-    /// not asked for.
+    /// Returns a field, null if the Event does not have it or tells of the end of a Subscription.
+    /// Throws std::invalid_argument if it was not asked for.
     [[nodiscard]] const Variant& operator[](std::string_view name) const;
     /// The text of the field Message; empty if there is none.
     [[nodiscard]] std::string message() const;
@@ -162,6 +162,9 @@ private:
         bool is_lost{false};
         std::vector<DataValue> values;
         std::vector<BenchEvent> events;
+        /// Differs for each creation of the item: a Subscription that the client has given up may
+        /// still send notifications.
+        std::uint32_t handle{0};
     };
 
     [[nodiscard]] Result<Array<DataValue>> read(ReadRequest request);
@@ -182,8 +185,10 @@ private:
     /// Throws unless the node is watched.
     void need_watched(Kind kind, const NodeId& node, std::string_view verb) const;
     StatusCode add(Watched watched);
-    /// Creates the item of a watched node.
+    /// Creates the item of a watched node, which is no longer lost if that succeeds.
     StatusCode watch(std::size_t index);
+    /// Returns the watched node whose item has this client handle; null if there is none.
+    [[nodiscard]] Watched* watched_with(std::uint32_t handle);
     /// Returns the status of the first field that the server does not know, and tells which it is.
     [[nodiscard]] StatusCode bad_field(const ExtensionObject& filter_result,
                                        const client::EventSelection& selection);
@@ -202,8 +207,8 @@ private:
     ConnectionHost host_;
     /// The Subscriptions of this connection's session, by publishing interval.
     std::map<Duration, std::uint32_t> subscriptions_;
-    /// The client handle is the index.
     std::vector<Watched> watched_;
+    std::uint32_t last_handle_{0};
     std::vector<SubscriptionAcknowledgement> acknowledgements_;
     int publishing_{0};
 };

@@ -5,6 +5,7 @@
 // NOLINTBEGIN(misc-definitions-in-headers): it is a source that comes with the headers.
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -37,17 +38,20 @@ struct Failures {
 };
 Failures failures;
 
-/// A sanitizer sees what lies past the size only without aligned_alloc, whose sizes are multiples
-/// of the alignment.
+/// Returns null if there is no memory. A sanitizer sees what lies past the size only without
+/// aligned_alloc, whose sizes are multiples of the alignment.
 void* take(std::size_t size, std::size_t alignment)
 {
     if (alignment <= alignof(std::max_align_t)) {
         return std::malloc(size == 0 ? 1 : size);
     }
+    if (size > SIZE_MAX - alignment) {
+        return nullptr;
+    }
     return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
 }
 
-/// Returns null if it is one of those that fail.
+/// Returns null if it is one of those that fail, or if there is no memory.
 void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) noexcept
 {
     const bool is_one_of_them = is_counting && ++count >= first_failing && count <= last_failing;
@@ -55,8 +59,9 @@ void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_
         ++failures.count;
         return nullptr;
     }
-    ++live;
-    return take(size, alignment);
+    void* const memory = take(size, alignment);
+    live += memory != nullptr ? 1 : 0;
+    return memory;
 }
 
 void* allocate_or_throw(std::size_t size, std::size_t alignment = alignof(std::max_align_t))
@@ -83,7 +88,7 @@ void fail_allocation(std::size_t k, std::size_t most)
 {
     detail::count = 0;
     detail::first_failing = k;
-    detail::last_failing = k == 0 ? 0 : k + most - 1;
+    detail::last_failing = k == 0 ? 0 : most > SIZE_MAX - (k - 1) ? SIZE_MAX : k + most - 1;
 }
 
 void fail_large_allocations(std::size_t size)
@@ -123,18 +128,22 @@ Uncounted::~Uncounted()
 
 } // namespace busbar::harness
 
-// The other forms call these.
+// All replaceable forms: none may take from, or give back to, another allocator than this one.
 void* operator new(std::size_t size)
 {
     return busbar::harness::detail::allocate_or_throw(size);
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+{
+    return busbar::harness::detail::allocate(size);
 }
 void* operator new(std::size_t size, std::align_val_t alignment)
 {
     return busbar::harness::detail::allocate_or_throw(size, static_cast<std::size_t>(alignment));
 }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept
 {
-    return busbar::harness::detail::allocate(size);
+    return busbar::harness::detail::allocate(size, static_cast<std::size_t>(alignment));
 }
 void* operator new[](std::size_t size)
 {
@@ -144,11 +153,23 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
 {
     return busbar::harness::detail::allocate(size);
 }
+void* operator new[](std::size_t size, std::align_val_t alignment)
+{
+    return busbar::harness::detail::allocate_or_throw(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept
+{
+    return busbar::harness::detail::allocate(size, static_cast<std::size_t>(alignment));
+}
 void operator delete(void* memory) noexcept
 {
     busbar::harness::detail::release(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept
 {
     busbar::harness::detail::release(memory);
 }
@@ -160,11 +181,31 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept
 {
     busbar::harness::detail::release(memory);
 }
+void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
 void operator delete[](void* memory) noexcept
 {
     busbar::harness::detail::release(memory);
 }
 void operator delete[](void* memory, std::size_t) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
+void operator delete[](void* memory, const std::nothrow_t&) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept
+{
+    busbar::harness::detail::release(memory);
+}
+void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept
 {
     busbar::harness::detail::release(memory);
 }

@@ -204,10 +204,10 @@ struct ScriptedServerParts {
 ///     auto publish = server.expect<PublishRequest>().reply(notification).held();
 ///
 /// Requests must arrive in the order of the expectations, over any number of connections. Those out
-/// of turn are answered with Bad_ServiceUnsupported and reported. If its report would not be empty
-/// and the test has asked for neither report() nor is_done(), the test fails at the server's end
-/// (set_fail_test() in report.hpp) unless forgive_report() was called. One thread; the world must
-/// outlive it.
+/// of turn are answered with Bad_ServiceUnsupported and reported. If its report is not empty and
+/// the test has not asked for report(), the test fails at the server's end (set_fail_test() in
+/// report.hpp) unless forgive_report() was called; is_done() excuses the requests that have not
+/// arrived, but not those out of turn. One thread; the world must outlive it.
 class BUSBAR_API ScriptedServer final : public Acceptor {
 public:
     ScriptedServer(World& world, std::string_view url, const ScriptedServerParts& parts = {});
@@ -272,9 +272,10 @@ public:
     /// Sends these bytes, which may be none, instead of its next "ACK", "OPN", "MSG" or "ERR".
     void replace(std::string_view message_type, std::vector<std::byte> bytes);
 
+    /// Returns whether all expected requests have arrived.
     [[nodiscard]] bool is_done() const
     {
-        has_been_asked_ = true;
+        excuses_steps_ = true;
         return steps_.empty();
     }
     /// The expected requests that did not arrive, and the unexpected ones that did; one a line,
@@ -282,7 +283,7 @@ public:
     [[nodiscard]] std::string report() const;
     /// From now on the server may end without a look at its report(): it has requests that are not
     /// in its script, or some of its script may not come.
-    void forgive_report() { has_been_asked_ = true; }
+    void forgive_report() { excuses_all_ = true; }
     /// Names of all requests that arrived, in their order, the first 10,000.
     [[nodiscard]] const std::vector<std::string>& came() const { return came_; }
 
@@ -316,8 +317,12 @@ private:
             Expectation<Request>{add(step, Request::binary_encoding_id)}.reply(std::move(make));
         }
     }
-    /// Returns what report() says.
-    [[nodiscard]] std::string follow_up() const;
+    /// Returns the part of report() that the test has not looked at.
+    [[nodiscard]] std::string unseen_report() const;
+    /// Returns a line for each expected request that has not arrived.
+    [[nodiscard]] std::string missing() const;
+    /// Returns a line for each request that was out of turn.
+    [[nodiscard]] std::string unexpected() const;
     /// The newest connection; null if it has ended.
     [[nodiscard]] Peer* newest() const;
     Result<void> send_body(std::uint32_t request_id, std::span<const std::byte> body,
@@ -350,8 +355,10 @@ private:
     std::uint32_t last_channel_id_{0};
     std::uint32_t last_session_{0};
     const channel::ServerChannel* channel_{nullptr};
-    /// The test has looked whether its script was followed, or does not mind.
-    mutable bool has_been_asked_{false};
+    /// The test has looked at report(), or does not mind what it says.
+    mutable bool excuses_all_{false};
+    /// The test has looked whether its script came to an end.
+    mutable bool excuses_steps_{false};
 };
 
 } // namespace busbar::harness
