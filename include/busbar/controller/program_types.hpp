@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ struct ResolvedType {
     std::optional<Bounds> subrange{};
     /// The initial value of the first resolved type that has one; null if none has.
     const InitialValue* initial{nullptr};
+    /// The number of dimensions around the type that `initial` is of.
+    std::size_t initial_level{0};
 
     [[nodiscard]] bool is_array() const { return !dimensions.empty(); }
     /// True for a Structure and a Union, and arrays of these.

@@ -35,6 +35,23 @@ bool is_list(const InitialValue& value)
     return !value.parts.empty() && value.parts.front().member.empty();
 }
 
+/// True for a list of lists, some of which may be omitted.
+bool is_of_lists(const InitialValue& value)
+{
+    return is_list(value) && std::any_of(value.parts.begin(), value.parts.end(), is_list);
+}
+
+/// Returns the number of elements that an array has below `level` dimensions.
+std::uint64_t elements_below(const ResolvedType& type, std::size_t level)
+{
+    std::uint64_t product = 1;
+    for (std::size_t i = level; i < type.dimensions.size(); ++i) {
+        const Bounds& bounds = type.dimensions[i];
+        product *= static_cast<std::uint64_t>(bounds.upper - bounds.lower + 1);
+    }
+    return product;
+}
+
 /// Finds the value of the enumerator with that name.
 std::optional<std::int32_t> enumerator(const DerivedType& type, const Variant& value)
 {
@@ -57,7 +74,7 @@ bool InitialValues::store(const ResolvedType& type, const InitialValue& own,
     for (std::uint32_t i = 1; i < place.elements; ++i) {
         std::memcpy(to + std::size_t{i} * place.stride, to, place.stride);
     }
-    fits = (type.initial == nullptr || apply(target, *type.initial)) && fits;
+    fits = (type.initial == nullptr || apply_type(target)) && fits;
     return (own.empty() || apply(target, own)) && fits;
 }
 
@@ -85,6 +102,20 @@ bool InitialValues::store_default(const Target& target) const
     return fits;
 }
 
+bool InitialValues::apply_type(const Target& target) const
+{
+    const std::size_t level = target.type.initial_level;
+    const InitialValue& value = *target.type.initial;
+    const bool fits = level < target.type.dimensions.size() ? apply_list(target, value, level, 0)
+                                                            : apply_one(target, value);
+    const std::uint64_t of_one = elements_below(target.type, level);
+    const std::size_t bytes = of_one * target.place.stride;
+    for (std::uint64_t i = of_one; i < target.place.elements; i += of_one) {
+        std::memcpy(target.to + i * target.place.stride, target.to, bytes);
+    }
+    return fits;
+}
+
 bool InitialValues::apply(const Target& target, const InitialValue& value) const
 {
     return target.type.is_array() ? apply_list(target, value, 0, 0) : apply_one(target, value);
@@ -93,25 +124,39 @@ bool InitialValues::apply(const Target& target, const InitialValue& value) const
 bool InitialValues::apply_list(const Target& array, const InitialValue& list, std::size_t level,
                                std::uint64_t first) const
 {
-    const std::vector<Bounds>& dimensions = array.type.dimensions;
-    std::uint64_t of_one = 1;
-    if (level + 1 < dimensions.size() && is_list(list) && is_list(list.parts.front())) {
-        for (std::size_t i = level + 1; i < dimensions.size(); ++i) {
-            of_one *= static_cast<std::uint64_t>(dimensions[i].upper - dimensions[i].lower + 1);
-        }
-    }
+    const std::uint64_t of_one = is_of_lists(list) ? elements_below(array.type, level + 1) : 1;
     bool fits = true;
     for (const InitialValue& part : list.parts) {
         const std::uint64_t room = (array.place.elements - first) / of_one;
-        for (std::uint64_t i = 0; i < std::min<std::uint64_t>(part.repeat, room); ++i) {
-            if (of_one > 1 || is_list(part)) {
-                fits = apply_list(array, part, level + 1, first) && fits;
-            } else {
-                fits = apply_one({array.type, array.place, array.to + first * array.place.stride},
-                                 part) &&
-                       fits;
-            }
+        const std::uint64_t count = std::min<std::uint64_t>(part.repeat, room);
+        if (of_one == 1 && !is_list(part)) {
+            fits = apply_repeated(array, part, first, count) && fits;
+            first += count;
+            continue;
+        }
+        for (std::uint64_t i = 0; i < count; ++i) {
+            fits = apply_list(array, part, level + 1, first) && fits;
             first += of_one;
+        }
+    }
+    return fits;
+}
+
+bool InitialValues::apply_repeated(const Target& array, const InitialValue& value,
+                                   std::uint64_t first, std::uint64_t count) const
+{
+    if (value.empty() || count == 0) {
+        return true;
+    }
+    const std::size_t stride = array.place.stride;
+    std::byte* const begin = array.to + first * stride;
+    bool fits = apply_one({array.type, array.place, begin}, value);
+    for (std::uint64_t i = 1; i < count; ++i) {
+        std::byte* const to = begin + i * stride;
+        if (array.place.is_structure()) {
+            fits = apply_one({array.type, array.place, to}, value) && fits;
+        } else if (fits) {
+            std::memcpy(to, begin, stride);
         }
     }
     return fits;

@@ -29,11 +29,17 @@ private:
     };
 
     [[nodiscard]] bool store_default(const Target& target) const;
+    /// Applies the value of the type: to the whole variable, or to each of the values of that type
+    /// that an array consists of.
+    [[nodiscard]] bool apply_type(const Target& target) const;
     [[nodiscard]] bool apply(const Target& target, const InitialValue& value) const;
     /// Fills elements from index `first` on by a list below `level` dimensions. A list of lists has
     /// one for each index, of which a short one leaves the rest of its elements alone.
     [[nodiscard]] bool apply_list(const Target& array, const InitialValue& list, std::size_t level,
                                   std::uint64_t first) const;
+    /// Fills `count` elements from index `first` on with one value.
+    [[nodiscard]] bool apply_repeated(const Target& array, const InitialValue& value,
+                                      std::uint64_t first, std::uint64_t count) const;
     [[nodiscard]] bool apply_one(const Target& target, const InitialValue& value) const;
     [[nodiscard]] bool apply_members(const Target& target, const InitialValue& value) const;
 

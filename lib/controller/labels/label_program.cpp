@@ -81,8 +81,14 @@ Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program, 
 std::optional<Problem> LabelProgram::make(const server::ImageOptions& options)
 {
     auto types = types_of_labels(program_);
-    if (types && detail::lay_out_wide_texts(program_, *types)) {
-        types = ProgramTypes::create(program_);
+    if (types) {
+        const auto is_changed = detail::lay_out_wide_texts(program_, *types);
+        if (!is_changed) {
+            return is_changed.error();
+        }
+        if (*is_changed) {
+            types = ProgramTypes::create(program_);
+        }
     }
     if (!types) {
         return std::move(types.error());

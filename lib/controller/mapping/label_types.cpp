@@ -78,7 +78,8 @@ std::string declaration_of(const backend::LabelKind& kind)
         return "STRING(" + std::to_string(kind.length) + ")";
     }
     if (kind.type == LabelType::UnicodeString) {
-        return "ARRAY[0.." + std::to_string(kind.length) + "] OF UTF16_UNIT";
+        const std::string length = std::to_string(kind.length);
+        return "WSTRING(" + length + "), ARRAY[0.." + length + "] OF UTF16_UNIT";
     }
     for (const DeclaredLabelType& declared : all_declared) {
         if (declared.type == kind.type && declared.part == TimerPart::None) {

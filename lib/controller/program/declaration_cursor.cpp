@@ -1,5 +1,7 @@
 #include "declaration_cursor.hpp"
 
+#include <algorithm>
+
 #include <busbar/core/text.hpp>
 
 #include "core/ascii_case.hpp"
@@ -85,6 +87,15 @@ bool DeclarationCursor::skip_word(std::string_view word)
         take();
     }
     return is_there;
+}
+
+void DeclarationCursor::skip_line()
+{
+    if (!problem_) {
+        const std::size_t end = std::min(text_.find('\n', now_.offset), text_.size());
+        lexer_ = DeclarationLexer{text_, end};
+        now_ = lexer_.next();
+    }
 }
 
 bool DeclarationCursor::expect_symbol(std::string_view symbol)

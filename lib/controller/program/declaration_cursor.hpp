@@ -71,6 +71,8 @@ public:
     /// Takes the current token if it is this symbol; false if it is another.
     bool skip_symbol(std::string_view symbol);
     bool skip_word(std::string_view word);
+    /// Skips the current token and what follows it in its line, whatever that is.
+    void skip_line();
     /// Takes this symbol; otherwise reports a problem.
     [[nodiscard]] bool expect_symbol(std::string_view symbol);
     [[nodiscard]] bool expect_word(std::string_view word);

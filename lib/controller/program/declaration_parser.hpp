@@ -131,6 +131,7 @@ private:
     struct BlockHeader {
         bool is_hidden{false};
         bool is_retained{false};
+        bool is_read_only{false};
     };
     [[nodiscard]] bool skip_header(BlockHeader& header);
     /// Parses a data block, whose first word is taken, as a variable.
@@ -138,6 +139,9 @@ private:
     [[nodiscard]] bool read_block_type(TypeUse& use);
     /// Parses the assignments after BEGIN, and END_DATA_BLOCK.
     [[nodiscard]] bool read_start_values(InitialValue& initial);
+    /// Skips the rest of the assignment to a part of a member, which keeps the value of its type.
+    /// `place` is that of the member.
+    [[nodiscard]] bool skip_start_value(const ProgramPlace& place);
     /// Skips the rest of a data block after a problem.
     [[nodiscard]] bool skip_data_block();
 

@@ -14,11 +14,14 @@ namespace busbar::controller::detail {
 namespace {
 
 /// Words of a block's header, each followed by ":" or "=" and a value.
-constexpr std::array<std::string_view, 5> header_words{
-    "AUTHOR", "FAMILY", "NAME", "TITLE", "VERSION",
+constexpr std::array<std::string_view, 4> header_words{
+    "AUTHOR",
+    "FAMILY",
+    "NAME",
+    "VERSION",
 };
-constexpr std::array<std::string_view, 6> header_marks{
-    "DB_SPECIFIC", "KNOW_HOW_PROTECT", "NON_RETAIN", "READ_ONLY", "STANDARD", "UNLINKED",
+constexpr std::array<std::string_view, 5> header_marks{
+    "DB_SPECIFIC", "KNOW_HOW_PROTECT", "NON_RETAIN", "STANDARD", "UNLINKED",
 };
 
 bool is_word_of(std::span<const std::string_view> words, std::string_view word)
@@ -53,6 +56,13 @@ bool DeclarationParser::skip_header(BlockHeader& header)
             cursor_->take();
         } else if (cursor_->skip_word("RETAIN")) {
             header.is_retained = true;
+        } else if (cursor_->skip_word("READ_ONLY")) {
+            header.is_read_only = true;
+        } else if (cursor_->skip_word("TITLE")) {
+            if (!cursor_->is_symbol(":") && !cursor_->is_symbol("=")) {
+                return cursor_->fail("':' or '='");
+            }
+            cursor_->skip_line(); // a title is prose, without quotes
         } else if (now.kind == DeclarationToken::Kind::Word && is_word_of(header_marks, now.text)) {
             cursor_->take();
         } else if (now.kind == DeclarationToken::Kind::Word && is_word_of(header_words, now.text)) {
@@ -82,6 +92,7 @@ bool DeclarationParser::read_data_block()
         return false;
     }
     variable.publish = header.is_hidden ? NetworkPublish::Hidden : NetworkPublish::PublishOnly;
+    variable.is_constant = header.is_read_only;
     variable.is_retained = header.is_retained;
     declaring_publish_ = variable.publish;
     if (!read_block_type(variable.type) || !read_start_values(variable.initial)) {
@@ -100,8 +111,12 @@ bool DeclarationParser::read_block_type(TypeUse& use)
     DerivedType type{.name = path_ + ".STRUCT", .place = cursor_->place()};
     const std::size_t later = cursor_->constants().later_count();
     while (cursor_->skip_word("VAR")) {
-        BlockHeader unused;
-        if (!skip_header(unused) || !read_members(type, "END_VAR")) {
+        // Not skip_header(), whose words may be names of members.
+        while (cursor_->is_word("RETAIN") || cursor_->is_word("NON_RETAIN") ||
+               cursor_->is_word("DB_SPECIFIC")) {
+            cursor_->take();
+        }
+        if (!read_members(type, "END_VAR")) {
             return false;
         }
         skip_semicolons();
@@ -126,6 +141,26 @@ bool DeclarationParser::skip_data_block()
     return true;
 }
 
+bool DeclarationParser::skip_start_value(const ProgramPlace& place)
+{
+    const std::string text = "is the start value of a part of a member, which is not read";
+    if (!leaves_out_) {
+        return cursor_->fail_with(cursor_->now().offset, text);
+    }
+    bool is_member = false; // which may be called Type, for example
+    while (!cursor_->skip_symbol(";")) {
+        const bool is_out =
+            cursor_->is_end() ||
+            (!is_member && (is_after_block() || cursor_->is_word("END_DATA_BLOCK")));
+        if (is_out || cursor_->now().kind == DeclarationToken::Kind::Wrong) {
+            return cursor_->fail("';'");
+        }
+        is_member = cursor_->is_symbol(".");
+        cursor_->take();
+    }
+    return note(LeftOut::Kind::Part, {}, place, text);
+}
+
 bool DeclarationParser::read_start_values(InitialValue& initial)
 {
     if (!cursor_->skip_word("BEGIN")) {
@@ -139,12 +174,7 @@ bool DeclarationParser::read_start_values(InitialValue& initial)
         }
         const bool is_part = cursor_->is_symbol(".") || cursor_->is_symbol("[");
         if (is_part) {
-            // A part of a member keeps the value of its type.
-            while (!cursor_->is_end() && !cursor_->skip_symbol(";")) {
-                cursor_->take();
-            }
-            if (!note(LeftOut::Kind::Part, {}, place,
-                      "is the start value of a part of a member, which is not read")) {
+            if (!skip_start_value(place)) {
                 return false;
             }
             continue;

@@ -204,8 +204,10 @@ std::optional<LiteralResult> read_typed_literal(std::string_view text)
     if (const auto type = type_of_prefix(prefix)) {
         return typed_value(*type, text, body);
     }
-    // An enumeration may have such a name, but no value that begins with a digit.
-    const bool is_number = !body.empty() && body.front() >= '0' && body.front() <= '9';
+    // An enumeration may have such a name, but no value that begins with a digit or a sign.
+    const std::string_view digits =
+        body.substr(body.starts_with('-') || body.starts_with('+') ? 1 : 0);
+    const bool is_number = !digits.empty() && digits.front() >= '0' && digits.front() <= '9';
     if (const auto type = type_of_short_prefix(prefix); type && is_number) {
         return typed_number(*type, text, body);
     }

@@ -1,6 +1,7 @@
 #include "program_checker.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "program_problem.hpp"
 #include "text_places.hpp"
@@ -179,10 +180,13 @@ void ProgramChecker::prepare_nesting()
 {
     depths_.assign(program_->types.size(), not_measured);
     types_->parts_.assign(program_->types.size(), {});
+    failures_.clear();
 }
 
 std::optional<Problem> ProgramChecker::check_nesting_of(std::size_t index)
 {
+    is_too_deep_ = false;
+    repeated_.reset();
     return measure(index, 1);
 }
 
@@ -230,28 +234,50 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
                           std::move(text));
     };
     if (depths_[index] == being_measured) {
+        repeated_ = index;
         return problem("contains itself");
     }
     if (depths_[index] == not_measurable) {
         return problem("cannot be measured");
     }
+    if (const auto failed = failures_.find(index); failed != failures_.end()) {
+        return failed->second;
+    }
     if (depths_[index] == not_measured) {
         if (level > limits_->max_depth) {
+            is_too_deep_ = true;
             return problem(more_than(limits_->max_depth, "types around it"));
         }
         depths_[index] = being_measured;
         std::size_t below = 0;
         if (auto found = measure_inner(type, level, below)) {
             depths_[index] = not_measured;
-            return found;
+            return remember(index, level, std::move(*found));
         }
         depths_[index] = below + 1;
         types_->parts_[index] = types_->lay_out(type);
     }
     if (level + depths_[index] > limits_->max_depth + 1) {
+        is_too_deep_ = true;
         return problem(more_than(limits_->max_depth, "types in and around it"));
     }
     return {};
+}
+
+Problem ProgramChecker::remember(std::size_t index, std::size_t level, Problem found)
+{
+    if (repeated_) {
+        // Each type between a type and itself contains itself, too.
+        const DerivedType& type = program_->types[index];
+        failures_.emplace(index, problem_at(*program_, place_in("types", index, type.name),
+                                            type.place, "contains itself"));
+        if (*repeated_ == index) {
+            repeated_.reset();
+        }
+    } else if (!is_too_deep_ || level == 1) {
+        failures_.emplace(index, found);
+    }
+    return found;
 }
 
 std::optional<Problem> ProgramChecker::measure_inner(const DerivedType& type, std::size_t level,

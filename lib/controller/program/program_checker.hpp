@@ -54,6 +54,8 @@ private:
     [[nodiscard]] Found measure(std::size_t index, std::size_t level);
     [[nodiscard]] Found measure_inner(const DerivedType& type, std::size_t level,
                                       std::size_t& below);
+    /// Remembers the problem of a type whose inner types cannot be measured, and returns it.
+    [[nodiscard]] Problem remember(std::size_t index, std::size_t level, Problem found);
     [[nodiscard]] Found check_variables() const;
     [[nodiscard]] Found check_name(const std::string& name, const std::string& where,
                                    const ProgramPlace& place) const;
@@ -63,6 +65,13 @@ private:
     const ProgramLimits* limits_;
     /// For each type the number of types nested in it, itself included; or a state of measure().
     std::vector<std::size_t> depths_;
+    /// The problems of types that cannot be measured, so that each is measured once; without those
+    /// that depend on the types around it.
+    std::unordered_map<std::size_t, Problem> failures_{};
+    /// The problem that is found is too many types around one.
+    bool is_too_deep_{false};
+    /// The type that was found to contain itself, while a type within it is left.
+    std::optional<std::size_t> repeated_{};
 };
 
 } // namespace busbar::controller::detail

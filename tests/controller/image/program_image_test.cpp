@@ -200,6 +200,43 @@ TEST_CASE("Initial values of every kind (6-2-2)")
                           Array<std::uint32_t>{3, 3}));
 }
 
+TEST_CASE("Elements of an array begin as their type says (6-2-2)")
+{
+    const auto matrix = [](Array<std::int16_t> values) {
+        return Variant::matrix(std::move(values), Array<std::uint32_t>{3, 2});
+    };
+    DerivedType started = mode();
+    started.initial = initial("On");
+    CHECK(begins_with({.name = "a", .type = array(of("Mode"), {{0, 3}})}, {started}) ==
+          Variant{Array<std::int32_t>{5, 5, 5, 5}});
+    DerivedType percent{.name = "Percent", .kind = DerivedType::Kind::Alias};
+    percent.alias = of(ElementaryType::Int);
+    percent.alias.subrange = Bounds{10, 100};
+    percent.initial = initial(std::int64_t{50});
+    CHECK(begins_with({.name = "a", .type = array(of("Percent"), {{0, 2}, {0, 1}})}, {percent}) ==
+          matrix({50, 50, 50, 50, 50, 50}));
+    DerivedType row{.name = "Row", .kind = DerivedType::Kind::Alias};
+    row.alias = array(of(ElementaryType::Int), {{0, 1}});
+    row.initial = list({initial(std::int64_t{1}), initial(std::int64_t{2})});
+    GlobalVariable rows{.name = "m", .type = array(of("Row"), {{0, 2}})};
+    CHECK(begins_with(rows, {row}) == matrix({1, 2, 1, 2, 1, 2}));
+    rows.initial = list({list({initial(std::int64_t{7})}), list({initial(std::int64_t{8})})});
+    CHECK(begins_with(rows, {row}) == matrix({7, 2, 8, 2, 1, 2}));
+    DerivedType pair{.name = "Pair"};
+    pair.members = {{.name = "A", .type = of(ElementaryType::Int)},
+                    {.name = "B", .type = of(ElementaryType::Int)}};
+    pair.initial = list({member("B", initial(std::int64_t{5}))});
+    Program program;
+    program.types = {pair};
+    program.variables = {{.name = "pairs", .type = array(of("Pair"), {{0, 1}})}};
+    const auto made = image_of(program);
+    REQUIRE(made);
+    for (const std::uint32_t i : {0U, 1U}) {
+        CHECK(made->image()->memory().structure(0, i).value<std::int16_t>(0) == 0);
+        CHECK(made->image()->memory().structure(0, i).value<std::int16_t>(1) == 5);
+    }
+}
+
 TEST_CASE("Initial values of structures, member by member (6-2-2)")
 {
     Program program;

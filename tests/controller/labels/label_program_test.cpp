@@ -293,6 +293,41 @@ TEST_CASE("a WSTRING is a label of UTF-16, which begins as it is declared (8.2)"
     CHECK(text(refused.error()).find("expected a value of WSTRING[2]") != std::string::npos);
 }
 
+TEST_CASE("an array of WSTRING begins with a list of all its texts, or of lists (8.2)")
+{
+    LabelBench bench{
+        program_of("F : ARRAY [0..2, 0..1] OF WSTRING[2] := [\"a\", 3(\"b\"), \"c\"]; "
+                   "N : ARRAY [0..1, 0..1] OF WSTRING[2] := [[\"a\"], [\"b\", \"c\"]]; "
+                   "R : ARRAY [0..2, 0..1, 0..1] OF WSTRING[2] := [\"a\", 10(\"b\"), \"c\"]; "
+                   "Ts : ARRAY [0..2] OF Name;",
+                   "TYPE Name : WSTRING[2] := \"on\"; END_TYPE ")};
+    struct Row {
+        std::string name;
+        char first;
+    };
+    for (const Row& row :
+         {Row{"F[0,0]", 'a'}, Row{"F[0,1]", 'b'}, Row{"F[1,0]", 'b'}, Row{"F[1,1]", 'b'},
+          Row{"F[2,0]", 'c'}, Row{"F[2,1]", '\0'}, Row{"N[0,0]", 'a'}, Row{"N[0,1]", '\0'},
+          Row{"N[1,0]", 'b'}, Row{"N[1,1]", 'c'}, Row{"R[0,0,0]", 'a'}, Row{"R[0,0,1]", 'b'},
+          Row{"R[0,1,0]", 'b'}, Row{"R[1,1,1]", 'b'}, Row{"R[2,1,0]", 'b'}, Row{"R[2,1,1]", 'c'},
+          Row{"Ts[0]", 'o'}, Row{"Ts[2]", 'o'}}) {
+        INFO(row.name);
+        CHECK(bench.read(row.name).at(0) == static_cast<std::byte>(row.first));
+    }
+}
+
+TEST_CASE("initial values of WSTRING are 1 MiB at most, with their repetitions")
+{
+    const auto refusal = [](const std::string& count) {
+        const auto made =
+            SimulatedLabels::create(program_of("W : ARRAY [1..20000] OF WSTRING[64] := [" + count +
+                                               "(\"" + std::string(64, 'x') + "\")];"));
+        return made ? "" : text(made.error());
+    };
+    CHECK(refusal("16384") == "");
+    CHECK(refusal("16385") == "WSTRING: has initial values of more than 1048576 bytes");
+}
+
 TEST_CASE("a program that cannot be is refused as others are")
 {
     const auto refusal = [](Program program) {

@@ -98,6 +98,12 @@ TEST_CASE_METHOD(Fixture, "Labels of a PLC: of a Handle, and as reports", "[8.3]
     CHECK(lines(*reports).find("ns=1;s=M: Handle: ") != std::string::npos);
 }
 
+TEST_CASE("A label of UTF-16 is told as both declarations that it can have", "[8.2]")
+{
+    CHECK(declaration_of({backend::LabelType::UnicodeString, backend::TimerPart::None, 8}) ==
+          "WSTRING(8), ARRAY[0..8] OF UTF16_UNIT");
+}
+
 TEST_CASE_METHOD(Fixture, "Labels of a PLC: one that has to be asked is not compared", "[8.3]")
 {
     map("I16", "Num");

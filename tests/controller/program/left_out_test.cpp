@@ -243,4 +243,29 @@ TEST_CASE("Files of Automation Studio are read")
     CHECK_FALSE(read("TYPE T : STRUCT x : INT END_STRUCT END_TYPE", Unserved::Refuse));
 }
 
+TEST_CASE("A type with a problem costs those that use it no more than others")
+{
+    constexpr int members = 5'000;
+    constexpr std::size_t users = 3'000;
+    std::string declared = "TYPE Leaf : INT; Deep : ARRAY [0..0,0..0,0..0,0..0,0..0,0..0,0..0,0..0,"
+                           "0..0] OF INT;\nBad : STRUCT ";
+    for (int i = 0; i < members; ++i) {
+        declared += "m" + std::to_string(i) + " : Leaf; ";
+    }
+    declared += "last : ARRAY [0..0,0..0,0..0,0..0,0..0,0..0,0..0,0..0] OF Deep; END_STRUCT;\n";
+    for (std::size_t i = 0; i < users; ++i) {
+        declared += "U" + std::to_string(i) + " : STRUCT b : Bad; END_STRUCT;\n";
+    }
+    const auto checked = read(declared + "A : STRUCT b : B; END_STRUCT; B : STRUCT a : A; "
+                                         "END_STRUCT; END_TYPE");
+    REQUIRE(checked);
+    const std::vector<LeftOut>& gone = (*checked)->program().left_out;
+    REQUIRE(gone.size() == users + 3);
+    for (std::size_t i = 0; i <= users; ++i) {
+        CHECK(gone[i].problem.text == "has more than 16 dimensions with those of its types");
+    }
+    CHECK(text(gone[users + 1].problem).find("(A): contains itself") != std::string::npos);
+    CHECK(text(gone[users + 2].problem).find("(B): contains itself") != std::string::npos);
+}
+
 } // namespace left_out_test

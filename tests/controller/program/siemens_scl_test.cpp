@@ -55,6 +55,19 @@ TEST_CASE("Data blocks of TIA Portal are variables")
             "DATA_BLOCK \"Next\" STRUCT n : Int; END_STRUCT; BEGIN END_DATA_BLOCK",
             "Next (n INT); - Ramp is a function block; - Ramp_DB is of the type Ramp, which is a "
             "function block"},
+        Row{"DATA_BLOCK \"D\" STRUCT A : INT; END_STRUCT; BEGIN A.x := 'abc",
+            "- D found a text without an end in its line, expected \"'\""},
+        Row{"DATA_BLOCK \"D\" STRUCT A : INT; END_STRUCT; BEGIN A[1] := 1 END_DATA_BLOCK\n"
+            "DATA_BLOCK \"Next\" STRUCT n : Int; END_STRUCT; BEGIN END_DATA_BLOCK",
+            "Next (n INT); - D found 'END_DATA_BLOCK', expected ';'"},
+        Row{"DATA_BLOCK \"Line\"\nTITLE = Main drive, it's 5 (* o'clock\nVERSION : 0.1\nVAR "
+            "RETAIN\n"
+            " Version : Int; Name, Title : Int;\nEND_VAR\nVAR DB_SPECIFIC NON_RETAIN\n"
+            " Author : Int;\nEND_VAR\nBEGIN\nEND_DATA_BLOCK",
+            "Line (Version INT, Name INT, Title INT, Author INT)"},
+        Row{"DATA_BLOCK \"Line\"\nTITLE =\nVERSION : 0.1\nSTRUCT\n Family : Int;\nEND_STRUCT;\n"
+            "BEGIN\nEND_DATA_BLOCK",
+            "Line (Family INT)"},
         Row{"DATA_BLOCK \"T\" STRUCT n : Variant^; END_STRUCT; BEGIN END_DATA_BLOCK\n"
             "DATA_BLOCK \"Next\" STRUCT n : Int; END_STRUCT; BEGIN END_DATA_BLOCK",
             "Next (n INT); - T found '^', expected ';'"});
@@ -65,9 +78,10 @@ TEST_CASE("Data blocks of TIA Portal are variables")
 TEST_CASE("A data block of TIA Portal begins with its start values")
 {
     const auto program = read_declarations(
-        "DATA_BLOCK \"D\" RETAIN STRUCT a : Int := 1; b : DInt; END_STRUCT; BEGIN b := L#7; "
+        "DATA_BLOCK \"D\" RETAIN STRUCT a : Int := 1; b : DInt; END_STRUCT; BEGIN b := L#-7; "
         "END_DATA_BLOCK\nDATA_BLOCK \"H\" { DB_Accessible_From_OPC_UA := 'FALSE' ; "
-        "S7_Optimized_Access := 'TRUE' } STRUCT a : Int; END_STRUCT; BEGIN END_DATA_BLOCK",
+        "S7_Optimized_Access := 'TRUE' } READ_ONLY STRUCT a : Int; END_STRUCT; BEGIN "
+        "END_DATA_BLOCK",
         "tia.db");
     REQUIRE(program);
     REQUIRE(program->variables.size() == 2);
@@ -76,7 +90,9 @@ TEST_CASE("A data block of TIA Portal begins with its start values")
     CHECK(first.publish == NetworkPublish::PublishOnly);
     REQUIRE(first.initial.parts.size() == 1);
     CHECK(first.initial.parts[0].member == "b");
-    CHECK(first.initial.parts[0].value == Variant{std::int64_t{7}});
+    CHECK(first.initial.parts[0].value == Variant{std::int64_t{-7}});
+    CHECK_FALSE(first.is_constant);
+    CHECK(program->variables[1].is_constant);
     CHECK(program->variables[1].publish == NetworkPublish::Hidden);
 }
 
@@ -92,6 +108,11 @@ TEST_CASE("A strict reader refuses what is wrong in a data block, with its place
     REQUIRE_FALSE(no_end);
     CHECK(busbar::text(no_end.error()).find("expected the name of a member or END_DATA_BLOCK") !=
           std::string::npos);
+    const auto part = read_declarations(
+        "DATA_BLOCK \"D\"\nSTRUCT A : INT; END_STRUCT;\nBEGIN\nA.x := 'abc", "tia.db");
+    REQUIRE_FALSE(part);
+    CHECK(busbar::text(part.error()) ==
+          "tia.db:4:2: is the start value of a part of a member, which is not read");
 }
 
 } // namespace siemens_scl_test

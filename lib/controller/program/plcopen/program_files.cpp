@@ -322,6 +322,9 @@ private:
         if (!is_inside) {
             return add_missing(name, file, "is a link to a file outside of the folder");
         }
+        if (seen_.contains(place->string())) {
+            return {}; // without reading it again, however often a list names it
+        }
         auto text = text_of(file, max_size_);
         if (text) {
             return add_text(file, name, *text);
