@@ -80,7 +80,14 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
     const auto key = key_of(url);
     const auto found = key ? acceptors_.find(*key) : acceptors_.end();
     const bool is_exempt = key && std::find(exempt_.begin(), exempt_.end(), *key) != exempt_.end();
-    if (found != acceptors_.end() && is_exempt) {
+    const auto refuse_absent = [&] {
+        log("there is no listener at " + printable(url) + listeners());
+        return fail(status::Bad_ConnectionRejected);
+    };
+    if (is_exempt) {
+        if (found == acceptors_.end()) {
+            return refuse_absent(); // outside of the network, so that faults do not count it
+        }
         return connect_plainly(*found->second, client, client_address);
     }
     ++connection_count_;
@@ -94,8 +101,7 @@ Result<std::shared_ptr<Link>> Network::connect(std::string_view url, LinkEnd& cl
         return fail(status::Bad_ConnectionRejected);
     }
     if (found == acceptors_.end()) {
-        log("there is no listener at " + printable(url) + listeners());
-        return fail(status::Bad_ConnectionRejected);
+        return refuse_absent();
     }
     if (const auto name = client_names_.find(client_address); name != client_names_.end()) {
         timeline_->name_client(connection_count_, name->second);

@@ -71,6 +71,12 @@ Result<void> change_body(std::vector<std::byte>& body, Work work)
     return {};
 }
 
+/// The leaf of the client's channel as DER; empty without security.
+ByteString client_leaf(const ProxyChannels& channels)
+{
+    return channels.client.empty() ? ByteString{} : ByteString{channels.client.front().der()};
+}
+
 template <typename Structure>
 bool is_a(std::span<const std::byte> body)
 {
@@ -133,20 +139,16 @@ Result<void> ProxyMessages::from_client(const ProxyChannels& channels, ProxyExch
     }
     if (is_a<CreateSessionRequest>(body)) {
         return change_body<CreateSessionRequest>(body, [&](CreateSessionRequest& request) {
-            exchange.client_nonce = request.client_nonce;
-            exchange.client_certificate = request.client_certificate;
-            request.endpoint_url = String{config_.server_url_text};
-            if (request.server_uri.view() == own_uri_) {
-                request.server_uri = server_uri_;
-            }
-            if (!request.client_certificate.empty() || !channels.security.policy->is_none()) {
-                request.client_certificate = own_chain_;
-                request.client_description.application_uri = String{own_uri_};
-            }
-            return Result<void>{};
+            return change(channels, exchange, request);
         });
     }
     if (is_a<ActivateSessionRequest>(body)) {
+        if (!decode_body<ActivateSessionRequest>(body)) {
+            // It may have a password, which would be recorded.
+            return refuse(status::Bad_DecodingError, "ActivateSession", "it cannot be decoded",
+                          "Part 4, 5.7.3.2",
+                          "Unless the client is tested for that, it is at fault");
+        }
         return change_body<ActivateSessionRequest>(body, [&](ActivateSessionRequest& request) {
             return change(channels, exchange, request);
         });
@@ -165,11 +167,61 @@ Result<void> ProxyMessages::from_client(const ProxyChannels& channels, ProxyExch
 }
 
 Result<void> ProxyMessages::change(const ProxyChannels& channels, ProxyExchange& exchange,
+                                   CreateSessionRequest& request) const
+{
+    if (Result<void> checked = check_client(channels, request); !checked) {
+        return checked;
+    }
+    exchange.client_nonce = request.client_nonce;
+    exchange.client_certificate = request.client_certificate;
+    request.endpoint_url = String{config_.server_url_text};
+    if (request.server_uri.view() == own_uri_) {
+        request.server_uri = server_uri_;
+    }
+    if (!request.client_certificate.empty() || !channels.security.policy->is_none()) {
+        request.client_certificate = own_chain_;
+        request.client_description.application_uri = String{own_uri_};
+    }
+    return {};
+}
+
+/// The server sees the proxy's certificate and ApplicationUri, and cannot check the client's.
+Result<void> ProxyMessages::check_client(const ProxyChannels& channels,
+                                         const CreateSessionRequest& request) const
+{
+    if (channels.client.empty()) {
+        return {};
+    }
+    const crypto::Certificate& leaf = channels.client.front();
+    const auto chain = crypto::parse_chain(request.client_certificate.span(), channels.client);
+    if (!chain || chain->front() != leaf) {
+        return refuse(status::Bad_SecurityChecksFailed, "client certificate",
+                      "not the one that the channel was opened with", "Part 4, 5.7.2.2",
+                      "The client mixes up its certificates");
+    }
+    const std::string_view uri = request.client_description.application_uri.view();
+    if (!leaf.is_of_application(uri)) {
+        return refuse(status::Bad_CertificateUriInvalid, "ApplicationUri",
+                      "the client says " + printable(uri) + ", its certificate " +
+                          printable(leaf.application_uri()),
+                      "Part 4, 5.7.2.2 and 6.1.3",
+                      "Set the client's ApplicationUri to that of its certificate");
+    }
+    return {};
+}
+
+Result<void> ProxyMessages::change(const ProxyChannels& channels, ProxyExchange& exchange,
                                    ActivateSessionRequest& request) const
 {
     const crypto::SecurityPolicy& policy = *channels.security.policy;
     const ByteString nonce = nonce_of(exchange.session);
     // A session that the proxy does not know is one for the server to refuse.
+    const auto known = sessions_.find(exchange.session);
+    if (known != sessions_.end() && known->second.client != client_leaf(channels)) {
+        return refuse(status::Bad_SecurityChecksFailed, "client certificate",
+                      "not the one of the channel that the session was created on",
+                      "Part 4, 5.7.3.1", "Let the client create a session of its own");
+    }
     if (!policy.is_none() && !nonce.empty() && !channels.client.empty() &&
         !is_signed(policy, channels.client.front(), own_chain_.span(), nonce,
                    request.client_signature)) {
@@ -213,6 +265,10 @@ Result<void> ProxyMessages::take_secret(const ProxyChannels& channels, ProxyExch
         changed.token_data = {};
         changed.encryption_algorithm = {};
         token = ExtensionObject::from(std::move(changed));
+    } else if (!token.is_null() && token.get_if<AnonymousIdentityToken>() == nullptr) {
+        return refuse(status::Bad_IdentityTokenInvalid, "user token",
+                      "its type is unknown, or it cannot be decoded: it may have a secret",
+                      "Part 4, 7.40.1", "Log in by name or as anonymous");
     }
     return {};
 }
@@ -346,12 +402,12 @@ Result<void> ProxyMessages::to_client(const ProxyChannels& channels, const Proxy
     }
     if (is_a<ActivateSessionResponse>(body)) {
         if (const auto response = decode_body<ActivateSessionResponse>(body)) {
-            remember(exchange.session, response->server_nonce);
+            remember(exchange.session, response->server_nonce, channels);
         }
         return {};
     }
     if (is_a<CloseSessionResponse>(body)) {
-        nonces_.erase(exchange.session);
+        sessions_.erase(exchange.session);
         return {};
     }
     if (is_a<GetEndpointsResponse>(body)) {
@@ -393,7 +449,7 @@ Result<void> ProxyMessages::change(const ProxyChannels& channels, const ProxyExc
         response.server_certificate = own_chain_;
     }
     rewrite(response.server_endpoints);
-    remember(response.authentication_token, response.server_nonce);
+    remember(response.authentication_token, response.server_nonce, channels);
     return {};
 }
 
@@ -408,19 +464,23 @@ std::vector<std::byte> ProxyMessages::fault(const ProxyExchange& exchange, Statu
 
 ByteString ProxyMessages::nonce_of(const NodeId& session) const
 {
-    const auto found = nonces_.find(session);
-    return found == nonces_.end() ? ByteString{} : found->second;
+    const auto found = sessions_.find(session);
+    return found == sessions_.end() ? ByteString{} : found->second.nonce;
 }
 
-void ProxyMessages::remember(const NodeId& session, const ByteString& nonce)
+void ProxyMessages::remember(const NodeId& session, const ByteString& nonce,
+                             const ProxyChannels& channels)
 {
     if (session.is_null() || nonce.empty()) {
         return;
     }
-    if (nonces_.size() >= max_proxy_sessions && !nonces_.contains(session)) {
-        nonces_.erase(nonces_.begin());
+    if (sessions_.size() >= max_proxy_sessions && !sessions_.contains(session)) {
+        sessions_.erase(
+            std::min_element(sessions_.begin(), sessions_.end(), [](const auto& a, const auto& b) {
+                return a.second.last_use < b.second.last_use;
+            }));
     }
-    nonces_.insert_or_assign(session, nonce);
+    sessions_.insert_or_assign(session, KnownSession{nonce, client_leaf(channels), ++last_use_});
 }
 
 bool ProxyMessages::is_signed(const crypto::SecurityPolicy& policy,
@@ -479,7 +539,10 @@ void ProxyMessages::rewrite_url(String& url) const
 
 void ProxyMessages::rewrite(ApplicationDescription& server) const
 {
-    if (!own_uri_.empty() && server.application_uri == server_uri_) {
+    if (server.application_uri.view() != server_uri_) {
+        return; // another server, which a discovery server knows
+    }
+    if (!own_uri_.empty()) {
         server.application_uri = String{own_uri_};
     }
     for (String& url : server.discovery_urls) {

@@ -90,8 +90,21 @@ public:
                                                StatusCode status) const;
 
 private:
+    /// The last nonce that the server has sent, and the leaf of the client that created the session
+    /// as DER; the leaf is empty on channels without security.
+    struct KnownSession {
+        ByteString nonce;
+        ByteString client;
+        /// Grows with each use.
+        std::uint64_t last_use{0};
+    };
+
+    [[nodiscard]] Result<void> change(const ProxyChannels& channels, ProxyExchange& exchange,
+                                      CreateSessionRequest& request) const;
     [[nodiscard]] Result<void> change(const ProxyChannels& channels, ProxyExchange& exchange,
                                       ActivateSessionRequest& request) const;
+    [[nodiscard]] Result<void> check_client(const ProxyChannels& channels,
+                                            const CreateSessionRequest& request) const;
     [[nodiscard]] Result<void> take_secret(const ProxyChannels& channels, ProxyExchange& exchange,
                                            ExtensionObject& token) const;
     [[nodiscard]] Result<ProxySecret> open_secret(const ProxyChannels& channels,
@@ -106,7 +119,7 @@ private:
     [[nodiscard]] const crypto::SecurityPolicy* policy_of(const ProxyChannels& channels,
                                                           const String& policy_id) const;
     [[nodiscard]] ByteString nonce_of(const NodeId& session) const;
-    void remember(const NodeId& session, const ByteString& nonce);
+    void remember(const NodeId& session, const ByteString& nonce, const ProxyChannels& channels);
     [[nodiscard]] bool is_signed(const crypto::SecurityPolicy& policy,
                                  const crypto::Certificate& signer,
                                  std::span<const std::byte> certificate, const ByteString& nonce,
@@ -127,8 +140,9 @@ private:
     ByteString own_chain_;
     const WallClock* clock_;
     LogSink* log_;
-    /// The last nonce that the server has sent, by authentication token.
-    std::map<NodeId, ByteString> nonces_;
+    /// By authentication token.
+    std::map<NodeId, KnownSession> sessions_;
+    std::uint64_t last_use_{0};
 };
 
 } // namespace busbar::harness::detail

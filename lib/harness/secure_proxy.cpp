@@ -129,7 +129,12 @@ private:
     void answer_client(ProxyExchange& exchange, std::span<const std::byte> body);
     void answer_back(std::uint32_t id, std::span<const std::byte> body);
     void forget_answered();
-    [[nodiscard]] ProxyExchange& exchange_of(std::uint32_t id) { return exchanges_[id]; }
+    /// Null if there was none, or it is not remembered any more.
+    [[nodiscard]] ProxyExchange* exchange_of(std::uint32_t id)
+    {
+        const auto found = exchanges_.find(id);
+        return found == exchanges_.end() ? nullptr : &found->second;
+    }
 
     ProxyState& shared_;
     Alarm changed_;
@@ -288,8 +293,11 @@ void ProxyPair::from_back(ChannelEvent event)
 
 void ProxyPair::send_server(WaitingRequests::Request request)
 {
-    ProxyExchange& exchange = exchange_of(request.id);
-    const auto changed = shared_.messages.to_server(channels_, exchange, request.body);
+    const ProxyExchange* const exchange = exchange_of(request.id);
+    if (exchange == nullptr) {
+        return; // the client has not sent it
+    }
+    const auto changed = shared_.messages.to_server(channels_, *exchange, request.body);
     const auto sent =
         changed
             ? server_.channel().send([&](binary::Writer& writer) { writer.bytes(request.body); })
@@ -297,7 +305,7 @@ void ProxyPair::send_server(WaitingRequests::Request request)
     if (sent) {
         asked_[*sent] = request.id;
     } else {
-        answer_back(request.id, shared_.messages.fault(exchange, sent.error()));
+        answer_back(request.id, shared_.messages.fault(*exchange, sent.error()));
     }
 }
 
@@ -310,14 +318,18 @@ void ProxyPair::from_server(ChannelEvent event)
     }
     const std::uint32_t id = found->second;
     asked_.erase(found);
-    answer_back(id, is_answer ? std::move(event.body)
-                              : shared_.messages.fault(exchange_of(id), event.status));
+    if (is_answer) {
+        answer_back(id, event.body);
+    } else if (const ProxyExchange* const exchange = exchange_of(id)) {
+        answer_back(id, shared_.messages.fault(*exchange, event.status));
+    }
 }
 
 void ProxyPair::answer_back(std::uint32_t id, std::span<const std::byte> body)
 {
-    if (back_.is_open() && !send_body(back_.channel(), id, body)) {
-        const auto fault = shared_.messages.fault(exchange_of(id), status::Bad_ResponseTooLarge);
+    const ProxyExchange* const exchange = exchange_of(id);
+    if (back_.is_open() && !send_body(back_.channel(), id, body) && exchange != nullptr) {
+        const auto fault = shared_.messages.fault(*exchange, status::Bad_ResponseTooLarge);
         static_cast<void>(send_body(back_.channel(), id, fault));
     }
 }
@@ -348,7 +360,7 @@ struct SecureProxy::Impl final : public Acceptor {
               std::string{server_url},
               // No host has such a name.
               "opc.tcp://between." + std::to_string(world.new_chance(Actor::Other).next()),
-              0}
+              first_channel_id(world)}
     {
         channel::ChannelEnvironment& plain = shared.between;
         plain.random = parts.random != nullptr ? parts.random : &random;
@@ -390,6 +402,12 @@ struct SecureProxy::Impl final : public Acceptor {
         }
         config.identity = parts.identity;
         return config;
+    }
+    /// Key logs name channels by their ids, which must not be those of another run. Half of the
+    /// range is left to count.
+    static std::uint32_t first_channel_id(World& world)
+    {
+        return static_cast<std::uint32_t>(world.new_chance(Actor::Other).next() >> 33U);
     }
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override

@@ -12,6 +12,7 @@
 #include <busbar/harness/identity.hpp>
 #include <busbar/harness/recorded_messages.hpp>
 #include <busbar/harness/recording.hpp>
+#include <busbar/harness/scripted_client.hpp>
 #include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/discovery.hpp>
 
@@ -156,6 +157,31 @@ ReadRequest read_state()
     item.node_id = NodeId{0, 2259};
     item.attribute_id = 13;
     return request;
+}
+
+/// A client that does what no proper one does, with an open channel.
+std::unique_ptr<ScriptedClient> scripted(Site& site, const std::string& name)
+{
+    site.knows_client.become(name);
+    channel::ClientChannelConfig config;
+    config.endpoint_url = proxy_url;
+    config.security = secured();
+    config.server_certificate = identity("proxy").certificates.front();
+    auto client = std::make_unique<ScriptedClient>(site.world, config, site.client_parts(name));
+    need(client->open());
+    return client;
+}
+
+StatusCode created(ScriptedClient& client, const std::string& certificate, const std::string& uri)
+{
+    CreateSessionRequest request;
+    request.endpoint_url = String{proxy_url};
+    request.client_description.application_uri = String{uri};
+    request.client_certificate = ByteString{identity(certificate).certificates.front().der()};
+    request.client_nonce = ByteString{std::vector<std::byte>(32, std::byte{7})};
+    need(client.send(request));
+    const auto response = client.expect<CreateSessionResponse>();
+    return response ? StatusCode{} : response.error();
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name)
@@ -325,6 +351,66 @@ TEST_CASE("what cuts the connection in a proxy cuts it for both sides", "[harnes
     CHECK(site.world.network().pending_faults().empty());
     site.world.run_for(1s);
     CHECK(site.server->server().connection_count() == 0);
+}
+
+TEST_CASE("a proxy compares the client of a session with that of its channel", "[harness]")
+{
+    Site site;
+    const auto client = scripted(site, "client");
+    CHECK(created(*client, "stranger", "urn:busbar:harness:stranger") ==
+          status::Bad_SecurityChecksFailed);
+    CHECK(created(*client, "client", "urn:busbar:harness:stranger") ==
+          status::Bad_CertificateUriInvalid);
+    CHECK_FALSE(contains(site.names(), "CreateSessionRequest"));
+    CHECK(created(*client, "client", "urn:busbar:harness:client") == StatusCode{});
+}
+
+TEST_CASE("a session behind a proxy does not move to another client", "[harness]")
+{
+    Site site;
+    const auto client = scripted(site, "client");
+    REQUIRE(client->open_session());
+    const auto thief = scripted(site, "stranger");
+    ActivateSessionRequest request;
+    request.request_header.authentication_token = client->authentication_token();
+    need(thief->send(request));
+    const auto moved = thief->expect<ActivateSessionResponse>();
+    REQUIRE_FALSE(moved);
+    CHECK(moved.error() == status::Bad_SecurityChecksFailed);
+}
+
+TEST_CASE("a proxy refuses a login in which it cannot look for a password", "[harness]")
+{
+    Site site;
+    const auto client = scripted(site, "client");
+    ActivateSessionRequest request;
+    // A session that the proxy does not know, whose signature it does not check.
+    request.request_header.authentication_token = NodeId{1, 7};
+    request.user_identity_token =
+        ExtensionObject::from_binary(NodeId{1, 7}, ByteString{std::as_bytes(std::span{password})});
+    need(client->send(request));
+    const auto activated = client->expect<ActivateSessionResponse>();
+    REQUIRE_FALSE(activated);
+    CHECK(activated.error() == status::Bad_IdentityTokenInvalid);
+    need(client->send(request, {.cut_off = 3}));
+    const auto cut = client->expect<ActivateSessionResponse>();
+    REQUIRE_FALSE(cut);
+    CHECK(cut.error() == status::Bad_DecodingError);
+    CHECK_FALSE(contains(site.names(), "ActivateSessionRequest"));
+}
+
+TEST_CASE("a connection outside of the network uses up no fault if nothing listens", "[harness]")
+{
+    Site site;
+    site.proxy.reset();
+    site.world.network().play(parse_fault("refuse times 1").value());
+    ClientHost client{
+        site.world,
+        site.client_config(MessageSecurityMode::SignAndEncrypt, client::AnonymousUser{}),
+        site.client_parts()};
+    CHECK_FALSE(client.connect(20s));
+    CHECK_FALSE(site.world.network().pending_faults().empty());
+    site.world.network().forgive_pending_faults();
 }
 
 TEST_CASE("a client of a proxy learns that the server is not there", "[harness]")

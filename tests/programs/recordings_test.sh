@@ -84,6 +84,9 @@ says 'found "time=soon"; expected a name, one of = != < <= > >= ~, and a value'
 run 0 show a.rec --fields --pcap a.pcap
 says '^  results\[0\].sourceTimestamp: \$time$'
 [ -s a.pcap ] || fail "there is no capture file"
+for file in a.rec a.pcap; do
+    [ "$(stat -c %a $file)" = 600 ] || fail "others can read $file"
+done
 
 # Messages are disturbed by name; what did not happen is told.
 proxy b.rec --fault "edit results[0].value = Double:9 at ReadResponse 2"
@@ -139,6 +142,12 @@ grep -q 'Level Value: Double 1.5 -&gt; Double 1.75' servers.xml || fail "no repo
 run 0 --insecure diff "$first" "$second" --tolerance 0.5
 run 0 --insecure diff "$first" "$second" --no-values --json
 says '"isSame":true'
+# A profile is that of one of the servers.
+mkdir -p config/busbar
+printf '[first]\nurl = "%s"\ninsecure = true\n' "$first" > config/busbar/profiles.toml
+XDG_CONFIG_HOME="$work/config" run 4 diff @first "$second"
+says insecure
+XDG_CONFIG_HOME="$work/config" run 1 --insecure diff @first "$second"
 run 2 --insecure diff "$first" a.rec
 says 'expected two of a kind'
 
@@ -212,4 +221,14 @@ run 3 proxy opc.tcp://127.0.0.1:1 --timeout 5
 says '\-\-pass the proxy begins without the server'
 run 2 proxy "$first" --listen there
 says 'expected \[ADDRESS:\]PORT'
+run 2 proxy "$first" --any-client
+says '\-\-any-client: the server has no endpoint with security'
+run 2 proxy "$first" --pass --key-log keys
+says '\-\-key-log: \-\-pass passes channels on as they are'
+run 1 proxy "$first" --record /dev/null
+says '/dev/null: cannot be written: it is not a regular file of yours'
+run 2 show a.rec --filter 'service=Read or  or time>1'
+says 'found ""; expected a name'
+run 2 show a.rec --filter 'status>Good'
+says 'expected one of = != ~ after status'
 exit $failures

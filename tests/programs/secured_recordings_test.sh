@@ -105,7 +105,11 @@ says 'insecure: the keys of all channels are written to keys'
 [ "$(stat -c %a keys)" = 600 ] || fail "others can read the keys"
 run 5 diff c.rec c.rec
 says 'messages are secured and not compared; let .busbar proxy. end the channels, or give their'
-run 0 diff c.rec c.rec --keys keys
+run 0 diff c.rec c.rec --keys keys --junit junit.xml
+[ "$(stat -c %a junit.xml)" = 600 ] || fail "others can read the report of what was secret"
+echo 'client_key_1_1: 00' > other.keys
+run 5 diff c.rec c.rec --keys other.keys
+says 'other.keys: these keys are'
 run 0 show c.rec --keys keys --filter 'service=Read and status=Good and from=server' --pcapng c.pcapng
 says 'server -> ReadResponse Double 1.5'
 [ "$(stat -c %a c.pcapng)" = 600 ] || fail "others can read the keys in the capture"

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "tool/recordings/simulation.hpp"
@@ -36,6 +38,20 @@ TEST_CASE("simulated values pass with time")
     CHECK(steps.at(10s) == Variant{false});
     CHECK(signal("String \"at work\"").at(1h) == Variant{String{"at work"}});
     CHECK(signal("UInt32 steps 7 500ms").at(3s) == Variant{std::uint32_t{7}});
+}
+
+TEST_CASE("a number is of a type only if that has it")
+{
+    const Variant byte{std::uint8_t{0}};
+    CHECK(number_like(byte, 254.5) == Variant{std::uint8_t{255}});
+    CHECK(number_like(byte, 255.5).is_null());
+    CHECK(number_like(byte, -1).is_null());
+    CHECK(number_like(byte, std::nan("")).is_null());
+    CHECK(number_like(Variant{std::uint64_t{0}}, 1.5e19) ==
+          Variant{std::uint64_t{15'000'000'000'000'000'000U}});
+    CHECK(number_like(Variant{std::int64_t{0}}, 9.3e18).is_null());
+    CHECK(number_like(Variant{0.0F}, 1e300).is_null());
+    CHECK(number_like(Variant{false}, std::nan("")).is_null());
 }
 
 TEST_CASE("a simulation has variables, some for writing")

@@ -38,9 +38,17 @@ struct SecureProxyParts {
 /// The proxy offers the server's endpoints with its own URL, certificate and ApplicationUri, and
 /// opens each channel to the server with the policy and mode that its client has chosen. It signs
 /// for both sides, and refuses what was signed wrongly (Bad_ApplicationSignatureInvalid). Passwords
-/// and issued tokens are decrypted and encrypted again for the server: they are never on the
-/// connection in between. A user certificate cannot be forwarded, since its owner signs for one
-/// server: Bad_IdentityTokenRejected, and the log says why.
+/// and issued tokens of logins (ActivateSession) are decrypted and encrypted again for the server:
+/// they are never on the connection in between. Everything else is, arguments of Methods included,
+/// and so the passwords of AddUser and ChangePassword (Part 18). A login that cannot be read is
+/// refused (Bad_DecodingError), as is one of an unknown kind (Bad_IdentityTokenInvalid). A user
+/// certificate cannot be forwarded, since its owner signs for one server:
+/// Bad_IdentityTokenRejected, and the log says why.
+///
+/// As a server does, it refuses clients that show another certificate in CreateSession than on
+/// their channel, or move a session to a channel with another certificate
+/// (Bad_SecurityChecksFailed), and those whose ApplicationUri is not that of their certificate
+/// (Bad_CertificateUriInvalid).
 ///
 /// Endpoints with other transports are passed on as they are, those with a policy that this build
 /// does not know are left out. One thread; the world must outlive it.

@@ -75,11 +75,23 @@ void write_file(const std::string& path, std::string_view text)
 
 void write_secret_file(const std::string& path, std::string_view text)
 {
-    // Nothing is in it before its mode is right.
-    const int file =
-        ::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    struct stat place {};
+    const bool stays = ::stat(path.c_str(), &place) != 0 ||
+                       !(S_ISFIFO(place.st_mode) || S_ISCHR(place.st_mode));
+    if (!stays) { // a pipe or /dev/stdout, whose mode is not ours to change
+        return write_file(path, text);
+    }
+    // Nothing is in it before its mode is right. A pipe without a reader is not waited for.
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC,
+                            S_IRUSR | S_IWUSR);
     if (file < 0) {
         fail_writing(path);
+    }
+    struct stat found {};
+    if (::fstat(file, &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != ::geteuid()) {
+        ::close(file);
+        throw Failure{Exit::Failed,
+                      path + ": cannot be written: it is not a regular file of yours"};
     }
     if (::fchmod(file, S_IRUSR | S_IWUSR) != 0 || ::ftruncate(file, 0) != 0) {
         const int error = errno;

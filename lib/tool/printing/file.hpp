@@ -13,7 +13,8 @@ inline constexpr std::size_t max_file_size = 1U << 20U;
 /// Makes or replaces the file; throws Failure, which says why not.
 void write_file(const std::string& path, std::string_view text);
 /// The same with a file that only its owner can read, for what was secret; one that is there
-/// already becomes such a file. A link is refused.
+/// already becomes such a file. Links and files of others are refused; a pipe or a device gets the
+/// text as it is.
 void write_secret_file(const std::string& path, std::string_view text);
 
 } // namespace busbar::tool

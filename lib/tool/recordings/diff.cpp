@@ -23,7 +23,8 @@ bool is_server(const std::string& place)
 
 Exit diff(Context& context, const DiffArguments& arguments)
 {
-    const ComparisonArguments& comparison = arguments.comparison;
+    ComparisonArguments comparison = arguments.comparison;
+    comparison.is_secret = !arguments.keys.empty();
     const std::string title = arguments.before + " and " + arguments.after;
     if (is_server(arguments.before) != is_server(arguments.after)) {
         throw Failure{Exit::Usage, "found a server and a recording; expected two of a kind"};
@@ -35,11 +36,13 @@ Exit diff(Context& context, const DiffArguments& arguments)
     const auto before =
         harness::read_messages(read_recording_file(arguments.before, arguments.keys));
     const auto after = harness::read_messages(read_recording_file(arguments.after, arguments.keys));
-    const bool is_first_readable = check_readable(context, arguments.before, before);
-    const bool is_readable = check_readable(context, arguments.after, after) && is_first_readable;
+    const bool is_first_readable =
+        check_readable(context, arguments.before, before, arguments.keys);
+    const bool is_readable =
+        check_readable(context, arguments.after, after, arguments.keys) && is_first_readable;
     return exit_of_comparison(
         print_differences(context, harness::compare_messages(before, after, comparison.options),
-                          title, comparison.junit),
+                          title, comparison),
         is_readable);
 }
 

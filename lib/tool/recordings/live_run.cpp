@@ -159,9 +159,15 @@ void LiveRun::show_new_messages(std::size_t& next, harness::MessageReader& reade
     }
 }
 
-Exit LiveRun::run(const std::function<void()>& tick, const Orders& orders)
+void LiveRun::save() const
 {
-    world().network().play(faults_);
+    if (!options_.record.empty()) {
+        write_secret_file(options_.record, harness::write_recording(recorder_->recording()));
+    }
+}
+
+void LiveRun::serve(const std::function<void()>& tick, const Orders& orders)
+{
     harness::MessageReader reader;
     Control control{orders};
     std::size_t next = 0;
@@ -178,11 +184,19 @@ Exit LiveRun::run(const std::function<void()>& tick, const Orders& orders)
                               "recorded");
         }
     });
-    if (!options_.record.empty()) {
-        const std::string text = harness::write_recording(recorder_->recording());
-        options_.is_secret ? write_secret_file(options_.record, text)
-                           : write_file(options_.record, text);
+}
+
+Exit LiveRun::run(const std::function<void()>& tick, const Orders& orders)
+{
+    save();
+    world().network().play(faults_);
+    try {
+        serve(tick, orders);
+    } catch (...) {
+        save();
+        throw;
     }
+    save();
     return report(context_, world(), faults_);
 }
 

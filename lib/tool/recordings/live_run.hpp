@@ -24,8 +24,6 @@ struct LiveOptions {
     double seconds{0};
     bool is_quiet{false};
     bool is_controlled{false};
-    /// The recording has what was secret, and is for its owner alone.
-    bool is_secret{false};
 };
 
 void add_live_options(CLI::App& command, LiveOptions& options);
@@ -42,13 +40,17 @@ public:
     /// Takes a line of standard input that is not a fault; false if it does not know it. A Failure
     /// that it throws is told.
     using Orders = std::function<bool(const std::string& line)>;
-    /// Plays the faults and serves until it is over, calling `tick` several times a second; writes
-    /// the recording. Partly if a fault has never acted.
+    /// Plays the faults and serves until it is over, calling `tick` several times a second. Writes
+    /// the recording: an empty one first, so that a file that cannot be written fails early, and
+    /// the whole one at the end, also of a run that throws. Partly if a fault has never acted.
     [[nodiscard]] Exit run(
         const std::function<void()>& tick = [] {}, const Orders& orders = nullptr);
 
 private:
     void show_new_messages(std::size_t& next, harness::MessageReader& reader);
+    void serve(const std::function<void()>& tick, const Orders& orders);
+    /// Writes the recording, which only its owner may read: it has all that was sent.
+    void save() const;
 
     Context& context_;
     LiveOptions options_;

@@ -24,20 +24,22 @@ std::string_view trimmed(std::string_view text)
     return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
-/// Removes the text before `word`, which stands outside of quotes, and the word; all if it is not
-/// there.
-std::string_view part_before_word(std::string_view& text, std::string_view word)
+/// Returns the parts of a text between all `word` that stand outside of quotes; they may be empty.
+std::vector<std::string_view> parts_between(std::string_view text, std::string_view word)
 {
+    std::vector<std::string_view> parts;
     bool is_quoted = false;
+    std::size_t begin = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
         is_quoted = is_quoted != (text[i] == '"');
         if (!is_quoted && text.substr(i).starts_with(word)) {
-            const std::string_view part = text.substr(0, i);
-            text.remove_prefix(i + word.size());
-            return part;
+            parts.push_back(text.substr(begin, i - begin));
+            begin = i + word.size();
+            i = begin - 1;
         }
     }
-    return std::exchange(text, {});
+    parts.push_back(text.substr(begin));
+    return parts;
 }
 
 std::optional<double> filter_number(std::string_view text)
@@ -49,15 +51,48 @@ std::optional<double> filter_number(std::string_view text)
                : std::nullopt;
 }
 
-/// Compares numbers if both are some, after "Double " or the like; else texts.
+/// Returns the number in "1.5" or "Double 1.5"; nothing if the text is another.
+std::optional<double> typed_number(std::string_view text)
+{
+    constexpr std::array<std::string_view, 10> types{"SByte ", "Byte ",   "Int16 ", "UInt16 ",
+                                                     "Int32 ", "UInt32 ", "Int64 ", "UInt64 ",
+                                                     "Float ", "Double "};
+    for (const std::string_view type : types) {
+        if (text.starts_with(type)) {
+            text.remove_prefix(type.size());
+            break;
+        }
+    }
+    return filter_number(text);
+}
+
+std::string_view without_quotes(std::string_view text)
+{
+    const bool is_quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';
+    return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
+/// "Oven" of a field's text "Oven" or String "Oven".
+std::string_view untyped_text(std::string_view text)
+{
+    constexpr std::string_view type = "String ";
+    if (text.starts_with(type) && text.substr(type.size()).starts_with('"')) {
+        text.remove_prefix(type.size());
+    }
+    return without_quotes(text);
+}
+
+/// Compares numbers if both are some; else texts.
 bool compares(std::string_view found, std::string_view comparison, std::string_view wanted)
 {
     if (comparison == "~") {
         return found.find(wanted) != std::string_view::npos;
     }
-    const auto a = filter_number(found.substr(found.rfind(' ') + 1)); // npos + 1 is 0
-    const auto b = filter_number(wanted.substr(wanted.rfind(' ') + 1));
+    const auto a = typed_number(found);
+    const auto b = typed_number(wanted);
     const bool are_numbers = a && b;
+    found = untyped_text(found);
+    wanted = untyped_text(wanted);
     const bool is_same = are_numbers ? *a == *b : found == wanted;
     if (comparison == "=" || comparison == "!=") {
         return is_same == (comparison == "=");
@@ -75,8 +110,27 @@ bool is_status(std::string_view text)
 
 bool has_status(std::string_view found, std::string_view wanted)
 {
-    const bool is_kind = wanted == "Bad" || wanted == "Uncertain";
+    const bool is_kind = wanted == "Good" || wanted == "Uncertain" || wanted == "Bad";
     return found == wanted || (is_kind && found.starts_with(wanted));
+}
+
+/// Throws Failure unless the condition means something; `part` is its text.
+void check_condition(std::string_view part, std::string_view name, std::string_view comparison,
+                     std::string_view value)
+{
+    const bool is_known =
+        std::find(comparisons.begin(), comparisons.end(), comparison) != comparisons.end();
+    const bool needs_number = name == "time" || name == "connection" || name == "message";
+    const bool is_name = !name.empty() && name.find(' ') == std::string_view::npos;
+    const std::string found = "--filter: found \"" + std::string{part} + "\"; ";
+    if (!is_name || !is_known || (needs_number && !filter_number(value))) {
+        throw Failure{Exit::Usage, found + "expected a name, one of = != < <= > >= ~, and a value",
+                      "as in 'service=Read and status!=Good' or 'time>2.5'"};
+    }
+    const bool has_order = name != "status" && name != "node";
+    if (!has_order && (comparison[0] == '<' || comparison[0] == '>')) {
+        throw Failure{Exit::Usage, found + "expected one of = != ~ after " + std::string{name}};
+    }
 }
 
 std::string_view service_of(std::string_view name)
@@ -116,33 +170,18 @@ MessageFilter::MessageFilter(std::string_view text)
 
 void MessageFilter::parse(std::string_view text)
 {
-    while (!text.empty()) {
-        std::string_view choice = part_before_word(text, " or ");
+    for (const std::string_view choice : parts_between(text, " or ")) {
         std::vector<Condition>& conditions = choices_.emplace_back();
-        while (!choice.empty()) {
-            const std::string_view part = trimmed(part_before_word(choice, " and "));
+        for (const std::string_view whole : parts_between(choice, " and ")) {
+            const std::string_view part = trimmed(whole);
             const std::size_t sign = std::min(part.find_first_of(comparison_signs), part.size());
             const std::size_t end =
                 std::min(part.find_first_not_of(comparison_signs, sign), part.size());
             Condition& condition = conditions.emplace_back();
             condition.name = trimmed(part.substr(0, sign));
             condition.comparison = part.substr(sign, end - sign);
-            std::string_view value = trimmed(part.substr(end));
-            if (value.size() > 1 && value.front() == '"' && value.back() == '"') {
-                value = value.substr(1, value.size() - 2);
-            }
-            condition.value = value;
-            const bool is_known = std::find(comparisons.begin(), comparisons.end(),
-                                            condition.comparison) != comparisons.end();
-            const bool needs_number = condition.name == "time" || condition.name == "connection" ||
-                                      condition.name == "message";
-            if (condition.name.empty() || !is_known ||
-                (needs_number && !filter_number(condition.value))) {
-                throw Failure{Exit::Usage,
-                              "--filter: found \"" + std::string{part} +
-                                  "\"; expected a name, one of = != < <= > >= ~, and a value",
-                              "as in 'service=Read and status!=Good' or 'time>2.5'"};
-            }
+            condition.value = without_quotes(trimmed(part.substr(end)));
+            check_condition(part, condition.name, condition.comparison, condition.value);
         }
     }
 }
@@ -188,8 +227,11 @@ bool MessageFilter::holds(const Condition& condition, const RecordedMessage& mes
         return has_it != is_unequal;
     }
     if (condition.name == "status") {
+        const bool contains = condition.comparison == "~";
         return std::any_of(message.fields.begin(), message.fields.end(), [&](const auto& field) {
-            return is_status(field.text) && has_status(field.text, wanted) != is_unequal;
+            const bool is_it = contains ? field.text.find(wanted) != std::string::npos
+                                        : has_status(field.text, wanted);
+            return is_status(field.text) && is_it != is_unequal;
         });
     }
     if (condition.name == "from") {

@@ -24,8 +24,9 @@ namespace busbar::tool {
 /// - `from`: client or server.
 /// - any other name: a field, by the path that --fields shows.
 ///
-/// Comparisons are =, !=, <, <=, >, >= and ~ (contains); `and` binds stronger than `or`. A text
-/// without any of these is looked for in names and fields.
+/// Comparisons are =, !=, <, <=, >, >= and ~ (contains), of which `node` and `status` have =, !=
+/// and ~; `and` binds stronger than `or`. Values are compared as numbers if both are some, else as
+/// texts without quotes. A text without any of these is looked for in names and fields.
 class MessageFilter {
 public:
     /// Throws Failure, which says what was found and what is expected. An empty text chooses all.

@@ -29,8 +29,11 @@ struct ProxyArguments {
 /// the proxy's.
 class Rewriting {
 public:
-    Rewriting(const std::string& server, std::string proxy)
-        : server_{*channel::EndpointUrl::parse(server)}, proxy_{std::move(proxy)}
+    /// `server_uri` is the server's ApplicationUri; if empty, responses say it.
+    Rewriting(const std::string& server, std::string server_uri, std::string proxy)
+        : server_{*channel::EndpointUrl::parse(server)},
+          server_uri_{std::make_shared<std::string>(std::move(server_uri))}, proxy_{
+                                                                                 std::move(proxy)}
     {
     }
     [[nodiscard]] harness::FaultScript script() const
@@ -69,12 +72,18 @@ private:
     }
     void rewrite(ApplicationDescription& server) const
     {
+        if (!server_uri_->empty() && server.application_uri.view() != *server_uri_) {
+            return; // another server, which a discovery server knows
+        }
         for (String& url : server.discovery_urls) {
             rewrite(url);
         }
     }
     void rewrite(Array<EndpointDescription>& endpoints) const
     {
+        if (server_uri_->empty() && !endpoints.empty()) {
+            *server_uri_ = endpoints[0].server.application_uri.view();
+        }
         for (EndpointDescription& endpoint : endpoints) {
             rewrite(endpoint.endpoint_url);
             rewrite(endpoint.server);
@@ -82,6 +91,8 @@ private:
     }
 
     channel::EndpointUrl server_;
+    /// Copies share it.
+    std::shared_ptr<std::string> server_uri_;
     std::string proxy_;
 };
 
@@ -99,14 +110,35 @@ std::string public_url(const std::string& listening)
     return listening;
 }
 
-Exit pass(Context& context, const ProxyArguments& arguments)
+/// Throws Failure for options that mean nothing if channels are not ended; `why` they are not.
+void refuse_options_of_ends(const Context& context, const ProxyArguments& arguments,
+                            const std::string& why)
 {
+    if (arguments.has_any_client) {
+        throw Failure{Exit::Usage, "--any-client: " + why + ", so the proxy checks no client"};
+    }
+    if (!context.options.key_log.empty()) {
+        throw Failure{Exit::Usage, "--key-log: " + why + ", so the proxy has no keys",
+                      "let the client or the server write them"};
+    }
+}
+
+/// Passes channels on as they are; `endpoints` are empty if they are not known.
+Exit pass(Context& context, const ProxyArguments& arguments,
+          const Array<EndpointDescription>& endpoints)
+{
+    refuse_options_of_ends(context, arguments,
+                           arguments.passes ? "--pass passes channels on as they are"
+                                            : "the server has no endpoint with security");
+    const std::string server_uri{endpoints.empty() ? std::string_view{}
+                                                   : endpoints[0].server.application_uri.view()};
     LiveRun live{context, arguments.live};
     harness::RealWorld& world = live.world();
     if (const auto forwarded = world.forward(live.url(), context.options.url); !forwarded) {
         throw Failure{forwarded.error(), context.options.url};
     }
-    world.network().play(Rewriting{context.options.url, public_url(live.url())}.script());
+    world.network().play(
+        Rewriting{context.options.url, server_uri, public_url(live.url())}.script());
     context.err.line("busbar: " + live.url() + " leads to " + safe(context.options.url));
     return live.run();
 }
@@ -125,9 +157,7 @@ Exit end_channels(Context& context, const ProxyArguments& arguments,
         failure.hint += "; or leave secured channels as they are: --pass";
         throw;
     }
-    LiveOptions options = arguments.live;
-    options.is_secret = true;
-    LiveRun live{context, options};
+    LiveRun live{context, arguments.live};
     harness::RealWorld& world = live.world();
     harness::SecureProxyParts parts;
     parts.identity = security.credentials().identity();
@@ -155,7 +185,7 @@ Exit run_proxy(Context& context, const ProxyArguments& arguments)
 {
     context.options.url = complete_url(context.options.url);
     if (arguments.passes) {
-        return pass(context, arguments);
+        return pass(context, arguments, {});
     }
     Array<EndpointDescription> endpoints;
     try {
@@ -168,7 +198,8 @@ Exit run_proxy(Context& context, const ProxyArguments& arguments)
         std::any_of(endpoints.begin(), endpoints.end(), [](const EndpointDescription& endpoint) {
             return endpoint.security_mode != MessageSecurityMode::None;
         });
-    return has_security ? end_channels(context, arguments, endpoints) : pass(context, arguments);
+    return has_security ? end_channels(context, arguments, endpoints)
+                        : pass(context, arguments, endpoints);
 }
 
 } // namespace

@@ -42,14 +42,13 @@ harness::Recording read_recording_file(const std::string& path, const std::strin
                       "`busbar proxy --record FILE` writes one"};
     }
     if (!keys.empty()) {
-        constexpr std::size_t max_key_log = 16U << 20U;
         return harness::decrypted(*recording, read_file(keys, max_key_log));
     }
     return *std::move(recording);
 }
 
 bool check_readable(Context& context, const std::string& path,
-                    const std::vector<harness::RecordedMessage>& messages)
+                    const std::vector<harness::RecordedMessage>& messages, const std::string& keys)
 {
     const bool has_some =
         std::any_of(messages.begin(), messages.end(), [](const harness::RecordedMessage& message) {
@@ -58,7 +57,9 @@ bool check_readable(Context& context, const std::string& path,
     const auto secured = std::count_if(
         messages.begin(), messages.end(),
         [](const harness::RecordedMessage& message) { return message.name == "MSG"; });
-    const std::string advice = "let `busbar proxy` end the channels, or give their --keys";
+    const std::string advice = keys.empty()
+                                   ? "let `busbar proxy` end the channels, or give their --keys"
+                                   : keys + ": these keys are not those of its channels";
     if (!has_some) {
         throw Failure{Exit::Usage, path + ": no message in it can be read",
                       "its channels were secured, or there were none; " + advice};
@@ -89,9 +90,9 @@ void print_message(Context& context, const harness::RecordedMessage& message)
 }
 
 void write_differences_report(const std::vector<std::string>& differences, std::string_view title,
-                              const std::string& junit)
+                              const ComparisonArguments& arguments)
 {
-    if (junit.empty()) {
+    if (arguments.junit.empty()) {
         return;
     }
     JunitCase compared;
@@ -104,11 +105,13 @@ void write_differences_report(const std::vector<std::string>& differences, std::
             compared.details += line + "\n";
         }
     }
-    write_file(junit, junit_report("busbar", {{"differences", {compared}}}));
+    const std::string report = junit_report("busbar", {{"differences", {compared}}});
+    arguments.is_secret ? write_secret_file(arguments.junit, report)
+                        : write_file(arguments.junit, report);
 }
 
 Exit print_differences(Context& context, const std::vector<std::string>& differences,
-                       std::string_view title, const std::string& junit)
+                       std::string_view title, const ComparisonArguments& arguments)
 {
     if (context.options.is_json) {
         JsonLine json;
@@ -119,7 +122,7 @@ Exit print_differences(Context& context, const std::vector<std::string>& differe
             context.out.line(safe(line));
         }
     }
-    write_differences_report(differences, title, junit);
+    write_differences_report(differences, title, arguments);
     return differences.empty() ? Exit::Good : Exit::Failed;
 }
 

@@ -17,8 +17,12 @@ struct ComparisonArguments {
     harness::ComparisonOptions options;
     /// File of a JUnit report; may be empty.
     std::string junit;
+    /// The report has what was secret, and is for its owner alone.
+    bool is_secret{false};
 };
 void add_comparison_options(CLI::App& command, ComparisonArguments& arguments);
+/// The size of a file of keys is limited, in bytes.
+inline constexpr std::size_t max_key_log = 16U << 20U;
 /// Adds --keys, for read_recording_file().
 void add_keys_option(CLI::App& command, std::string& keys);
 
@@ -27,9 +31,10 @@ void add_keys_option(CLI::App& command, std::string& keys);
 [[nodiscard]] harness::Recording read_recording_file(const std::string& path,
                                                      const std::string& keys = {});
 /// Throws Failure if no message of the recording can be read, since its channels were secured. If
-/// some cannot, tells so and returns false.
+/// some cannot, tells so and returns false. `keys` is what read_recording_file() was given.
 [[nodiscard]] bool check_readable(Context& context, const std::string& path,
-                                  const std::vector<harness::RecordedMessage>& messages);
+                                  const std::vector<harness::RecordedMessage>& messages,
+                                  const std::string& keys);
 /// The exit of a comparison: Partly if nothing differs and not everything could be read.
 [[nodiscard]] inline Exit exit_of_comparison(Exit exit, bool was_readable)
 {
@@ -38,13 +43,13 @@ void add_keys_option(CLI::App& command, std::string& keys);
 /// One line of a message: its number, and what it is; with --json an object with all fields.
 void print_message(Context& context, const harness::RecordedMessage& message);
 
-/// Writes a JUnit report if `junit` names a file: one test case with the differences as its
+/// Writes a JUnit report if the arguments name a file: one test case with the differences as its
 /// failure.
 void write_differences_report(const std::vector<std::string>& differences, std::string_view title,
-                              const std::string& junit);
+                              const ComparisonArguments& arguments);
 /// Prints what differs, one a line or as a JSON list, and writes the report. Good if there are
 /// none.
 [[nodiscard]] Exit print_differences(Context& context, const std::vector<std::string>& differences,
-                                     std::string_view title, const std::string& junit);
+                                     std::string_view title, const ComparisonArguments& arguments);
 
 } // namespace busbar::tool

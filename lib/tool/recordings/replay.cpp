@@ -26,7 +26,8 @@ Exit replay_to(Context& context, const ReplayArguments& arguments)
     const std::string& file = arguments.places.back();
     const harness::Recording recording = read_recording_file(file, arguments.keys);
     const auto before = harness::repeated_messages(recording);
-    const bool is_readable = check_readable(context, file, harness::read_messages(recording));
+    const bool is_readable =
+        check_readable(context, file, harness::read_messages(recording), arguments.keys);
     if (before.empty()) {
         throw Failure{Exit::Usage, file + ": no request in it can be repeated"};
     }
@@ -46,10 +47,11 @@ Exit replay_to(Context& context, const ReplayArguments& arguments)
     if (!came) {
         throw Failure{came.error(), context.options.url};
     }
+    ComparisonArguments comparison = arguments.comparison;
+    comparison.is_secret = !arguments.keys.empty();
     return exit_of_comparison(
-        print_differences(context,
-                          harness::compare_messages(before, *came, arguments.comparison.options),
-                          file + " at " + context.options.url, arguments.comparison.junit),
+        print_differences(context, harness::compare_messages(before, *came, comparison.options),
+                          file + " at " + context.options.url, comparison),
         is_readable);
 }
 

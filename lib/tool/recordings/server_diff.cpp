@@ -270,7 +270,10 @@ private:
 Exit diff_servers(Context& context, const std::string& first, const std::string& second,
                   bool with_values, const ComparisonArguments& arguments)
 {
+    // A profile of the first server is none of the second one's.
+    const Options given = context.options;
     const KnownServer one = ServerReader{context, first, with_values}.take();
+    context.options = given;
     const KnownServer other = ServerReader{context, second, with_values}.take();
     const auto differences = ServerComparison{arguments.options}.compare(one, other);
     std::vector<std::string> lines;
@@ -279,7 +282,7 @@ Exit diff_servers(Context& context, const std::string& first, const std::string&
         lines.push_back(difference.what + ": " + text(difference.first) + " -> " +
                         text(difference.second));
     }
-    write_differences_report(lines, first + " and " + second, arguments.junit);
+    write_differences_report(lines, first + " and " + second, arguments);
     const Exit exit = print_differences(context, differences, {"NODE", "FIRST", "SECOND", "-"});
     const bool is_complete = one.is_complete && other.is_complete;
     if (!is_complete) {

@@ -18,26 +18,25 @@ struct ShowArguments {
     std::string keys;
 };
 
-/// With keys it has what was secret.
-void write_capture(const ShowArguments& arguments, const std::string& path,
-                   const std::vector<std::byte>& bytes)
+/// Only the owner may read what a recording has, also if it was recorded decrypted.
+void write_capture(const std::string& path, const std::vector<std::byte>& bytes)
 {
-    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    arguments.keys.empty() ? write_file(path, text) : write_secret_file(path, text);
+    write_secret_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 Exit show(Context& context, const ShowArguments& arguments)
 {
     const harness::Recording recording = read_recording_file(arguments.file, arguments.keys);
     if (!arguments.pcap.empty()) {
-        write_capture(arguments, arguments.pcap, harness::to_pcap(recording));
+        write_capture(arguments.pcap, harness::to_pcap(recording));
     }
     if (!arguments.pcapng.empty()) {
         // As it was sent, with the keys in front.
-        write_capture(
-            arguments, arguments.pcapng,
-            harness::to_pcapng(read_recording_file(arguments.file),
-                               arguments.keys.empty() ? std::string{} : read_file(arguments.keys)));
+        write_capture(arguments.pcapng,
+                      harness::to_pcapng(read_recording_file(arguments.file),
+                                         arguments.keys.empty()
+                                             ? std::string{}
+                                             : read_file(arguments.keys, max_key_log)));
     }
     MessageFilter filter{arguments.filter};
     std::vector<harness::RecordedMessage> wanted;

@@ -182,6 +182,10 @@ private:
                     return;
                 }
                 value = number_like(null_of(answer.argument.type), *number);
+                if (value.is_null()) {
+                    call.fail(status::Bad_InvalidArgument);
+                    return;
+                }
             }
             outputs.push_back(std::move(value));
         }

@@ -336,24 +336,46 @@ std::optional<double> number_in(const Variant& value)
     return number;
 }
 
-Variant number_like(const Variant& model, double number)
+namespace {
+
+/// Beyond the type it is the nearest one, or nothing.
+enum class Beyond : std::uint8_t { Nearest, Nothing };
+
+/// Returns the number as a T; empty for what is not a number, unless T has that.
+template <typename T>
+Variant number_as(double number, Beyond beyond)
+{
+    using Limits = std::numeric_limits<T>;
+    if constexpr (std::is_floating_point_v<T>) {
+        const bool fits =
+            !std::isfinite(number) || std::fabs(number) <= static_cast<double>(Limits::max());
+        return fits ? Variant{static_cast<T>(number)}
+               : beyond == Beyond::Nearest
+                   ? Variant{std::copysign(Limits::max(), static_cast<T>(number < 0 ? -1 : 1))}
+                   : Variant{};
+    } else {
+        // The limit above is a power of two, which a double has; that of 64 bits itself it has not.
+        const double rounded = std::round(number);
+        const bool is_below = rounded < static_cast<double>(Limits::min());
+        const bool is_above = rounded >= std::ldexp(1.0, Limits::digits);
+        if (std::isnan(number) || ((is_below || is_above) && beyond == Beyond::Nothing)) {
+            return {};
+        }
+        return is_below   ? Variant{Limits::min()}
+               : is_above ? Variant{Limits::max()}
+                          : Variant{static_cast<T>(rounded)};
+    }
+}
+
+Variant made_like(const Variant& model, double number, Beyond beyond)
 {
     Variant made;
-    if (model.get_if<bool>() != nullptr) {
+    if (model.get_if<bool>() != nullptr && !std::isnan(number)) {
         made = Variant{number != 0};
     }
     const auto make = [&]<typename T>(const T*) {
-        if (model.get_if<T>() == nullptr) {
-            return;
-        }
-        if constexpr (std::is_floating_point_v<T>) {
-            made = Variant{static_cast<T>(number)};
-        } else {
-            using Limits = std::numeric_limits<T>;
-            made = number <= static_cast<double>(Limits::min()) ? Variant{Limits::min()}
-                   : number >= static_cast<double>(Limits::max())
-                       ? Variant{Limits::max()}
-                       : Variant{static_cast<T>(std::llround(number))};
+        if (model.get_if<T>() != nullptr) {
+            made = number_as<T>(number, beyond);
         }
     };
     make(static_cast<const std::int8_t*>(nullptr));
@@ -367,6 +389,13 @@ Variant number_like(const Variant& model, double number)
     make(static_cast<const float*>(nullptr));
     make(static_cast<const double*>(nullptr));
     return made;
+}
+
+} // namespace
+
+Variant number_like(const Variant& model, double number)
+{
+    return made_like(model, number, Beyond::Nothing);
 }
 
 std::vector<std::string> simulation_words(std::string_view line)
@@ -412,9 +441,10 @@ Variant SimulatedSignal::at(Duration time) const
     const double first = number_in(values[0]).value_or(0);
     const double second = number_in(values[1]).value_or(0);
     const double part = periods - std::floor(periods);
-    return number_like(values[0], kind == Kind::Ramp
-                                      ? first + (second - first) * part
-                                      : first + second * std::sin(2 * std::numbers::pi * part));
+    return made_like(values[0],
+                     kind == Kind::Ramp ? first + (second - first) * part
+                                        : first + second * std::sin(2 * std::numbers::pi * part),
+                     Beyond::Nearest);
 }
 
 Configured<SimulatedMachine> read_simulation(std::string_view text, std::string_view file)

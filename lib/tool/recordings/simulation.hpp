@@ -109,7 +109,8 @@ struct SimulatedMachine {
 [[nodiscard]] std::vector<std::string> simulation_words(std::string_view line);
 /// The number in a value of a numeric type or Boolean; nothing in others and in arrays.
 [[nodiscard]] std::optional<double> number_in(const Variant& value);
-/// A number of the same type as `model`, the nearest one that it has; empty if that is none.
+/// A number of the same type as `model`; empty if that type has none, or not this one: integers are
+/// rounded, but neither limited nor made of what is not a number.
 [[nodiscard]] Variant number_like(const Variant& model, double number);
 /// The null value of a type: 0, false, an empty text.
 [[nodiscard]] Variant null_of(BuiltInType type);
