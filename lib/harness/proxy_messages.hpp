@@ -140,7 +140,7 @@ private:
     ByteString own_chain_;
     const WallClock* clock_;
     LogSink* log_;
-    /// By authentication token.
+    /// Maps authentication tokens to sessions.
     std::map<NodeId, KnownSession> sessions_;
     std::uint64_t last_use_{0};
 };

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string>
 
 #include "product/configuration/config.hpp"
@@ -461,14 +462,46 @@ TEST_CASE("clients get no folder in which a machine keeps its own files", "[atta
     CHECK_NOTHROW(parse(with("keptwell")));
 }
 
-TEST_CASE("clients get no folder with a file of a program or the password of a PLC", "[attack]")
-{
-    const test::TemporaryFolder folder;
-    const auto at = [&](const std::string& name) { return folder.path.string() + "/" + name; };
-    const auto write = [&](const std::string& name, const std::string& text) {
+namespace {
+
+/// A folder with files that a configuration names, beside one for clients.
+struct NamedFiles {
+    struct Row {
+        std::string text;
+        std::string files;
+        std::string said;
+    };
+
+    [[nodiscard]] std::string at(const std::string& name) const
+    {
+        return folder.path.string() + "/" + name;
+    }
+    void write(const std::string& name, const std::string& text) const
+    {
         std::filesystem::create_directories(std::filesystem::path{at(name)}.parent_path());
         std::ofstream{at(name)} << text;
-    };
+    }
+    [[nodiscard]] std::string with(const std::string& text, const std::string& files) const
+    {
+        return text + "\n[[files]]\nname = \"a\"\nfolder = \"" + at(files) + "\"\n";
+    }
+    void check(std::span<const Row> rows) const
+    {
+        for (const auto& [text, files, said] : rows) {
+            INFO(text << "\n" << files << ": " << complaint(with(text, files)));
+            CHECK(complaint(with(text, files)).find(said) != std::string::npos);
+        }
+    }
+
+    test::TemporaryFolder folder;
+};
+
+} // namespace
+
+TEST_CASE_METHOD(NamedFiles,
+                 "clients get no folder with a file of a program or the password of a PLC",
+                 "[attack]")
+{
     write("p/x.st", "VAR_GLOBAL\n  speed : INT;\nEND_VAR\n");
     write("files/b.st", "VAR_GLOBAL\n  level : INT;\nEND_VAR\n");
     write("q/GVLs/A.TcGVL",
@@ -478,20 +511,12 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
                          "</Project>");
     std::filesystem::copy_file(at("q/q.plcproj"), at("q/line.xml"));
     write("secrets/plc.password", "secret\n");
-    const auto with = [&](const std::string& text, const std::string& files) {
-        return text + "\n[[files]]\nname = \"a\"\nfolder = \"" + at(files) + "\"\n";
-    };
     const std::string list = "[\"" + at("p/x.st") + "\", \"" + at("files/b.st") + "\"]";
     const std::string project = "\"" + at("q/q.plcproj") + "\"";
     const std::string slmp = "address = \"192.0.2.20:5000\"\nremote_password_file = \"" +
                              at("secrets/plc.password") + "\"\n";
     const std::string machine = "the machine's program";
     const std::string labels = "the program of the labels";
-    struct Row {
-        std::string text;
-        std::string files;
-        std::string said;
-    };
     const Row rows[] = {
         {"[machine]\nprogram = " + list, "files", at("files/b.st") + "\", " + machine},
         {"[machine]\nprogram = " + list, "p", at("p/x.st") + "\", " + machine},
@@ -505,6 +530,21 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
         {"[[backend]]\nname = \"press\"\nprotocol = \"slmp\"\n" + slmp, "secrets",
          "the password of a PLC"},
     };
+    check(rows);
+    for (const Row& each : rows) {
+        CHECK(complaint(with(each.text, "recipes")) == "nothing");
+    }
+}
+
+TEST_CASE_METHOD(NamedFiles, "clients get no folder with another file that is named, nor by a link",
+                 "[attack]")
+{
+    write("p/x.st", "VAR_GLOBAL\n  speed : INT;\nEND_VAR\n");
+    write("files/b.st", "VAR_GLOBAL\n  level : INT;\nEND_VAR\n");
+    write("secrets/plc.password", "secret\n");
+    const std::string machine = "the machine's program";
+    const std::string slmp = "address = \"192.0.2.20:5000\"\nremote_password_file = \"" +
+                             at("secrets/plc.password") + "\"\n";
     write("models/m.xml", "");
     write("plc/press.csv", "name,at,access\nSpeed,holding:0:int16,write\n");
     std::filesystem::create_symlink(at("p/x.st"), at("files/link.st"));
@@ -525,15 +565,7 @@ TEST_CASE("clients get no folder with a file of a program or the password of a P
         {"[[backend]]\nname = \"press\"\nprotocol = \"slmp\"\n" + slmp, "sub/led/..",
          "the password of a PLC"},
     };
-    for (const auto& [text, files, said] : further) {
-        INFO(text << "\n" << files << ": " << complaint(with(text, files)));
-        CHECK(complaint(with(text, files)).find(said) != std::string::npos);
-    }
-    for (const auto& [text, files, said] : rows) {
-        INFO(text << "\n" << files << ": " << complaint(with(text, files)));
-        CHECK(complaint(with(text, files)).find(said) != std::string::npos);
-        CHECK(complaint(with(text, "recipes")) == "nothing");
-    }
+    check(further);
 }
 
 TEST_CASE("names that become nodes have at most 512 bytes, and the file's line is told")

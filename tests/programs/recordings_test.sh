@@ -225,8 +225,12 @@ run 2 proxy "$first" --any-client
 says '\-\-any-client: the server has no endpoint with security'
 run 2 proxy "$first" --pass --key-log keys
 says '\-\-key-log: \-\-pass passes channels on as they are'
-run 1 proxy "$first" --record /dev/null
-says '/dev/null: cannot be written: it is not a regular file of yours'
+ln -s a.rec led.rec
+run 1 proxy "$first" --record led.rec
+says 'led.rec: cannot be written: '
+mkdir folder.rec
+run 1 proxy "$first" --record folder.rec
+says 'folder.rec: cannot be written: '
 run 2 show a.rec --filter 'service=Read or  or time>1'
 says 'found ""; expected a name'
 run 2 show a.rec --filter 'status>Good'
