@@ -45,7 +45,7 @@ struct FoundNode {
 struct Crawl {
     /// Of administration and product.
     std::vector<FoundNode> nodes;
-    /// Those that are of neither, such as the variables of the PLC.
+    /// Holds those that are of neither, such as the variables of the PLC.
     std::size_t others{0};
     /// Those that no table has.
     std::vector<std::string> unknown;

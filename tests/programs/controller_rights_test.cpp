@@ -425,7 +425,7 @@ struct Steps {
     }
 };
 
-/// What would be seen of each of them.
+/// Returns what would be seen of each of them.
 std::string what_is(RightsPlant& plant)
 {
     std::string all;

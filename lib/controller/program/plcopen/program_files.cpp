@@ -195,7 +195,7 @@ public:
         if (fs::is_directory(path, ignored)) {
             return add_folder(path);
         }
-        return text_of(path, max_size_).and_then([&](std::string text) -> Configured<void> {
+        return text_of(path, max_size_).and_then([&](const std::string& text) -> Configured<void> {
             return is_list(path, text) ? add_list(path, text)
                                        : add_text(path, path.filename(), text);
         });
