@@ -12,6 +12,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/harness/text.hpp>
 
+#include "tool/nodes/names.hpp"
 #include "tool/nodes/remote_nodes.hpp"
 #include "tool/printing/differences.hpp"
 #include "tool/printing/display_text.hpp"
@@ -34,46 +35,14 @@ struct KnownServer {
     bool is_complete{true};
 };
 
-constexpr std::array compared = {
-    std::pair{AttributeId::BrowseName, "BrowseName"},
-    std::pair{AttributeId::DisplayName, "DisplayName"},
-    std::pair{AttributeId::Description, "Description"},
-    std::pair{AttributeId::DataType, "DataType"},
-    std::pair{AttributeId::ValueRank, "ValueRank"},
-    std::pair{AttributeId::ArrayDimensions, "ArrayDimensions"},
-    std::pair{AttributeId::AccessLevel, "AccessLevel"},
-    std::pair{AttributeId::MinimumSamplingInterval, "MinimumSamplingInterval"},
-    std::pair{AttributeId::Historizing, "Historizing"},
-    std::pair{AttributeId::EventNotifier, "EventNotifier"},
-    std::pair{AttributeId::Executable, "Executable"},
-    std::pair{AttributeId::IsAbstract, "IsAbstract"},
-    std::pair{AttributeId::Symmetric, "Symmetric"},
-    std::pair{AttributeId::InverseName, "InverseName"},
-    std::pair{AttributeId::Value, "Value"}};
-
-std::string_view class_name(NodeClass node_class)
-{
-    switch (node_class) {
-    case NodeClass::Object:
-        return "Object";
-    case NodeClass::Variable:
-        return "Variable";
-    case NodeClass::Method:
-        return "Method";
-    case NodeClass::ObjectType:
-        return "ObjectType";
-    case NodeClass::VariableType:
-        return "VariableType";
-    case NodeClass::ReferenceType:
-        return "ReferenceType";
-    case NodeClass::DataType:
-        return "DataType";
-    case NodeClass::View:
-        return "View";
-    default:
-        return "node";
-    }
-}
+constexpr std::array compared = {AttributeId::BrowseName,  AttributeId::DisplayName,
+                                 AttributeId::Description, AttributeId::DataType,
+                                 AttributeId::ValueRank,   AttributeId::ArrayDimensions,
+                                 AttributeId::AccessLevel, AttributeId::MinimumSamplingInterval,
+                                 AttributeId::Historizing, AttributeId::EventNotifier,
+                                 AttributeId::Executable,  AttributeId::IsAbstract,
+                                 AttributeId::Symmetric,   AttributeId::InverseName,
+                                 AttributeId::Value};
 
 /// Reads one server.
 class ServerReader {
@@ -180,7 +149,7 @@ public:
         for (const auto& [key, node] : first.nodes) {
             const auto found = second.nodes.find(key);
             if (found == second.nodes.end()) {
-                add(key, std::string{class_name(node.node_class)}, "");
+                add(key, std::string{name(node.node_class)}, "");
             } else {
                 compare(key, node, found->second);
                 compare_references(key, node.references, found->second.references, first, second);
@@ -188,7 +157,7 @@ public:
         }
         for (const auto& [key, node] : second.nodes) {
             if (!first.nodes.contains(key)) {
-                add(key, "", std::string{class_name(node.node_class)});
+                add(key, "", std::string{name(node.node_class)});
             }
         }
         if (left_out_ != 0) {
@@ -201,11 +170,11 @@ private:
     void compare(const std::string& key, const KnownNode& first, const KnownNode& second)
     {
         if (first.node_class != second.node_class) {
-            add(key + " NodeClass", std::string{class_name(first.node_class)},
-                std::string{class_name(second.node_class)});
+            add(key + " NodeClass", std::string{name(first.node_class)},
+                std::string{name(second.node_class)});
             return;
         }
-        for (const auto& [attribute, name] : compared) {
+        for (const AttributeId attribute : compared) {
             const auto a = first.attributes.find(attribute);
             const auto b = second.attributes.find(attribute);
             const bool is_there = a != first.attributes.end();
@@ -213,7 +182,8 @@ private:
             const bool is_same =
                 is_there == is_here && (!is_there || this->is_same(a->second, b->second));
             if (!is_same) {
-                add(key + " " + name, is_there ? attribute_text(attribute, a->second) : "nothing",
+                add(key + " " + std::string{name(attribute)},
+                    is_there ? attribute_text(attribute, a->second) : "nothing",
                     is_here ? attribute_text(attribute, b->second) : "nothing");
             }
         }
