@@ -490,7 +490,17 @@ RightsPlant::RightsPlant(Mode mode) : identity_{identity_now()}
     }
     controller_.emplace(scratch_, "press", configuration(mode), more);
     chief_.emplace(*this, "chief", Channel::SignAndEncrypt);
+    const auto has_logs = [&] {
+        return crawl_.find("FileSystem/ExecutionLog/OPCUA_ExecutionLog.log/Open") != nullptr &&
+               crawl_.find("FileSystem/EventLog/events.log/Open") != nullptr;
+    };
     crawl_ = Crawler{*chief_}.run();
+    // A machine's logs have files once they are saved for the first time.
+    for (int i = 0; i < 60 && mode == Mode::Variables && !has_logs(); ++i) {
+        static_cast<void>(chief_->blocking().run_until([] { return false; }, 1s));
+        crawl_ = Crawler{*chief_}.run();
+    }
+    REQUIRE((mode == Mode::Model || has_logs()));
     const FoundNode* const add = crawl_.find("Server/ServerConfiguration/UserManagement/AddUser");
     REQUIRE(add != nullptr);
     for (const char* const user : {"nobody", "pat"}) {
