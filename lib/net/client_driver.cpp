@@ -1,5 +1,6 @@
 #include "client_driver.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -70,6 +71,7 @@ ClientDriver::ClientDriver(const asio::any_io_executor& executor, client::Client
       client_{std::move(config), environment, now()},
       connector_{executor, *environment.log, std::move(lookup)}, timer_{executor}
 {
+    keep_free_memory(); // memory_return_ returns it
 }
 
 void ClientDriver::take_from(std::shared_ptr<ReverseQueue> queue)
@@ -112,18 +114,25 @@ void ClientDriver::step()
     if (has_stopped_) {
         return;
     }
-    timer_.await(client_.next_deadline(), [self] {
-        if (!self->has_stopped_) {
-            self->client_.handle_deadline(now());
-            self->step();
-        }
-    });
+    await_deadline();
     if (has_more) {
         wake();
     }
     if (on_step_) {
         on_step_();
     }
+}
+
+void ClientDriver::await_deadline()
+{
+    const TimePoint memory = link_ ? memory_return_.next_deadline() : no_deadline;
+    timer_.await(std::min(client_.next_deadline(), memory), [self = shared_from_this()] {
+        if (!self->has_stopped_) {
+            self->memory_return_.look(now());
+            self->client_.handle_deadline(now());
+            self->step();
+        }
+    });
 }
 
 /// Returns true if there is more to do.
@@ -187,7 +196,11 @@ void ClientDriver::opened(std::uint64_t order, asio::ip::tcp::socket socket,
 {
     const auto line = std::make_shared<ClientLine>(client_, order);
     link_ = std::make_shared<ClientLink>(
-        std::move(socket), *line, [this](ClientLink&) { step(); },
+        std::move(socket), *line,
+        [this](ClientLink&) {
+            memory_return_.note_activity(now());
+            step();
+        },
         [this, line](ClientLink& link) { ended(link); });
     client_.connected(order, now());
     if (!in.empty()) {
@@ -263,6 +276,7 @@ void ClientDriver::stop()
     for (const auto& link : std::exchange(leaving_, {})) {
         link->end();
     }
+    memory_return_.finish();
 }
 
 void ClientDriver::log(const std::string& text)

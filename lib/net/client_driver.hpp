@@ -12,6 +12,7 @@
 #include "clock.hpp"
 #include "connector.hpp"
 #include "link.hpp"
+#include "memory_return.hpp"
 #include "reverse_queue.hpp"
 
 namespace busbar::net::detail {
@@ -84,6 +85,7 @@ private:
     using ClientLink = SocketLink<ClientLine>;
 
     [[nodiscard]] bool poll();
+    void await_deadline();
     void carry_out(const client::TransportOrder& order);
     void open(const client::TransportOrder& order);
     void open_reverse(std::uint64_t order);
@@ -104,6 +106,8 @@ private:
     std::shared_ptr<ReverseQueue> queue_;
     ReverseQueue::Ticket ticket_{0};
     DeadlineTimer timer_;
+    /// Waits only while there is a connection: no loop has to run longer for it.
+    MemoryReturn memory_return_;
     std::shared_ptr<ClientLink> link_;
     std::vector<std::shared_ptr<ClientLink>> leaving_;
     std::function<void()> on_step_;

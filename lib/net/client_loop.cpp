@@ -7,6 +7,7 @@
 #include <busbar/channel/endpoint_url.hpp>
 
 #include "link.hpp"
+#include "memory_return.hpp"
 #include "name_lookup.hpp"
 
 namespace busbar::net {
@@ -18,18 +19,23 @@ struct ClientLoop::Impl {
     std::optional<client::Connection> client;
     std::shared_ptr<ClientLink> link;
     bool is_connected{false};
+    detail::MemoryReturn memory_return;
 
     /// Lets the link work until there is an event or the time is over.
     [[nodiscard]] std::optional<client::ConnectionEvent> wait(TimePoint until);
 };
 
-ClientLoop::ClientLoop() : impl_{std::make_unique<Impl>()} {}
+ClientLoop::ClientLoop() : impl_{std::make_unique<Impl>()}
+{
+    detail::keep_free_memory(); // memory_return returns it
+}
 
 ClientLoop::~ClientLoop()
 {
     if (impl_->link) {
         impl_->link->end();
     }
+    impl_->memory_return.finish();
 }
 
 Result<void> ClientLoop::connect(client::ConnectionConfig config,
@@ -65,7 +71,8 @@ Result<void> ClientLoop::connect(client::ConnectionConfig config,
     impl_->client.emplace(std::move(config), environment, detail::now());
     impl_->is_connected = true;
     impl_->link = std::make_shared<Impl::ClientLink>(
-        std::move(socket), *impl_->client, [](auto&) {},
+        std::move(socket), *impl_->client,
+        [this](auto&) { impl_->memory_return.note_activity(detail::now()); },
         [this](auto&) { impl_->is_connected = false; });
     impl_->link->start();
     return {};
@@ -88,6 +95,7 @@ std::optional<client::ConnectionEvent> ClientLoop::Impl::wait(TimePoint until)
         }
         link->pump();
         context.restart();
+        memory_return.look(detail::now());
         if (context.run_one_until(until) == 0 && detail::now() >= until) {
             return std::nullopt;
         }

@@ -31,8 +31,9 @@ ProcessMemory process_memory()
 void keep_free_memory()
 {
 #if defined(__GLIBC__)
-    // A user who chose something in the environment keeps it.
-    constexpr int most = 64 << 20;
+    // A user who chose something in the environment keeps it. Older versions refuse to keep more,
+    // and setting the other threshold alone would take more system calls than before.
+    constexpr int most = 32 << 20;
     if (std::getenv("MALLOC_MMAP_THRESHOLD_") == nullptr) {
         ::mallopt(M_MMAP_THRESHOLD, most);
     }
@@ -59,6 +60,17 @@ bool MemoryReturn::handle_deadline(TimePoint now, const ProcessMemory& memory)
     left_.free = std::min(left_.free, memory.free);
     return memory.free >= least &&
            (memory.resident - left_.resident >= least || memory.free - left_.free >= least);
+}
+
+void MemoryReturn::look(TimePoint now)
+{
+    if (deadline_ == no_deadline || now < deadline_) {
+        return;
+    }
+    if (handle_deadline(now, process_memory())) {
+        return_free_memory();
+        returned(process_memory());
+    }
 }
 
 } // namespace busbar::net::detail

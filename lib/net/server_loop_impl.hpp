@@ -58,7 +58,6 @@ struct ServerLoop::Impl {
     void await_deadline();
     void handle_deadline();
     void turn(bool is_behind);
-    void look_at_memory(TimePoint now);
     void begin_stop();
     void tell_to_stop();
     [[nodiscard]] bool resume();

@@ -173,18 +173,8 @@ void ServerLoop::Impl::handle_deadline()
                                     [&] { each.server().handle_deadline(now); });
         }
     });
-    if (memory_return.next_deadline() <= now) {
-        look_at_memory(now);
-    }
+    memory_return.look(now);
     after_activity();
-}
-
-void ServerLoop::Impl::look_at_memory(TimePoint now)
-{
-    if (memory_return.handle_deadline(now, detail::process_memory())) {
-        detail::return_free_memory();
-        memory_return.returned(detail::process_memory());
-    }
 }
 
 void ServerLoop::Impl::serve(server::Server& server)

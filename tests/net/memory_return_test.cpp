@@ -3,8 +3,15 @@
 #include <memory>
 #include <vector>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 
+#include <busbar/net/blocking_client.hpp>
+#include <busbar/net/client_loop.hpp>
+
+#include "machine.hpp"
 #include "net/memory_return.hpp"
 
 namespace memory_return_test {
@@ -93,27 +100,78 @@ TEST_CASE("free memory can be given back at any time", "[memory_return]")
 #define BUSBAR_HAS_OTHER_MALLOC 0
 #endif
 #if defined(__GLIBC__) && !(BUSBAR_HAS_OTHER_MALLOC)
+namespace {
+
+/// Returns the page faults of as many small lists as a Browse of 10,000 nodes has.
+long faults_of_request()
+{
+    rusage before{};
+    rusage after{};
+    ::getrusage(RUSAGE_SELF, &before);
+    {
+        std::vector<std::unique_ptr<char[]>> lists;
+        for (int i = 0; i < 10'000; ++i) {
+            lists.push_back(std::make_unique<char[]>(800));
+        }
+    }
+    ::getrusage(RUSAGE_SELF, &after);
+    return after.ru_minflt - before.ru_minflt;
+}
+
+/// Has malloc return what is freed, as in a process that has not begun a loop yet.
+void forget_settings()
+{
+    ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
+    ::mallopt(M_TRIM_THRESHOLD, 128 << 10);
+    ::malloc_trim(0);
+}
+
+} // namespace
+
 TEST_CASE("what a large request freed is there for the next one", "[memory_return]")
 {
     net::detail::keep_free_memory();
-    // As many small lists as a Browse of 10,000 nodes has.
-    const auto faults_of_request = [] {
-        rusage before{};
-        rusage after{};
-        ::getrusage(RUSAGE_SELF, &before);
-        {
-            std::vector<std::unique_ptr<char[]>> lists;
-            for (int i = 0; i < 10'000; ++i) {
-                lists.push_back(std::make_unique<char[]>(800));
-            }
-        }
-        ::getrusage(RUSAGE_SELF, &after);
-        return after.ru_minflt - before.ru_minflt;
-    };
     static_cast<void>(faults_of_request());
     CHECK(faults_of_request() < 100); // of some 2,000 pages
     net::detail::return_free_memory();
     CHECK(faults_of_request() > 1'000);
+}
+
+TEST_CASE("a client has the memory of the last response for the next one", "[memory_return]")
+{
+    forget_settings();
+    static_cast<void>(faults_of_request());
+    REQUIRE(faults_of_request() > 1'000);
+    test::ClientSurroundings surroundings;
+    SECTION("with a session that comes back")
+    {
+        net::BlockingClient client{test::client_config("opc.tcp://127.0.0.1:4840"),
+                                   surroundings.environment};
+        static_cast<void>(faults_of_request());
+        CHECK(faults_of_request() < 100);
+    }
+    SECTION("with one connection")
+    {
+        net::ClientLoop loop;
+        static_cast<void>(faults_of_request());
+        CHECK(faults_of_request() < 100);
+    }
+}
+
+TEST_CASE("a client that ends returns the memory that it took", "[memory_return]")
+{
+    net::detail::keep_free_memory();
+    test::Machine machine;
+    test::ClientSurroundings surroundings;
+    std::size_t kept = 0;
+    {
+        net::BlockingClient client{test::client_config(machine.url()), surroundings.environment};
+        REQUIRE(client.connect());
+        static_cast<void>(faults_of_request());
+        kept = net::detail::process_memory().resident;
+        client.close();
+    }
+    CHECK(net::detail::process_memory().resident + 4 * mega < kept);
 }
 #endif
 

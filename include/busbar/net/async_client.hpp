@@ -24,7 +24,8 @@ namespace busbar::net {
 /// cancellation slot. Handlers run later, on the executor or their own; their exceptions come out
 /// of its run(). Exceptions of the Client's own callbacks are logged. Errors are values, never
 /// exceptions. An operation that is cancelled, in whatever way, ends with
-/// Bad_RequestCancelledByClient; a server that has its request may still carry it out.
+/// Bad_RequestCancelledByClient; a server that has its request may still carry it out. Creating one
+/// sets M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of glibc's malloc, as a BlockingClient does.
 class BUSBAR_API AsyncClient {
 public:
     /// `environment`, which must have a log, must outlive the object.
