@@ -239,6 +239,25 @@ TEST_CASE("a bus that is lost is opened again, and its values are bad until then
     CHECK(station.log.contains("it cannot be opened: Bad_CommunicationError"));
 }
 
+TEST_CASE("a value of a bus has the time of its last change", "[net]")
+{
+    Station station;
+    const auto time = [&] { return station.caller.read({0})[0].source_timestamp; };
+    const DateTime first = time();
+    CHECK(first != DateTime{});
+    CHECK(time() == first);
+    CHECK(station.write(0, 7) == StatusCode{});
+    const DateTime written = time();
+    CHECK(written > first);
+    CHECK(time() == written);
+    // Its status changes twice.
+    station.cells.disturb(Cells::Fault::Timeout);
+    CHECK(station.caller.read({0})[0].status == StatusCode{status::Bad_Timeout});
+    const DateTime back = time();
+    CHECK(back > written);
+    CHECK(time() == back);
+}
+
 TEST_CASE("a bus needs no more than its plan and a read", "[net]")
 {
     net::BusSource source{std::make_unique<ReadOnlyBus>(), points()};

@@ -117,8 +117,9 @@ inline constexpr std::size_t device_facts = 18;
 [[nodiscard]] BUSBAR_API const char* name_of(DeviceFact fact);
 
 /// Serves the points of one device, and its facts. Samples of one interval are one batch, in which
-/// each address is read once; values read in one request have the same SourceTimestamp. Everything
-/// is on the server's thread, where the device's driver is, too.
+/// each address is read once. The SourceTimestamp of a value is the time of the read that found it
+/// changed, which values of one request have in common. Everything is on the server's thread, where
+/// the device's driver is, too.
 ///
 /// A Read with a maxAge is answered from the last values if all of these are young enough (Part 4,
 /// 5.11.2.2), and nothing has been written or has failed since. A Write is answered by what the PLC

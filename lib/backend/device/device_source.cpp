@@ -38,13 +38,29 @@ struct DeviceSource::Impl {
         /// The plan's batch ends with the PLC's mode.
         bool has_mode{false};
     };
-    /// The last value of a point; its time is null until there is one.
+    /// The last value of a point, with the time of its last change as far as it is known; null
+    /// until there is one.
     struct Last {
         DataValue value;
         TimePoint read{};
         bool is_known{false};
         /// It was read, and nothing has been written or has failed since.
         bool is_fresh{false};
+        /// There was another answer than the value since.
+        bool has_failed{false};
+
+        /// Takes what was read at `time`. The time of a value that stays is that of its last change
+        /// (Part 4, 7.11.3).
+        void take(Variant read_value, StatusCode status, DateTime time)
+        {
+            if (!is_known || has_failed || value.status != status || value.value != read_value) {
+                value.source_timestamp = time;
+            }
+            value.value = std::move(read_value);
+            value.status = status;
+            is_known = is_fresh = true;
+            has_failed = false;
+        }
     };
 
     Impl(DeviceSource& o, Device& d, std::vector<DevicePoint> p, const WallClock& c,
@@ -57,7 +73,7 @@ struct DeviceSource::Impl {
     [[nodiscard]] bool is_young(const server::ReadBatch& batch) const;
     void answer_at_once(server::ReadBatch& batch) const;
     void answer(const server::ReadItem& item, server::ReadSlot& slot) const;
-    void answer_away(std::size_t point, StatusCode status, server::ReadSlot& slot) const;
+    void answer_away(std::size_t point, StatusCode status, server::ReadSlot& slot);
     void take_mode(const Waiting& waiting, const PlanResult& result);
     [[nodiscard]] bool is_stopped() const
     {
@@ -108,10 +124,11 @@ void DeviceSource::Impl::answer(const server::ReadItem& item, server::ReadSlot& 
     }
 }
 
-void DeviceSource::Impl::answer_away(std::size_t point, StatusCode status,
-                                     server::ReadSlot& slot) const
+void DeviceSource::Impl::answer_away(std::size_t point, StatusCode status, server::ReadSlot& slot)
 {
-    const Last& before = last[point];
+    Last& before = last[point];
+    before.is_fresh = false;
+    before.has_failed = true;
     if (before.is_known && options.when_away == WhenAway::LastValue &&
         status == StatusCode{status::Bad_NoCommunication}) {
         slot = DataValue{before.value};
@@ -157,19 +174,14 @@ void DeviceSource::Impl::finish(server::ReadBatch& batch, const Waiting& waiting
                                           : read_point(points[point], result.words_of(read));
         Last& now_last = last[point];
         if (!value) {
-            now_last.is_fresh = false;
             answer_away(point, value.error(), slot);
             continue;
         }
-        now_last.value = DataValue{*std::move(value)};
-        now_last.value.source_timestamp = time;
-        now_last.value.status = status;
+        now_last.take(*std::move(value), status, time);
         now_last.read = moment;
-        now_last.is_known = now_last.is_fresh = true;
         slot = DataValue{now_last.value};
         if (is_stopped() && options.when_stopped == WhenStopped::Bad) {
             answer_away(point, status::Bad_OutOfService, slot);
-            now_last.is_fresh = false;
         }
     }
     batch.complete();
