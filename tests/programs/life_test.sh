@@ -122,6 +122,7 @@ kill -INT "$follower"
 wait "$follower"
 
 # An online edit: what is new comes besides what there is, and nobody has to connect again.
+rm -f followed # or what the client before has said is taken for what this one says
 timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --interval 50 \
     --duration 60 > followed 2>&1 &
 follower=$!

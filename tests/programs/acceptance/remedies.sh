@@ -49,6 +49,7 @@ restart() {
 follows() {
     followed_by=$1
     shift
+    rm -f followed # or what the client before has said is taken for what this one says
     timeout 100 "$busbar" --user "$followed_by" --password-file password --trust subscribe "$url" \
         "$@" > followed 2>&1 < /dev/null &
     follower=$!
