@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <busbar/core/types.hpp>
@@ -113,6 +114,25 @@ TEST_CASE("a growing Array takes an element of its own", "[core][array]")
         texts.push_back(texts[0]);
     }
     CHECK(texts.back() == texts.front());
+}
+
+TEST_CASE("an Array is assigned so many copies of a value", "[core][array]")
+{
+    Array<String> texts{"one that is not kept inline anywhere", "b", "c"};
+    texts.assign(20, texts[0]);
+    CHECK(texts.size() == 20);
+    CHECK(texts[19] == String{"one that is not kept inline anywhere"});
+    texts.assign(2, "b");
+    CHECK(texts == Array<String>{"b", "b"});
+    Array<std::int32_t> numbers;
+    numbers.assign(3, 4); // and not the elements from 3 to 4
+    CHECK(numbers == Array<std::int32_t>{4, 4, 4});
+    Array<std::size_t> none;
+    none.assign(0, 7);
+    CHECK((none.empty() && !none.is_null()));
+    const std::int32_t more[] = {5, 6};
+    numbers.assign(std::begin(more), std::end(more));
+    CHECK(numbers == Array<std::int32_t>{5, 6});
 }
 
 TEST_CASE("an Array of Variants is assigned, not wrapped", "[core][array]")

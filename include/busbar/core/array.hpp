@@ -139,13 +139,23 @@ public:
     void push_back(const T& value) { emplace_back(value); }
     void push_back(T&& value) { emplace_back(std::move(value)); }
     void pop_back() { destroy(data_ + --size_, 1); }
+    /// Holds copies of these elements, which must not be its own.
     template <typename Iterator>
-    void assign(Iterator first, Iterator last)
+    requires(!std::is_integral_v<Iterator>) void assign(Iterator first, Iterator last)
     {
         clear();
         reserve(static_cast<std::size_t>(last - first));
         for (; first != last; ++first) {
             emplace_back(*first);
+        }
+    }
+    /// Holds so many copies of `value`, which may be one of its own elements.
+    void assign(std::size_t count, T value)
+    {
+        clear();
+        reserve(count);
+        while (size_ < count) {
+            emplace_back(value);
         }
     }
     void swap(Array& other) noexcept

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <busbar/core/api.hpp>
@@ -46,6 +47,10 @@ struct StructureType {
     void (*decode)(binary::Reader& reader, void* object);
 };
 
+/// A structure that the generator made, or one that is declared as those are: with a `type`.
+template <typename T>
+concept GeneratedStructure = std::is_same_v<std::remove_cvref_t<decltype(T::type)>, StructureType>;
+
 /// ExtensionObject (Part 6, 5.2.2.15): a structure with the NodeId of its encoding.
 ///
 /// A body whose type the decoder knew is a C++ object; any other is kept as the bytes it came in
@@ -56,6 +61,12 @@ public:
     enum class Body : std::uint8_t { None, Binary, Xml, Object };
 
     ExtensionObject() = default;
+    /// Holds a copy of `value`, as from() does.
+    template <GeneratedStructure T>
+    explicit ExtensionObject(T value, std::uint16_t namespace_index = 0)
+        : ExtensionObject{from(std::move(value), namespace_index)}
+    {
+    }
     ExtensionObject(const ExtensionObject& other);
     ExtensionObject(ExtensionObject&& other) noexcept;
     ExtensionObject& operator=(const ExtensionObject& other);
