@@ -1,8 +1,12 @@
 #include <busbar/harness/bench.hpp>
 
+#include <array>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
+#include <busbar/harness/identity.hpp>
+#include <busbar/harness/report.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::harness {
@@ -46,6 +50,31 @@ BenchClient& Bench::client(std::string_view name)
     ClientParts parts = client_parts_;
     parts.log = nullptr;
     return add_client(std::string{name}, client_config_, std::move(parts));
+}
+
+BenchClient& Bench::log_in(client::UserIdentity user, channel::SecuritySetting security)
+{
+    static constexpr std::array<const char*, 4> kinds{"anonymous", "", "certificate", "issued"};
+    const auto* const named = std::get_if<client::NamedUser>(&user);
+    const std::string base = named != nullptr ? named->user_name : kinds.at(user.index());
+    std::string name = base;
+    for (int number = 2; further_.contains(name); ++number) {
+        name = base + " " + std::to_string(number);
+    }
+    client::ConnectionConfig config = client_config_;
+    config.identity = std::move(user);
+    config.channel.security = security;
+    ClientParts parts = client_parts_;
+    parts.log = nullptr;
+    if (const auto& identity = server().config().identity) {
+        config.channel.server_certificate = identity->certificates.front(); // also for passwords
+    }
+    if (!security.policy->is_none() && parts.identity == nullptr) {
+        parts.identity = &default_client_identity();
+    }
+    BenchClient& client = add_client(std::move(name), std::move(config), std::move(parts));
+    need(client.connect());
+    return client;
 }
 
 BenchClient& Bench::add_client(std::string name, client::ConnectionConfig config, ClientParts parts)

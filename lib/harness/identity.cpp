@@ -1,6 +1,7 @@
 #include <busbar/harness/identity.hpp>
 
 #include <busbar/crypto/self_signed.hpp>
+#include <busbar/harness/report.hpp>
 
 namespace busbar::harness {
 
@@ -25,6 +26,22 @@ Result<channel::ApplicationIdentity> make_identity(const IdentityOptions& option
         return fail(certificate.error());
     }
     return channel::ApplicationIdentity{{*std::move(certificate)}, *std::move(key)};
+}
+
+const channel::ApplicationIdentity& default_server_identity()
+{
+    static const channel::ApplicationIdentity identity = need(make_identity({}));
+    return identity;
+}
+
+const channel::ApplicationIdentity& default_client_identity()
+{
+    static const channel::ApplicationIdentity identity = [] {
+        IdentityOptions options;
+        options.name = "client";
+        return need(make_identity(options));
+    }();
+    return identity;
 }
 
 } // namespace busbar::harness

@@ -1,3 +1,4 @@
+#include <busbar/harness/identity.hpp>
 #include <busbar/harness/server_host.hpp>
 
 #include <limits>
@@ -118,6 +119,18 @@ server::ServerConfig open_server_config()
     return config;
 }
 
+server::ServerConfig secured_server_config()
+{
+    server::ServerConfig config = open_server_config();
+    config.identity = default_server_identity();
+    const auto secured = server::secure_endpoints();
+    config.endpoints.insert(config.endpoints.end(), secured.begin(), secured.end());
+    for (server::EndpointConfig& endpoint : config.endpoints) {
+        endpoint.allows_anonymous = endpoint.allows_user_name = true;
+    }
+    return config;
+}
+
 void TestUsers::add(std::string name, std::string password, server::UserRights rights)
 {
     users_.insert_or_assign(std::move(name), User{std::move(password), std::move(rights)});
@@ -138,7 +151,7 @@ ServerHost::ServerHost(World& world, server::ServerConfig config, const ServerPa
                        model::AddressSpace address_space)
     : ServerHost{world.scheduler(),
                  world.clock(),
-                 world.new_log(Actor::Server),
+                 parts.log != nullptr ? *parts.log : world.new_log(Actor::Server),
                  world.new_chance(Actor::Server),
                  std::move(config),
                  parts,
@@ -181,8 +194,9 @@ ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& lo
         .wall_clock = &clock,
         .log = &log,
         .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
-        .users = parts.users != nullptr ? parts.users : &anybody_,
+        .users = parts.users != nullptr ? parts.users : &users_,
         .access = parts.access,
+        .roles = parts.roles,
         .waker = this,
         .key_log = parts.key_log,
         .chunk_hook = chunk_hook};

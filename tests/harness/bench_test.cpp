@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <type_traits>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/harness/catch.hpp>
+#include <busbar/harness/identity.hpp>
 #include <busbar/server/memory_source.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -171,6 +173,81 @@ TEST_CASE("a bench whose server cannot be made says why", "[harness]")
     options.server.endpoints = server::secure_endpoints();
     CHECK_THROWS_WITH(Bench{options},
                       Catch::Contains("there is no server") && Catch::Contains("certificate"));
+}
+
+TEST_CASE("a bench logs users in over each kind of channel, with their roles", "[harness]")
+{
+    BenchOptions options;
+    options.server = secured_server_config();
+    BenchFixture bench{options};
+    bench.users().everybody.access_level_mask = 1; // CurrentRead
+    bench.users().add("maria", "secret", {0xFF, {"Operator"}});
+    const NodeId level = need(bench.add_variable("Level", 1.5));
+    model::NodeAccess access;
+    access.restrictions = 2; // EncryptionRequired
+    access.role_permissions = {{NodeId{0, id::WellKnownRole_Operator},
+                                PermissionType{static_cast<std::uint32_t>(PermissionType::Browse) |
+                                               static_cast<std::uint32_t>(PermissionType::Read)}}};
+    model::AddressSpace& space = bench.server().address_space();
+    space.set_node_access(space.find(level), access);
+    const client::NamedUser maria{"maria", "secret"};
+    const auto* const policy = crypto::find_policy_by_name("Basic256Sha256");
+
+    BenchClient& encrypted = bench.log_in(maria, {policy, MessageSecurityMode::SignAndEncrypt});
+    CHECK_THAT(encrypted.read(level), holds(1.5));
+    BenchClient& is_signed = bench.log_in(maria, {policy, MessageSecurityMode::Sign});
+    CHECK_THAT(is_signed.read(level), has_status(status::Bad_SecurityModeInsufficient));
+    CHECK(&encrypted == &bench.client("maria"));
+    CHECK(&is_signed == &bench.client("maria 2"));
+    BenchClient& anybody = bench.log_in({}, {policy, MessageSecurityMode::SignAndEncrypt});
+    CHECK_THAT(anybody.read(level), has_status(status::Bad_NodeIdUnknown));
+    CHECK(&anybody == &bench.client("anonymous"));
+    CHECK(bench.server().session_count() == 3);
+    CHECK_THROWS_WITH(bench.log_in(client::NamedUser{"maria", "wrong"}),
+                      Catch::Contains("Bad_UserAccessDenied"));
+}
+
+TEST_CASE("a server host logs where a test wants it to, and maps roles", "[harness]")
+{
+    /// Gives everybody one more role.
+    struct AllObserve final : server::RoleMapper {
+        [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion&) const override
+        {
+            return {0, {"Observer"}};
+        }
+    } const mapper;
+    LogBook log;
+    BenchOptions options;
+    options.server_parts.log = &log;
+    options.server_parts.roles = &mapper;
+    BenchFixture bench{options};
+    const NodeId level = need(bench.add_variable("Level", 1.5));
+    model::NodeAccess access;
+    access.role_permissions = {{NodeId{0, id::WellKnownRole_Observer}, PermissionType{33}}};
+    model::AddressSpace& space = bench.server().address_space();
+    space.set_node_access(space.find(level), access);
+    CHECK_THAT(bench.read(level), holds(1.5));
+    CHECK(log.contains("activated by"));
+    CHECK_FALSE(bench.world().log().contains("activated by"));
+}
+
+TEST_CASE("an identity is made once", "[harness]")
+{
+    const channel::ApplicationIdentity& server = default_server_identity();
+    CHECK(&server == &default_server_identity());
+    CHECK(server.certificates.front().application_uri() == "urn:busbar:harness:server");
+    CHECK_FALSE(server.certificates.front() == default_client_identity().certificates.front());
+}
+
+TEST_CASE("an ExtensionObject is made of a structure", "[harness]")
+{
+    Range range{1, 2};
+    const ExtensionObject made{range};
+    CHECK(made == ExtensionObject::from(range));
+    CHECK(made.get_if<Range>()->high == 2);
+    CHECK(ExtensionObject{range, 3} == ExtensionObject::from(range, 3));
+    STATIC_REQUIRE_FALSE(std::is_convertible_v<Range, ExtensionObject>); // not by mistake
+    STATIC_REQUIRE_FALSE(std::is_constructible_v<ExtensionObject, int>);
 }
 
 TEST_CASE("a server host says why it has no server", "[harness]")

@@ -30,18 +30,14 @@ public:
 struct Secured {
     explicit Secured(MessageSecurityMode mode, const char* policy)
     {
-        const auto server = need(make_identity({}));
-        IdentityOptions client_options;
-        client_options.name = "client";
-        const auto client = need(make_identity(client_options));
         BenchOptions options;
-        options.server.identity = server;
+        options.server.identity = default_server_identity();
         options.server.endpoints[0].security = {crypto::find_policy_by_name(policy), mode};
         options.client.channel.security = options.server.endpoints[0].security;
-        options.client.channel.server_certificate = server.certificates.front();
+        options.client.channel.server_certificate = default_server_identity().certificates.front();
         // Several chunks for the long text below.
         options.client.channel.limits.receive_buffer_size = channel::min_buffer_size;
-        options.client_parts.identity = &client;
+        options.client_parts.identity = &default_client_identity();
         options.client_parts.key_log = &keys;
         Bench bench{options};
         const auto recorder = std::make_shared<Recorder>(1);

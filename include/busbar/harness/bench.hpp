@@ -37,6 +37,8 @@ public:
     [[nodiscard]] ServerHost& host() { return server_; }
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return first_.host(); }
+    /// The users of the server, unless BenchOptions::server_parts has others.
+    [[nodiscard]] TestUsers& users() { return server_.users(); }
     /// Returns the further client of this name, which is made when it is first asked for: with the
     /// options of the first client, but a log and an address of its own, 192.0.2.2 and following,
     /// for Network::weather_of(). The world's log and trace have its lines under its name. It lives
@@ -47,6 +49,12 @@ public:
     /// this name.
     BenchClient& add_client(std::string name, client::ConnectionConfig config,
                             ClientParts parts = {});
+    /// Makes a further client with the options of the first one for this user and this security,
+    /// and logs it in. It trusts the server's own certificate and has, where it needs one and the
+    /// options have none, default_client_identity(). Its name is that of the user, "anonymous",
+    /// "certificate" or "issued", with a number from the second one on. Throws std::runtime_error
+    /// with the status if the server refuses it.
+    BenchClient& log_in(client::UserIdentity user = {}, channel::SecuritySetting security = {});
 
     /// Creates a data source and adds it to the server. It lives as long as the server needs it,
     /// which a member of a class derived from Bench would not.

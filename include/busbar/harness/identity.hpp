@@ -19,7 +19,7 @@ struct IdentityOptions {
     /// If empty, the name.
     std::vector<std::string> host_names{};
     /// 30 days before the world begins; a validity of a few days makes it an expired certificate.
-    DateTime valid_from{first_day.ticks - 30 * 86'400 * DateTime::ticks_per_second};
+    DateTime valid_from{first_day.ticks - std::int64_t{30} * 86'400 * DateTime::ticks_per_second};
     std::uint32_t valid_days{365};
     std::uint32_t key_bits{2'048};
 };
@@ -29,5 +29,10 @@ struct IdentityOptions {
 /// crypto::create_self_signed.
 [[nodiscard]] BUSBAR_API Result<channel::ApplicationIdentity>
 make_identity(const IdentityOptions& options);
+
+/// Return an identity of the name "server" or "client", which all tests of the process share. It is
+/// made when it is first asked for, from any thread. Throw std::runtime_error if that fails.
+[[nodiscard]] BUSBAR_API const channel::ApplicationIdentity& default_server_identity();
+[[nodiscard]] BUSBAR_API const channel::ApplicationIdentity& default_client_identity();
 
 } // namespace busbar::harness

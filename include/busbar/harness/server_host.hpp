@@ -23,7 +23,7 @@ namespace busbar::harness {
 struct ServerParts {
     /// If null, every certificate is accepted.
     crypto::CertificateValidator* validator{nullptr};
-    /// If null, there are only anonymous users.
+    /// If null, those of ServerHost::users().
     server::UserStore* users{nullptr};
     const server::AccessControl* access{nullptr};
     /// The delay from waking the server until it looks for completions of data sources, as when
@@ -36,11 +36,20 @@ struct ServerParts {
     /// Gets the keys of the server's channels, for Wireshark, in builds with BUSBAR_KEY_LOG. May be
     /// null.
     channel::KeyLog* key_log{nullptr};
+    /// If null, users have only the roles that the UserStore gives them.
+    const server::RoleMapper* roles{nullptr};
+    /// If null, the world's log.
+    LogSink* log{nullptr};
 };
 
 /// Returns a configuration with one endpoint without security, on which every user has all rights:
 /// for tests of something else.
 [[nodiscard]] BUSBAR_API server::ServerConfig open_server_config();
+
+/// Returns the same configuration with the certificate of default_server_identity() and three
+/// endpoints, for anonymous users and for those with a name: without security, and Basic256Sha256
+/// with Sign and with SignAndEncrypt.
+[[nodiscard]] BUSBAR_API server::ServerConfig secured_server_config();
 
 /// Users of a test, with passwords that are not hashed, since hashing would take most of a test's
 /// time. Anonymous users have all rights.
@@ -86,6 +95,8 @@ public:
         touched_.raise();
         return *server_;
     }
+    /// The users of a server that was given no UserStore; others have no effect.
+    [[nodiscard]] TestUsers& users() { return users_; }
     /// Adds `source`, which may end before the host, to the server; returns its index.
     std::uint32_t add_source(server::DataSource& source) { return server().add_source(source); }
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
@@ -111,7 +122,7 @@ private:
     ServerParts parts_;
     SeededRandom random_;
     crypto::InsecureAcceptAnyCertificate accept_any_;
-    TestUsers anybody_;
+    TestUsers users_;
     std::vector<std::uint64_t> ended_;
     Alarm deadline_;
     Alarm completions_;
