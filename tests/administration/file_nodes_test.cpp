@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/harness/bench.hpp>
+#include <busbar/harness/report.hpp>
 #include <busbar/server/running_server.hpp>
 
 #include "administration/file_nodes.hpp"
@@ -405,52 +407,40 @@ namespace {
 struct ProgramFiles : FilesFixture {
     ProgramFiles()
     {
-        REQUIRE(more.attach(other));
+        REQUIRE(more.attach(other.server()));
         REQUIRE(file_storage.make_folder("", FileAccess::Owner));
         for (const char* name : {"a", "b"}) {
             REQUIRE(
                 file_storage.replace(name, std::as_bytes(std::span{"text", 4}), FileAccess::Owner));
         }
         more.refresh_files();
-        complete_other();
     }
-    void complete_other()
+    [[nodiscard]] harness::BenchOptions options()
     {
-        while (std::exchange(waker.is_awake, false)) {
-            other.handle_completions(now);
-        }
+        harness::BenchOptions options;
+        options.server = harness::secured_server_config();
+        options.server_parts.users = &passwords;
+        options.server_parts.roles = &roles;
+        return options;
     }
     std::string_view ask(const char* user, const std::string& path, const char* method,
-                         std::vector<Variant> inputs)
+                         const std::vector<Variant>& inputs)
     {
-        TestClient client = connect_to(other);
-        REQUIRE(client.create_session());
-        REQUIRE(client.activate(client.user(user, std::string_view{user} == "admin"
-                                                      ? "admin-secret!"
-                                                      : "patience is all")) == status::Good);
-        CallMethodRequest call;
-        call.object_id = node(path);
-        call.method_id = path.empty() ? folder_method(method) : file_method(method);
-        call.input_arguments = Array<Variant>{inputs};
-        CallRequest request;
-        request.methods_to_call = {call};
-        const auto response = client.call<CallResponse>(request);
-        REQUIRE(response);
-        return name(response->results[0].status_code);
+        const bool is_admin = std::string_view{user} == "admin";
+        harness::BenchClient& client =
+            other.log_in(client::NamedUser{user, is_admin ? "admin-secret!" : "patience is all"},
+                         setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
+        const auto result =
+            client.call(node(path), path.empty() ? folder_method(method) : file_method(method),
+                        Array<Variant>{inputs});
+        client.host().close();
+        return name(harness::need(result).status_code);
     }
 
     /// The file that the program is writing.
     std::string current;
-    server::Server other{
-        server::Server::create(ServerFixture::secure_config(), {.random = &random,
-                                                                .wall_clock = &wall_clock,
-                                                                .log = &log,
-                                                                .validator = &validator,
-                                                                .users = &passwords,
-                                                                .roles = &roles,
-                                                                .waker = &waker})
-            .value()};
-    administration::Administration more{{.wall_clock = &wall_clock,
+    harness::World world;
+    administration::Administration more{{.wall_clock = &world.clock(),
                                          .log = &log,
                                          .roles = &roles,
                                          .file_systems = {[this] {
@@ -465,6 +455,7 @@ struct ProgramFiles : FilesFixture {
                                              };
                                              return written;
                                          }()}}};
+    harness::Bench other{world, options()};
 };
 
 } // namespace
@@ -502,7 +493,6 @@ TEST_CASE_METHOD(ProgramFiles,
     const auto begin = [&](const char* user) { return ask(user, "", "BeginNewFile", {}); };
     REQUIRE(file_storage.make_folder("folder", FileAccess::Owner));
     more.refresh_files();
-    complete_other();
     current = "a";
     for (const char* user : {"admin", "op", "looker", "eng"}) {
         for (const char* kept : {"a", "folder"}) {

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/harness/bench.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/server/user_directory.hpp>
 
@@ -15,11 +16,12 @@ namespace restricted_roles_test {
 
 using namespace busbar;
 using namespace busbar::test;
+using harness::BenchClient;
 
 namespace {
 
 constexpr const char* role = "SecurityAdmin";
-constexpr const char* own_uri = "urn:busbar:test:client";
+constexpr const char* own_uri = "urn:busbar:harness:client";
 
 /// A server for users of all kinds, whose roles are managed.
 struct AllKinds : ManagedFixture {
@@ -36,76 +38,61 @@ struct AllKinds : ManagedFixture {
         directory.accept_tokens(std::move(tokens));
         REQUIRE(user_certificates.add(crypto::StoreList::Trusted,
                                       user_certificate().certificate.der()));
-        REQUIRE(managed.attach(open_server));
+        REQUIRE(managed.attach(bench.server()));
     }
-    static server::ServerConfig config()
+    [[nodiscard]] harness::BenchOptions options()
     {
-        server::ServerConfig config = ServerFixture::secure_config();
-        for (server::EndpointConfig& endpoint : config.endpoints) {
-            endpoint.allows_certificate = true;
-            endpoint.allows_issued = true;
+        harness::BenchOptions options;
+        options.server = harness::secured_server_config();
+        options.server.application_uri = "urn:busbar:test:server"; // as tokens have it
+        options.server.identity = server_identity();
+        for (server::EndpointConfig& endpoint : options.server.endpoints) {
+            endpoint.allows_certificate = endpoint.allows_issued = true;
         }
-        config.issuer.authority_url = "https://issuer";
-        return config;
+        options.server.issuer.authority_url = "https://issuer";
+        options.server_parts.users = &directory;
+        options.server_parts.roles = &roles;
+        return options;
     }
     /// Whether the session has the role, which alone may read this.
-    [[nodiscard]] static bool administrates(TestClient& client)
+    [[nodiscard]] static bool administrates(BenchClient& client)
     {
         constexpr std::uint32_t identities_of_observer = 16214;
-        return read(client, identities_of_observer).status.is_good();
+        return client.read(NodeId{0, identities_of_observer}).status.is_good();
     }
-    [[nodiscard]] TestClient visit()
+    [[nodiscard]] BenchClient& with_password()
     {
-        TestClient client = connect_to(open_server);
-        REQUIRE(client.create_session());
-        return client;
+        return bench.log_in(client::NamedUser{"admin", "admin-secret!"}, encrypt);
     }
-    [[nodiscard]] TestClient with_password()
+    [[nodiscard]] BenchClient& with_certificate()
     {
-        TestClient client = visit();
-        REQUIRE(client.activate(client.user("admin", "admin-secret!")) == status::Good);
-        return client;
+        const auto key = std::make_shared<crypto::PrivateKey>(user_certificate().key);
+        return bench.log_in(client::CertificateUser{user_certificate().certificate, key}, encrypt);
     }
-    [[nodiscard]] TestClient with_certificate()
+    [[nodiscard]] BenchClient& with_token()
     {
-        TestClient client = visit();
-        REQUIRE(UserFixture::activate(client, certificate_token(), user_signature(client)) ==
-                status::Good);
-        return client;
+        return bench.log_in(client::IssuedUser{jwt(R"(,"roles":["SecurityAdmin"])")}, encrypt);
     }
-    [[nodiscard]] TestClient with_token()
-    {
-        TestClient client = visit();
-        const std::string token = jwt(R"(,"roles":["SecurityAdmin"])");
-        REQUIRE(UserFixture::activate(client, issued_token(client, token)) == status::Good);
-        return client;
-    }
-    void changed() { server::RunningServer{open_server}.roles_changed(); }
+    void changed() { server::RunningServer{bench.server()}.roles_changed(); }
 
     crypto::StoreValidator user_validator{user_certificates, log};
     server::UserDirectory directory;
     administration::UserList listed{storage, "users.json", {}, directory.passwords()};
-    administration::Administration managed{{.wall_clock = &wall_clock,
+    harness::World world;
+    administration::Administration managed{{.wall_clock = &world.clock(),
                                             .log = &log,
                                             .roles = &roles,
                                             .users = &listed,
                                             .certificates = &certificates,
                                             .random = &random}};
-    server::Server open_server{server::Server::create(config(), {.random = &random,
-                                                                 .wall_clock = &wall_clock,
-                                                                 .log = &log,
-                                                                 .validator = &validator,
-                                                                 .users = &directory,
-                                                                 .roles = &roles,
-                                                                 .waker = &waker})
-                                   .value()};
+    harness::Bench bench{world, options()};
 };
 
 /// A way to the role.
 struct Way {
     const char* name;
     std::function<void(AllKinds&)> prepare;
-    std::function<TestClient(AllKinds&)> log_in;
+    std::function<BenchClient&(AllKinds&)> log_in;
 };
 
 const std::vector<Way>& ways()
@@ -190,12 +177,12 @@ TEST_CASE("restricted roles: lists of applications and endpoints bind users of e
             INFO(way.name << ", " << restriction.name);
             AllKinds world;
             way.prepare(world);
-            auto before = way.log_in(world);
+            BenchClient& before = way.log_in(world);
             CHECK(AllKinds::administrates(before));
             restriction.exclude(world.roles);
             world.changed();
             CHECK_FALSE(AllKinds::administrates(before)); // sessions that exist
-            auto after = way.log_in(world);
+            BenchClient& after = way.log_in(world);
             CHECK_FALSE(AllKinds::administrates(after));
             restriction.include(world.roles);
             world.changed();
@@ -208,16 +195,17 @@ TEST_CASE("restricted roles: lists of applications and endpoints bind users of e
 TEST_CASE("restricted roles: a role that a token claims gives nothing by itself", "[attack]")
 {
     AllKinds world;
-    auto maria = world.with_token();
+    BenchClient& maria = world.with_token();
     CHECK_FALSE(AllKinds::administrates(maria));
     const auto added =
-        world.call(maria, NodeId{0, id::UserManagement}, NodeId{0, id::UserManagement_AddUser},
+        maria.call(NodeId{0, id::UserManagement}, NodeId{0, id::UserManagement_AddUser},
                    {Variant{String{"eve"}}, Variant{String{"patience is all"}},
                     Variant{std::uint32_t{0}}, Variant{String{}}});
-    CHECK(added.status_code.is_bad());
+    REQUIRE(added);
+    CHECK(added->status_code.is_bad());
     CHECK_FALSE(world.listed.find("eve"));
     world.directory.set_role_access("Operator", 0xFF); // which is another role
-    auto again = world.with_token();
+    BenchClient& again = world.with_token();
     CHECK_FALSE(AllKinds::administrates(again));
     REQUIRE(world.roles.add_identity(role, {IdentityCriteriaType::Role, "SecurityAdmin"}));
     world.changed();

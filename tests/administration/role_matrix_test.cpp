@@ -4,15 +4,12 @@
 #include <functional>
 #include <utility>
 
+#include <busbar/harness/bench.hpp>
 #include <busbar/server/method_table.hpp>
-#include <busbar/types/attribute.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/filter.hpp>
 #include <busbar/types/ids.hpp>
-#include <busbar/types/method.hpp>
-#include <busbar/types/monitored_item.hpp>
 #include <busbar/types/node_management.hpp>
-#include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
 #include "support/server_fixture.hpp"
@@ -24,6 +21,7 @@ namespace role_matrix_test {
 
 using namespace busbar;
 using namespace busbar::test;
+using harness::BenchClient;
 
 namespace {
 
@@ -47,17 +45,6 @@ constexpr std::uint32_t bit(PermissionType type)
 }
 constexpr std::uint32_t browse = bit(PermissionType::Browse);
 constexpr std::uint32_t bits = 17;
-
-/// Users with the roles that a test gives them.
-struct RoleUsers final : server::UserStore {
-    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
-                                                      std::string_view) override
-    {
-        return server::UserIdentity{
-            UserTokenType::UserName, std::string{name}, 0xFF, {std::string{name}}};
-    }
-    [[nodiscard]] server::UserIdentity anonymous() const override { return {}; }
-};
 
 /// What permissions are asked for is up to them alone.
 struct AllowAll final : server::AccessControl {
@@ -89,17 +76,25 @@ struct AllowAll final : server::AccessControl {
     }
 };
 
-server::ServerConfig managed_config()
-{
-    server::ServerConfig config = ServerFixture::secure_config();
-    config.has_node_management = true;
-    return config;
-}
-
-struct Matrix {
-    Matrix()
+/// What outlives the server.
+struct Parts {
+    [[nodiscard]] harness::BenchOptions options() const
     {
-        auto& space = server.address_space();
+        harness::BenchOptions options;
+        options.server = harness::secured_server_config();
+        options.server.has_node_management = true;
+        options.server_parts.access = &everything;
+        return options;
+    }
+
+    server::MethodTable methods;
+    AllowAll everything;
+};
+
+struct Matrix : Parts, harness::Bench {
+    Matrix() : Bench{options()}
+    {
+        auto& space = server().address_space();
         model::NewObject object;
         object.event_notifier = 1;
         area = space.add_object(named("Area"), object).value();
@@ -110,7 +105,7 @@ struct Matrix {
         variable.value = std::int32_t{7};
         value = space.add_variable(named("Value"), variable).value();
         model::NewMethod method;
-        method.source = server.add_source(methods);
+        method.source = server().add_source(methods);
         method.handle = methods.add([](server::MethodCall call) { call.succeed(); });
         go = space.add_method(named("Go"), method).value();
     }
@@ -119,7 +114,7 @@ struct Matrix {
         model::NewNode node;
         node.id = NodeId{1, name};
         node.browse_name = QualifiedName{1, name};
-        node.parent = server.address_space().find(id::ObjectsFolder);
+        node.parent = server().address_space().find(id::ObjectsFolder);
         return node;
     }
     /// The role has these permissions, and every other one all.
@@ -139,13 +134,13 @@ struct Matrix {
     void give()
     {
         for (const model::NodeIndex node : {value, go, area, doomed}) {
-            server.address_space().set_node_access(node, given);
+            server().address_space().set_node_access(node, given);
         }
     }
     /// As it was before a client managed nodes.
     void restore()
     {
-        auto& space = server.address_space();
+        auto& space = server().address_space();
         static_cast<void>(space.remove(space.find(NodeId{1, "New"})));
         static_cast<void>(space.remove_reference(area, NodeId{0, id::Organizes}, value));
         static_cast<void>(space.remove_reference(area, NodeId{0, id::Organizes}, go));
@@ -155,36 +150,14 @@ struct Matrix {
         }
         give();
     }
-    [[nodiscard]] TestClient log_in(const Role& role)
+    /// A client of a user who has the role.
+    [[nodiscard]] BenchClient& log_in(const Role& role)
     {
-        TestClient client{server.connect("192.0.2.1", now).value(),
-                          setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt),
-                          channel::ChannelEnvironment{.random = &random,
-                                                      .wall_clock = &wall_clock,
-                                                      .log = &log,
-                                                      .validator = &validator,
-                                                      .identity = &client_identity()},
-                          now};
-        REQUIRE(client.create_session());
-        REQUIRE(client.activate(client.user(role.name, "x")) == status::Good);
-        return client;
+        users().add(role.name, "x", {0xFF, {role.name}});
+        return Bench::log_in(client::NamedUser{role.name, "x"},
+                             setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
     }
 
-    server::MethodTable methods;
-    SeededRandom random;
-    FixedWallClock wall_clock;
-    LogBook log;
-    crypto::InsecureAcceptAnyCertificate validator;
-    RoleUsers users;
-    AllowAll everything;
-    TimePoint now{};
-    server::Server server{server::Server::create(managed_config(), {.random = &random,
-                                                                    .wall_clock = &wall_clock,
-                                                                    .log = &log,
-                                                                    .validator = &validator,
-                                                                    .users = &users,
-                                                                    .access = &everything})
-                              .value()};
     model::NodeAccess given;
     model::NodeIndex area{};
     model::NodeIndex doomed{};
@@ -192,17 +165,12 @@ struct Matrix {
     model::NodeIndex go{};
 };
 
-StatusCode read(TestClient& client, AttributeId attribute)
+StatusCode read(BenchClient& client, AttributeId attribute)
 {
-    ReadRequest request;
-    request.nodes_to_read.resize(1);
-    request.nodes_to_read[0].node_id = NodeId{1, "Value"};
-    request.nodes_to_read[0].attribute_id = static_cast<std::uint32_t>(attribute);
-    const auto response = client.call<ReadResponse>(request);
-    return response ? response->results[0].status : response.error();
+    return client.read(NodeId{1, "Value"}, attribute).status;
 }
 
-StatusCode write(TestClient& client, AttributeId attribute, Variant value)
+StatusCode write(BenchClient& client, AttributeId attribute, Variant value)
 {
     WriteRequest request;
     request.nodes_to_write.resize(1);
@@ -213,17 +181,13 @@ StatusCode write(TestClient& client, AttributeId attribute, Variant value)
     return response ? response->results[0] : response.error();
 }
 
-StatusCode call(TestClient& client)
+StatusCode call(BenchClient& client)
 {
-    CallRequest request;
-    request.methods_to_call.resize(1);
-    request.methods_to_call[0].object_id = NodeId{0, id::ObjectsFolder};
-    request.methods_to_call[0].method_id = NodeId{1, "Go"};
-    const auto response = client.call<CallResponse>(request);
-    return response ? response->results[0].status_code : response.error();
+    const auto result = client.call(NodeId{0, id::ObjectsFolder}, NodeId{1, "Go"});
+    return result ? result->status_code : result.error();
 }
 
-StatusCode browse_node(TestClient& client)
+StatusCode browse_node(BenchClient& client)
 {
     BrowseRequest request;
     request.nodes_to_browse.resize(1);
@@ -232,7 +196,7 @@ StatusCode browse_node(TestClient& client)
     return response ? response->results[0].status_code : response.error();
 }
 
-StatusCode add_node(TestClient& client)
+StatusCode add_node(BenchClient& client)
 {
     AddNodesRequest request;
     AddNodesItem& item = request.nodes_to_add.emplace_back();
@@ -246,7 +210,7 @@ StatusCode add_node(TestClient& client)
     return response ? response->results[0].status_code : response.error();
 }
 
-StatusCode delete_node(TestClient& client)
+StatusCode delete_node(BenchClient& client)
 {
     DeleteNodesRequest request;
     request.nodes_to_delete = {{NodeId{1, "Doomed"}, true}};
@@ -254,7 +218,7 @@ StatusCode delete_node(TestClient& client)
     return response ? response->results[0] : response.error();
 }
 
-StatusCode add_reference(TestClient& client)
+StatusCode add_reference(BenchClient& client)
 {
     AddReferencesRequest request;
     AddReferencesItem& item = request.references_to_add.emplace_back();
@@ -267,7 +231,7 @@ StatusCode add_reference(TestClient& client)
     return response ? response->results[0] : response.error();
 }
 
-StatusCode delete_reference(TestClient& client)
+StatusCode delete_reference(BenchClient& client)
 {
     DeleteReferencesRequest request;
     DeleteReferencesItem& item = request.references_to_delete.emplace_back();
@@ -281,7 +245,7 @@ StatusCode delete_reference(TestClient& client)
 }
 
 /// An item for events of the area, in a Subscription of its own.
-StatusCode subscribe_to_events(TestClient& client)
+StatusCode subscribe_to_events(BenchClient& client)
 {
     CreateSubscriptionRequest subscription;
     subscription.requested_publishing_interval = 1'000;
@@ -315,7 +279,7 @@ struct Service {
     const char* name;
     std::uint32_t needs;
     StatusCode refused;
-    std::function<StatusCode(TestClient&)> use;
+    std::function<StatusCode(BenchClient&)> use;
     /// Whatever their bits are but Browse (Part 3, 5.2.9).
     bool administrators_may{false};
     /// What it answers where Browse is missing.
@@ -327,22 +291,22 @@ const std::vector<Service>& services()
     static const std::vector<Service> all{
         {"Browse", 0, status::Bad_NodeIdUnknown, browse_node},
         {"Read of the Value", bit(PermissionType::Read), status::Bad_UserAccessDenied,
-         [](TestClient& client) { return read(client, AttributeId::Value); }},
+         [](BenchClient& client) { return read(client, AttributeId::Value); }},
         {"Read of RolePermissions", bit(PermissionType::ReadRolePermissions),
          status::Bad_UserAccessDenied,
-         [](TestClient& client) { return read(client, AttributeId::RolePermissions); }, true},
+         [](BenchClient& client) { return read(client, AttributeId::RolePermissions); }, true},
         {"Read of the BrowseName", 0, status::Bad_NodeIdUnknown,
-         [](TestClient& client) { return read(client, AttributeId::BrowseName); }},
+         [](BenchClient& client) { return read(client, AttributeId::BrowseName); }},
         {"Write", bit(PermissionType::Write), status::Bad_UserAccessDenied,
-         [](TestClient& client) { return write(client, AttributeId::Value, Variant{8}); }},
+         [](BenchClient& client) { return write(client, AttributeId::Value, Variant{8}); }},
         {"Write of the Description", bit(PermissionType::WriteAttribute),
          status::Bad_UserAccessDenied,
-         [](TestClient& client) {
+         [](BenchClient& client) {
              return write(client, AttributeId::Description, Variant{LocalizedText{"a level"}});
          }},
         {"Write of RolePermissions", bit(PermissionType::WriteRolePermissions),
          status::Bad_UserAccessDenied,
-         [](TestClient& client) {
+         [](BenchClient& client) {
              const auto nobody = ExtensionObject::from(RolePermissionType{});
              return write(client, AttributeId::RolePermissions,
                           Variant{Array<ExtensionObject>{nobody}});
@@ -369,7 +333,7 @@ TEST_CASE("role matrix: a role may what its permissions say, by every bit and se
     Matrix matrix;
     std::size_t cells = 0;
     for (const Role& role : roles) {
-        auto client = matrix.log_in(role);
+        BenchClient& client = matrix.log_in(role);
         for (std::uint32_t number = 0; number < bits; ++number) {
             const std::uint32_t permission = 1U << number;
             matrix.permit(role, browse | permission);

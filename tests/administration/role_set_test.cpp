@@ -3,18 +3,17 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/administration/role_set_nodes/nodes.hpp>
+#include <busbar/harness/catch.hpp>
 #include <busbar/storage/memory_storage.hpp>
-#include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
-#include <busbar/types/method.hpp>
-#include <busbar/types/view.hpp>
 
-#include "managed_fixture.hpp"
+#include "support/server_fixture.hpp"
 
 namespace role_set_test {
 
 using namespace busbar;
 using namespace busbar::test;
+using harness::BenchClient;
 
 namespace {
 
@@ -29,104 +28,57 @@ IdentityMappingRuleType user_rule(const char* name)
     return {IdentityCriteriaType::UserName, String{name}};
 }
 
-struct Fixture {
-    Fixture()
+/// What outlives the server.
+struct Parts {
+    Parts() { REQUIRE(roles.load()); }
+    [[nodiscard]] harness::BenchOptions options()
     {
-        REQUIRE(roles.load());
-        REQUIRE(administration.attach(server));
+        harness::BenchOptions options;
+        options.server = harness::secured_server_config();
+        options.server_parts.roles = &roles;
+        options.server_parts.log = &log;
+        return options;
     }
 
-    [[nodiscard]] TestClient log_in(const char* name,
-                                    MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt)
+    harness::World virtual_world;
+    LogBook log;
+    storage::MemoryStorage storage;
+    administration::RoleList roles{storage, "roles.json"};
+    int changes{0};
+    administration::Administration administration{
+        {.wall_clock = &virtual_world.clock(), .log = &log, .roles = &roles, .changed = [this] {
+             ++changes;
+         }}};
+};
+
+/// A server whose roles are managed.
+struct Fixture : Parts, harness::Bench {
+    Fixture() : Bench{virtual_world, options()}
     {
-        TestClient client{server.connect("192.0.2.1", now).value(), setting("Basic256Sha256", mode),
-                          channel::ChannelEnvironment{.random = &random,
-                                                      .wall_clock = &wall_clock,
-                                                      .log = &log,
-                                                      .validator = &validator,
-                                                      .identity = &client_identity()},
-                          now};
-        REQUIRE(client.create_session());
-        REQUIRE(client.activate(client.user(name, std::string{name} + "-secret")) == status::Good);
-        return client;
+        users().add("admin", "secret", {0xFF, {"ConfigureAdmin", "SecurityAdmin"}});
+        users().add("pat", "secret");
+        REQUIRE(administration.attach(server()));
     }
-    CallMethodResult call(TestClient& client, const NodeId& object, const NodeId& method,
-                          std::vector<Variant> inputs)
+    [[nodiscard]] BenchClient&
+    log_in(const char* name, MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt)
     {
-        CallRequest request;
-        request.methods_to_call.resize(1);
-        request.methods_to_call[0].object_id = object;
-        request.methods_to_call[0].method_id = method;
-        request.methods_to_call[0].input_arguments = Array<Variant>{inputs};
-        const auto sent = client.send(request);
-        complete();
-        const auto response = client.take<CallResponse>(sent);
-        REQUIRE(response);
-        return response->results[0];
+        return Bench::log_in(client::NamedUser{name, "secret"}, setting("Basic256Sha256", mode));
     }
-    std::string_view call_operator(TestClient& client, std::uint32_t method, Variant input)
+    static CallMethodResult call(BenchClient& client, const NodeId& object, const NodeId& method,
+                                 Array<Variant> inputs)
+    {
+        return harness::need(client.call(object, method, std::move(inputs)));
+    }
+    static std::string_view call_operator(BenchClient& client, std::uint32_t method, Variant input)
     {
         return name(call(client, NodeId{0, id::WellKnownRole_Operator}, NodeId{0, method},
                          {std::move(input)})
                         .status_code);
     }
-    static DataValue read(TestClient& client, const NodeId& node)
-    {
-        ReadRequest request;
-        request.nodes_to_read.resize(1);
-        request.nodes_to_read[0].node_id = node;
-        request.nodes_to_read[0].attribute_id = 13;
-        const auto response = client.call<ReadResponse>(request);
-        REQUIRE(response);
-        return response->results[0];
-    }
-    StatusCode write(TestClient& client, const NodeId& node, Variant value)
-    {
-        WriteRequest request;
-        request.nodes_to_write.resize(1);
-        request.nodes_to_write[0].node_id = node;
-        request.nodes_to_write[0].attribute_id = 13;
-        request.nodes_to_write[0].value.value = std::move(value);
-        const auto response = client.call<WriteResponse>(request);
-        REQUIRE(response);
-        complete();
-        return response->results[0];
-    }
-    /// What Methods left for the server's thread.
-    void complete()
-    {
-        while (std::exchange(waker.is_awake, false)) {
-            server.handle_completions(now);
-        }
-    }
     static Variant structure(const IdentityMappingRuleType& rule)
     {
-        return Variant{ExtensionObject::from(IdentityMappingRuleType{rule})};
+        return Variant{ExtensionObject{rule}};
     }
-
-    SeededRandom random;
-    FixedWallClock wall_clock;
-    LogBook log;
-    crypto::InsecureAcceptAnyCertificate validator;
-    PlainUsers users;
-    storage::MemoryStorage storage;
-    administration::RoleList roles{storage, "roles.json"};
-    int changes{0};
-    administration::Administration administration{
-        {.wall_clock = &wall_clock, .log = &log, .roles = &roles, .changed = [this] {
-             ++changes;
-         }}};
-    NoteWaker waker;
-    TimePoint now{};
-    server::Server server{
-        server::Server::create(ServerFixture::insecure_config(), {.random = &random,
-                                                                  .wall_clock = &wall_clock,
-                                                                  .log = &log,
-                                                                  .validator = &validator,
-                                                                  .users = &users,
-                                                                  .roles = &roles,
-                                                                  .waker = &waker})
-            .value()};
 };
 
 } // namespace
@@ -134,14 +86,14 @@ struct Fixture {
 TEST_CASE_METHOD(Fixture, "role set: a rule gives a role at once, and is told",
                  "[unit:Security Role Server IdentityManagement]")
 {
-    auto admin = log_in("admin"); // SecurityAdmin
-    auto pat = log_in("pat");
+    auto& admin = log_in("admin"); // SecurityAdmin
+    auto& pat = log_in("pat");
     log.keeps_records = true;
     CHECK(call_operator(admin, add_identity, structure(user_rule("pat"))) == "Good");
     REQUIRE(log.records.size() >= 1);
-    CHECK(log.records[0] == "RolesChanged Good /admin 192.0.2.1 ObjectId MethodId");
-    CHECK(log.text.find("RolesChanged by user \"admin\" from 192.0.2.1") != std::string::npos);
-    const DataValue listed = read(admin, NodeId{0, identities});
+    CHECK(log.records[0] == "RolesChanged Good /admin 192.0.2.2 ObjectId MethodId");
+    CHECK(log.text.find("RolesChanged by user \"admin\" from 192.0.2.2") != std::string::npos);
+    const DataValue listed = admin.read(NodeId{0, identities});
     const auto* const objects = listed.value.array_if<ExtensionObject>();
     REQUIRE(objects != nullptr);
     REQUIRE(objects->size() == 1);
@@ -149,22 +101,22 @@ TEST_CASE_METHOD(Fixture, "role set: a rule gives a role at once, and is told",
     CHECK(roles.find("Operator")->identities.size() == 1);
     // Of a session that was there before.
     REQUIRE(roles.add_identity("SecurityAdmin", user_rule("pat")));
-    CHECK(read(pat, NodeId{0, identities}).status != status::Good);
+    CHECK(pat.read(NodeId{0, identities}).status != status::Good);
     CHECK(call_operator(admin, remove_identity, structure(user_rule("pat"))) == "Good");
-    CHECK(read(pat, NodeId{0, identities}).status == status::Good);
+    CHECK(pat.read(NodeId{0, identities}).status == status::Good);
     CHECK(call_operator(admin, remove_identity, structure(user_rule("pat"))) == "Bad_NotFound");
     CHECK(log.text.find("has no such rule") != std::string::npos);
 }
 
 TEST_CASE_METHOD(Fixture, "role set: for SecurityAdmin over an encrypted channel only")
 {
-    auto pat = log_in("pat");
+    auto& pat = log_in("pat");
     CHECK(call_operator(pat, add_identity, structure(user_rule("pat"))) != "Good");
-    CHECK(read(pat, NodeId{0, identities}).status != status::Good);
-    auto weak = log_in("admin", MessageSecurityMode::Sign);
+    CHECK(pat.read(NodeId{0, identities}).status != status::Good);
+    auto& weak = log_in("admin", MessageSecurityMode::Sign);
     CHECK(call_operator(weak, add_identity, structure(user_rule("pat"))) ==
           "Bad_SecurityModeInsufficient");
-    CHECK(read(weak, NodeId{0, identities}).status == status::Bad_SecurityModeInsufficient);
+    CHECK(weak.read(NodeId{0, identities}).status == status::Bad_SecurityModeInsufficient);
     CHECK(roles.find("Operator")->identities.empty());
     const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
     CHECK(name(call(weak, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
@@ -173,11 +125,12 @@ TEST_CASE_METHOD(Fixture, "role set: for SecurityAdmin over an encrypted channel
     CHECK(name(call(weak, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_RemoveRole},
                     {Variant{NodeId{0, id::WellKnownRole_Operator}}})
                    .status_code) == "Bad_SecurityModeInsufficient");
-    CHECK(read(weak, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole_InputArguments})
-              .status == status::Bad_SecurityModeInsufficient);
+    CHECK(
+        weak.read(NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole_InputArguments}).status ==
+        status::Bad_SecurityModeInsufficient);
     CHECK(roles.find("Fitter") == nullptr);
-    auto admin = log_in("admin");
-    CHECK(read(admin, NodeId{0, identities}).status == status::Good);
+    auto& admin = log_in("admin");
+    CHECK(admin.read(NodeId{0, identities}).status == status::Good);
     CHECK(call_operator(admin, add_identity, Variant{7}) == "Bad_InvalidArgument");
 }
 
@@ -187,30 +140,29 @@ TEST_CASE_METHOD(Fixture, "role set: applications, and who is excluded",
                  "[unit:Security Role Server Restrict Endpoints]"
                  "[unit:Security Role Server Restrict Applications]")
 {
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Good");
     CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Bad_AlreadyExists");
-    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{true});
+    CHECK(admin.read(NodeId{0, applications_exclude}).value == Variant{true});
     const int before = changes;
-    CHECK(write(admin, NodeId{0, applications_exclude}, Variant{false}) == status::Good);
+    CHECK(admin.write(NodeId{0, applications_exclude}, Variant{false}) == status::Good);
     CHECK(changes > before);
-    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{false});
+    CHECK(admin.read(NodeId{0, applications_exclude}).value == Variant{false});
     CHECK_FALSE(roles.find("Operator")->applications_exclude);
     constexpr std::uint32_t add_endpoint = 16232;
     constexpr std::uint32_t endpoints = 16227;
     EndpointType endpoint;
     endpoint.security_mode = MessageSecurityMode::Sign;
-    CHECK(call_operator(admin, add_endpoint,
-                        Variant{ExtensionObject::from(EndpointType{endpoint})}) == "Good");
-    CHECK(read(admin, NodeId{0, endpoints}).value.array_if<ExtensionObject>()->size() == 1);
-    CHECK(write(admin, NodeId{0, identities}, Variant{Array<ExtensionObject>{}}) ==
+    CHECK(call_operator(admin, add_endpoint, Variant{ExtensionObject{endpoint}}) == "Good");
+    CHECK(admin.read(NodeId{0, endpoints}).value.array_if<ExtensionObject>()->size() == 1);
+    CHECK(admin.write(NodeId{0, identities}, Variant{Array<ExtensionObject>{}}) ==
           status::Bad_NotWritable);
 }
 
 TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
                  "[unit:Security Role Server Management]")
 {
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
     const NodeId add{0, id::Server_ServerCapabilities_RoleSet_AddRole};
     const NodeId remove{0, id::Server_ServerCapabilities_RoleSet_RemoveRole};
@@ -221,13 +173,13 @@ TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
     const NodeId add_rule{1, "RoleSet//Fitter/AddIdentity"};
     CHECK(name(call(admin, role, add_rule, {structure(user_rule("pat"))}).status_code) == "Good");
     CHECK(roles.find("Fitter")->identities.size() == 1);
-    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"})
+    CHECK(admin.read(NodeId{1, "RoleSet//Fitter/Identities"})
               .value.array_if<ExtensionObject>()
               ->size() == 1);
-    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/EndpointsExclude"}).value == Variant{true});
-    auto pat = log_in("pat");
+    CHECK(admin.read(NodeId{1, "RoleSet//Fitter/EndpointsExclude"}).value == Variant{true});
+    auto& pat = log_in("pat");
     CHECK(call(pat, role, add_rule, {structure(user_rule("sam"))}).status_code.is_bad());
-    CHECK(read(pat, NodeId{1, "RoleSet//Fitter/Identities"}).status.is_bad());
+    CHECK(pat.read(NodeId{1, "RoleSet//Fitter/Identities"}).status.is_bad());
 
     CHECK(call(admin, set, add, {Variant{String{"Fitter"}}, Variant{String{}}}).status_code ==
           status::Bad_AlreadyExists);
@@ -243,13 +195,13 @@ TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
     }
     CHECK(log.text.find("is not a role of this server") != std::string::npos);
     CHECK(call(admin, set, remove, {Variant{role}}).status_code == status::Good);
-    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
+    CHECK(admin.read(NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
     CHECK(roles.find("Fitter") == nullptr);
 }
 
 TEST_CASE_METHOD(Fixture, "role set: whatever is added has something behind it")
 {
-    const auto& space = server.address_space();
+    const auto& space = server().address_space();
     std::size_t count = 0;
     for (const model::StaticNode& each : administration::role_set_nodes::nodes().nodes) {
         const model::NodeIndex node = space.find(NodeId{0, each.id.value});
@@ -271,7 +223,7 @@ TEST_CASE_METHOD(Fixture, "role set: whatever is added has something behind it")
 
 TEST_CASE_METHOD(Fixture, "role set: a medium that fails changes nothing")
 {
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     storage.set_protected(true);
     CHECK(call_operator(admin, add_identity, structure(user_rule("pat"))) ==
           "Bad_ResourceUnavailable");
@@ -280,39 +232,26 @@ TEST_CASE_METHOD(Fixture, "role set: a medium that fails changes nothing")
     CHECK(call(admin, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
                {Variant{String{"Fitter"}}, Variant{String{}}})
               .status_code == status::Bad_ResourceUnavailable);
-    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
+    CHECK(admin.read(NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
 }
 
 TEST_CASE("role set: own roles of the file have nodes, and a server without the list has none")
 {
-    Fixture first;
+    Parts first;
     REQUIRE(first.roles.add("Fitter", "http://opcfoundation.org/UA/DI/"));
-    SeededRandom random;
-    FixedWallClock wall_clock;
-    LogBook log;
-    crypto::InsecureAcceptAnyCertificate validator;
     administration::RoleList roles{first.storage, "roles.json"};
     REQUIRE(roles.load());
-    administration::Administration with{{.wall_clock = &wall_clock, .log = &log, .roles = &roles}};
-    administration::Administration without{{.wall_clock = &wall_clock, .log = &log}};
-    const auto make = [&](administration::Administration& administration) {
-        auto server =
-            server::Server::create(ServerFixture::insecure_config(), {.random = &random,
-                                                                      .wall_clock = &wall_clock,
-                                                                      .log = &log,
-                                                                      .validator = &validator,
-                                                                      .users = &first.users,
-                                                                      .waker = &first.waker});
-        REQUIRE(server);
-        REQUIRE(administration.attach(*server));
-        return *std::move(server);
-    };
-    auto one = make(with);
+    const WallClock& clock = first.virtual_world.clock();
+    administration::Administration with{{.wall_clock = &clock, .log = &first.log, .roles = &roles}};
+    administration::Administration without{{.wall_clock = &clock, .log = &first.log}};
+    harness::Bench one{first.options()};
+    REQUIRE(with.attach(one.server()));
+    harness::Bench other{first.options()};
+    REQUIRE(without.attach(other.server()));
     const NodeId node{1, "RoleSet/http://opcfoundation.org/UA/DI//Fitter"};
-    CHECK(one.address_space().find(node) != model::no_node);
-    CHECK(one.address_space().find(add_identity) != model::no_node);
-    auto other = make(without);
-    CHECK(other.address_space().find(add_identity) == model::no_node);
+    CHECK(one.server().address_space().find(node) != model::no_node);
+    CHECK(one.server().address_space().find(add_identity) != model::no_node);
+    CHECK(other.server().address_space().find(add_identity) == model::no_node);
 }
 
 TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, once")
@@ -321,10 +260,10 @@ TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, 
     constexpr std::uint32_t applications = 16226;
     constexpr std::uint32_t add_endpoint = 16232;
     constexpr std::uint32_t remove_endpoint = 16234;
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     EndpointType endpoint;
     endpoint.endpoint_url = "opc.tcp://plc:4840";
-    const Variant structure{ExtensionObject::from(EndpointType{endpoint})};
+    const Variant structure{ExtensionObject{endpoint}};
     const Variant uri{String{"urn:a"}};
     CHECK(call_operator(admin, remove_application, uri) == "Bad_NotFound");
     CHECK(call_operator(admin, remove_endpoint, structure) == "Bad_NotFound");
@@ -332,9 +271,9 @@ TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, 
     REQUIRE(call_operator(admin, add_endpoint, structure) == "Good");
     CHECK(call_operator(admin, add_endpoint, structure) == "Bad_AlreadyExists");
     CHECK(call_operator(admin, add_application, Variant{String{}}) == "Bad_InvalidArgument");
-    CHECK(read(admin, NodeId{0, applications}).value == Variant{Array<String>{"urn:a"}});
+    CHECK(admin.read(NodeId{0, applications}).value == Variant{Array<String>{"urn:a"}});
     CHECK(call_operator(admin, remove_application, uri) == "Good");
-    CHECK(read(admin, NodeId{0, applications}).value.array_size() == 0);
+    CHECK(admin.read(NodeId{0, applications}).value.array_size() == 0);
     CHECK(call_operator(admin, remove_endpoint, structure) == "Good");
     CHECK(roles.find("Operator")->applications.empty());
     CHECK(roles.find("Operator")->endpoints.empty());
@@ -344,23 +283,23 @@ TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, 
 TEST_CASE_METHOD(Fixture, "role set: who is excluded stays, where the medium or the role says so")
 {
     constexpr std::uint32_t of_anonymous = 15412; // ApplicationsExclude
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     storage.set_protected(true);
-    CHECK(write(admin, NodeId{0, applications_exclude}, Variant{false}) ==
+    CHECK(admin.write(NodeId{0, applications_exclude}, Variant{false}) ==
           status::Bad_ResourceUnavailable);
     storage.set_protected(false);
-    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{true});
+    CHECK(admin.read(NodeId{0, applications_exclude}).value == Variant{true});
     CHECK(roles.find("Operator")->applications_exclude);
-    CHECK(write(admin, NodeId{0, of_anonymous}, Variant{false}).is_bad());
+    CHECK(admin.write(NodeId{0, of_anonymous}, Variant{false}).is_bad());
     CHECK(roles.find("Anonymous")->applications_exclude);
-    auto pat = log_in("pat");
-    CHECK(write(pat, NodeId{0, applications_exclude}, Variant{false}).is_bad());
+    auto& pat = log_in("pat");
+    CHECK(pat.write(NodeId{0, applications_exclude}, Variant{false}).is_bad());
 }
 
 TEST_CASE_METHOD(Fixture, "role set: a role whose node is taken is not kept")
 {
-    auto admin = log_in("admin");
-    model::AddressSpace& space = server.address_space();
+    auto& admin = log_in("admin");
+    model::AddressSpace& space = server().address_space();
     model::NewNode node;
     node.id = NodeId{1, "RoleSet//Fitter"};
     node.browse_name = QualifiedName{1, "taken"};
@@ -381,7 +320,7 @@ TEST_CASE_METHOD(Fixture, "role set: a role whose node is taken is not kept")
 
 TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes it once")
 {
-    auto admin = log_in("admin");
+    auto& admin = log_in("admin");
     REQUIRE(roles.add("Welder", ""));
     const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
     const NodeId remove{0, id::Server_ServerCapabilities_RoleSet_RemoveRole};
@@ -399,14 +338,12 @@ TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes 
         one.method_id = remove;
         one.input_arguments = {Variant{NodeId{1, "RoleSet//Fitter"}}};
     }
-    const auto sent = admin.send(request);
-    complete();
-    const auto response = admin.take<CallResponse>(sent);
+    const auto response = admin.call<CallResponse>(request);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
     CHECK(name(response->results[1].status_code) == "Bad_NodeIdUnknown");
     CHECK(roles.find("Fitter") == nullptr);
-    CHECK(server.address_space().find(NodeId{1, "RoleSet//Fitter"}) == model::no_node);
+    CHECK(server().address_space().find(NodeId{1, "RoleSet//Fitter"}) == model::no_node);
 }
 
 } // namespace role_set_test

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <busbar/crypto/certificate_validator.hpp>
-#include <busbar/crypto/random.hpp>
 #include <busbar/crypto/self_signed.hpp>
-#include <busbar/server/server.hpp>
+#include <busbar/harness/bench.hpp>
+#include <busbar/harness/identity.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 #include "product/machine/lookout.hpp"
@@ -19,38 +18,33 @@ namespace lookout_test {
 
 using namespace busbar;
 using product::Lookout;
+using namespace std::chrono_literals;
 
 namespace {
 
 constexpr std::int64_t ticks_of_a_day = 86'400 * DateTime::ticks_per_second;
 
-class NobodyLogsIn final : public server::UserStore {
-public:
-    Result<server::UserIdentity> log_in(std::string_view, std::string_view) override
+/// What outlives the server.
+struct Parts {
+    Parts() { log.keeps_records = true; }
+    [[nodiscard]] harness::BenchOptions options()
     {
-        return fail(status::Bad_UserAccessDenied);
+        harness::BenchOptions options;
+        options.server = harness::secured_server_config();
+        options.server.host_names = hosts;
+        options.server_parts.log = &log;
+        return options;
     }
-    server::UserIdentity anonymous() const override { return server::anonymous_reader(); }
+
+    const channel::ApplicationIdentity& identity{harness::default_server_identity()};
+    std::vector<std::string> hosts{identity.certificates.front().host_names()};
+    test::LogBook log;
 };
 
 /// A server whose machine has addresses that change, and the list of its clients.
-struct LookoutWorld {
-    LookoutWorld() { log.keeps_records = true; }
+struct LookoutWorld : Parts, harness::Bench {
+    LookoutWorld() : Bench{options()} {}
 
-    [[nodiscard]] server::Server make_server()
-    {
-        server::ServerConfig config;
-        config.application_uri = "urn:busbar:test:server";
-        config.endpoint_url = "opc.tcp://localhost:4840";
-        config.identity = test::server_identity();
-        config.host_names = hosts;
-        return server::Server::create(config, {.random = &random,
-                                               .wall_clock = &clock,
-                                               .log = &log,
-                                               .validator = &validator,
-                                               .users = &users})
-            .value();
-    }
     /// The kinds of record that came since the last call.
     [[nodiscard]] std::vector<std::string> told()
     {
@@ -72,17 +66,11 @@ struct LookoutWorld {
         REQUIRE(store.add(crypto::StoreList::Trusted, panel->der()));
     }
 
-    std::vector<std::string> hosts{test::server_identity().certificates.front().host_names()};
-    crypto::SystemRandom random;
-    test::FixedWallClock clock;
-    test::LogBook log;
-    crypto::InsecureAcceptAnyCertificate validator;
-    NobodyLogsIn users;
     storage::MemoryStorage files;
     crypto::CertificateStore store{files, {}, log};
-    server::Server server{make_server()};
     int changes{0};
-    Lookout lookout{server, &store, clock, log, [this] { return hosts; }, [this] { ++changes; }};
+    Lookout lookout{
+        server(), &store, world().clock(), log, [this] { return hosts; }, [this] { ++changes; }};
 };
 
 using Kinds = std::vector<std::string>;
@@ -91,14 +79,13 @@ using Kinds = std::vector<std::string>;
 
 TEST_CASE_METHOD(LookoutWorld, "lookout: another address is told as one that the certificate lacks")
 {
-    server.start(TimePoint{});
     static_cast<void>(told());
     lookout.look();
     CHECK(told() == Kinds{});
     CHECK(changes == 0);
     hosts.push_back("192.0.2.99");
     lookout.look();
-    CHECK(server.config().host_names == hosts);
+    CHECK(server().config().host_names == hosts);
     CHECK(told() == Kinds{"CertificateHostNotNamed", "SettingsChanged"});
     CHECK(log.text.find("does not name 192.0.2.99, by which clients") != std::string::npos);
     lookout.look();
@@ -116,10 +103,10 @@ TEST_CASE_METHOD(LookoutWorld, "lookout: a client's certificate that expires is 
     REQUIRE(store.create());
     trust_until(test::today);
     static_cast<void>(told());
-    clock.time = DateTime{test::today.ticks - ticks_of_a_day};
+    world().jump_clock(-24h);
     lookout.look();
     CHECK(told() == Kinds{});
-    clock.time = DateTime{test::today.ticks + ticks_of_a_day};
+    world().jump_clock(48h);
     lookout.look();
     CHECK(told() == Kinds{"CertificateExpired"});
     CHECK(log.text.find("CN=Panel") != std::string::npos);
