@@ -3,29 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
-#include <busbar/channel/channel_types.hpp>
-#include <busbar/channel/endpoint_url.hpp>
-#include <busbar/core/log.hpp>
-#include <busbar/crypto/secret.hpp>
-#include <busbar/types/common.hpp>
-#include <busbar/types/discovery.hpp>
-#include <busbar/types/session.hpp>
+#include "proxy_secrets.hpp"
 
 namespace busbar::harness::detail {
-
-/// A password or issued token on its way past the connection in between.
-struct ProxySecret {
-    /// The way in which the client has encrypted it (Part 4, 7.40.2).
-    enum class Form : std::uint8_t { Plain, Legacy, Sealed };
-    Form form{Form::Plain};
-    /// Null for Plain.
-    const crypto::SecurityPolicy* policy{nullptr};
-    crypto::Secret text;
-};
 
 /// The facts that the proxy needs of a request until its response has come.
 struct ProxyExchange {
@@ -53,23 +35,15 @@ struct ProxyChannels {
 /// to another.
 class ProxyMessages {
 public:
-    struct Config {
-        std::string proxy_url;
-        channel::EndpointUrl server_url;
-        std::string server_url_text;
-        /// The server's answer to GetEndpoints.
-        std::vector<EndpointDescription> endpoints;
-        /// Null if there is no security.
-        const channel::ApplicationIdentity* identity{nullptr};
-    };
-    /// Both must outlive it.
-    ProxyMessages(Config config, const WallClock& clock, LogSink& log);
+    /// Sessions that are known at a time; the one that was activated longest ago makes room.
+    static constexpr std::size_t max_sessions = 10'000;
 
-    /// The settings that the server offers and this build knows, and None for discovery.
-    [[nodiscard]] std::vector<channel::SecuritySetting> settings() const;
-    /// The server's certificate for channels of this security; nothing if it shows none.
-    [[nodiscard]] std::optional<crypto::Certificate>
-    certificate_for(const channel::SecuritySetting& security) const;
+    /// The clock and the log must outlive it.
+    ProxyMessages(ProxyEndpoints::Config config, const WallClock& clock, LogSink& log);
+    ProxyMessages(const ProxyMessages&) = delete;
+    ProxyMessages& operator=(const ProxyMessages&) = delete;
+
+    [[nodiscard]] const ProxyEndpoints& endpoints() const { return endpoints_; }
 
     // Each changes the body of a message, or leaves it; the error is what its sender is to be told
     // in a ServiceFault.
@@ -95,7 +69,7 @@ private:
     struct KnownSession {
         ByteString nonce;
         ByteString client;
-        /// Grows with each use.
+        /// Grows with each activation.
         std::uint64_t last_use{0};
     };
 
@@ -105,39 +79,17 @@ private:
                                       ActivateSessionRequest& request) const;
     [[nodiscard]] Result<void> check_client(const ProxyChannels& channels,
                                             const CreateSessionRequest& request) const;
-    [[nodiscard]] Result<void> take_secret(const ProxyChannels& channels, ProxyExchange& exchange,
-                                           ExtensionObject& token) const;
-    [[nodiscard]] Result<ProxySecret> open_secret(const ProxyChannels& channels,
-                                                  const ByteString& nonce, const String& policy_id,
-                                                  const ByteString& data,
-                                                  const String& algorithm) const;
-    [[nodiscard]] Result<void> put_secret(const ProxyChannels& channels, const ByteString& nonce,
-                                          const ProxySecret& secret, ExtensionObject& token) const;
     [[nodiscard]] Result<void> change(const ProxyChannels& channels, const ProxyExchange& exchange,
                                       CreateSessionResponse& response);
-    /// The policy that encrypts what a token with this policy id has; null for None.
-    [[nodiscard]] const crypto::SecurityPolicy* policy_of(const ProxyChannels& channels,
-                                                          const String& policy_id) const;
     [[nodiscard]] ByteString nonce_of(const NodeId& session) const;
     void remember(const NodeId& session, const ByteString& nonce, const ProxyChannels& channels);
+    /// Whether the signer has signed the proxy's certificate and this nonce.
     [[nodiscard]] bool is_signed(const crypto::SecurityPolicy& policy,
-                                 const crypto::Certificate& signer,
-                                 std::span<const std::byte> certificate, const ByteString& nonce,
+                                 const crypto::Certificate& signer, const ByteString& nonce,
                                  const SignatureData& signature) const;
-    [[nodiscard]] Result<SignatureData> sign(const crypto::SecurityPolicy& policy,
-                                             std::span<const std::byte> certificate,
-                                             const ByteString& nonce) const;
-    [[nodiscard]] Result<void> refuse(StatusCode status, std::string_view check, std::string found,
-                                      std::string_view rule, std::string remedy) const;
-    [[nodiscard]] bool is_of_server(std::string_view url) const;
-    void rewrite_url(String& url) const;
-    void rewrite(ApplicationDescription& server) const;
-    void rewrite(Array<EndpointDescription>& endpoints) const;
 
-    Config config_;
-    std::string own_uri_;
-    String server_uri_;
-    ByteString own_chain_;
+    ProxyEndpoints endpoints_;
+    ProxySecrets secrets_;
     const WallClock* clock_;
     LogSink* log_;
     /// Maps authentication tokens to sessions.

@@ -80,7 +80,7 @@ public:
                                                                            Side::Client, changed_}
     {
         channel::ServerChannelConfig config;
-        config.allowed = shared.messages.settings();
+        config.allowed = shared.messages.endpoints().settings();
         config.channel_id = ++shared.last_channel_id;
         config.source = std::move(source);
         client_.begin(channel::ServerChannel{std::move(config), shared.to_clients, now()});
@@ -202,7 +202,7 @@ void ProxyPair::from_client(ChannelEvent event)
     if (event.kind == ChannelEvent::Kind::Opened) {
         channels_.security = client_.channel().security();
         channels_.client = client_.channel().peer_certificates();
-        channels_.server = shared_.messages.certificate_for(channels_.security);
+        channels_.server = shared_.messages.endpoints().certificate_for(channels_.security);
         begin_server();
         return;
     }
@@ -388,12 +388,12 @@ struct SecureProxy::Impl final : public Acceptor {
         shared.world.network().unlisten(between);
     }
 
-    static detail::ProxyMessages::Config messages_config(std::string_view url,
-                                                         std::string_view server_url,
-                                                         Array<EndpointDescription> endpoints,
-                                                         const SecureProxyParts& parts)
+    static detail::ProxyEndpoints::Config messages_config(std::string_view url,
+                                                          std::string_view server_url,
+                                                          Array<EndpointDescription> endpoints,
+                                                          const SecureProxyParts& parts)
     {
-        detail::ProxyMessages::Config config;
+        detail::ProxyEndpoints::Config config;
         config.proxy_url = parts.public_url.empty() ? std::string{url} : parts.public_url;
         config.server_url = channel::EndpointUrl::parse(server_url).value_or(config.server_url);
         config.server_url_text = std::string{server_url};

@@ -18,6 +18,13 @@ namespace busbar::harness::detail {
                                                std::span<const std::byte> certificate,
                                                std::span<const std::byte> nonce);
 
+/// Returns whether a peer has signed one of these certificates of ours and our nonce: the chain
+/// that was sent, or its leaf, of which peers sign either.
+[[nodiscard]] bool
+is_signed_nonce(const crypto::SecurityPolicy& policy, const crypto::Certificate& signer,
+                const channel::ApplicationIdentity& own, std::span<const std::byte> chain,
+                std::span<const std::byte> nonce, const SignatureData& signature);
+
 /// Returns the id of the policy for anonymous users of the endpoint with this security; null if
 /// there is none.
 [[nodiscard]] String anonymous_policy(const Array<EndpointDescription>& endpoints,
