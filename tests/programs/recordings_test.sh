@@ -88,6 +88,19 @@ for file in a.rec a.pcap; do
     [ "$(stat -c %a $file)" = 600 ] || fail "others can read $file"
 done
 
+# A pipe gets the recording once, at the end, and a file that cannot be written is told at once.
+mkfifo pipe.rec
+cat pipe.rec > piped.rec &
+reader=$!
+proxy pipe.rec
+run 0 --insecure read "$through" "$level"
+stop 0
+wait "$reader"
+[ "$(grep -c "$(head -n 1 a.rec)" piped.rec)" -eq 1 ] || fail "the pipe got: $(cat piped.rec)"
+run 0 show piped.rec --filter 'Double 1.5'
+says 'ReadResponse Double 1.5'
+run 1 proxy "$first" --record nowhere/a.rec --for 60
+
 # Messages are disturbed by name; what did not happen is told.
 proxy b.rec --fault "edit results[0].value = Double:9 at ReadResponse 2"
 run 0 --insecure read "$through" "$level"

@@ -73,12 +73,15 @@ void write_file(const std::string& path, std::string_view text)
     write_all(path, File{std::fopen(path.c_str(), "wbe")}, text);
 }
 
-void write_secret_file(const std::string& path, std::string_view text)
+bool is_stream(const std::string& path)
 {
     struct stat place {};
-    const bool stays = ::stat(path.c_str(), &place) != 0 ||
-                       !(S_ISFIFO(place.st_mode) || S_ISCHR(place.st_mode));
-    if (!stays) { // a pipe or /dev/stdout, whose mode is not ours to change
+    return ::stat(path.c_str(), &place) == 0 && (S_ISFIFO(place.st_mode) || S_ISCHR(place.st_mode));
+}
+
+void write_secret_file(const std::string& path, std::string_view text)
+{
+    if (is_stream(path)) { // its mode is not ours to change
         return write_file(path, text);
     }
     // Nothing is in it before its mode is right. A pipe without a reader is not waited for.

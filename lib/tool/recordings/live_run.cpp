@@ -188,7 +188,9 @@ void LiveRun::serve(const std::function<void()>& tick, const Orders& orders)
 
 Exit LiveRun::run(const std::function<void()>& tick, const Orders& orders)
 {
-    save();
+    if (!is_stream(options_.record)) { // which would have all that is written to it
+        save();                        // it is told now if that is impossible
+    }
     world().network().play(faults_);
     try {
         serve(tick, orders);
