@@ -481,6 +481,10 @@ Result<ChurnReport> churn(const ChurnOptions& options)
     if (options.mutated == 0) {
         play(scene);
         report.rows = ledger.take();
+        report.needed = {"administrator comes"};
+        if (options.clients != 0) {
+            report.needed.push_back("come");
+        }
     } else {
         report.rows = send_mutated(**controller, options.mutated, options.seed);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -49,8 +50,27 @@ struct ChurnReport {
     std::string complaint;
     /// With that output; is kept unless all is well.
     std::string folder;
+    /// The rows of things that must have gone well at least once: where nobody was let in, nothing
+    /// was tried.
+    std::vector<std::string> needed;
 
-    [[nodiscard]] bool is_well() const { return serves && exit_code == 0 && complaint.empty(); }
+    /// The first of those that never went well; empty: all did.
+    [[nodiscard]] std::string never_done() const
+    {
+        for (const std::string& what : needed) {
+            const bool was_done = std::any_of(rows.begin(), rows.end(), [&](const ChurnRow& row) {
+                return row.what == what && row.good != 0;
+            });
+            if (!was_done) {
+                return what;
+            }
+        }
+        return {};
+    }
+    [[nodiscard]] bool is_well() const
+    {
+        return serves && exit_code == 0 && complaint.empty() && never_done().empty();
+    }
 };
 
 /// Starts a controller and does all that for the time of the options.

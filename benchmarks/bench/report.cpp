@@ -235,10 +235,13 @@ void print(const ChurnReport& report)
     std::printf("seed %u, memory %.1f MB, at the end %.1f MB\n", report.seed, report.before.now_mb,
                 report.after.now_mb);
     if (!report.is_well()) {
-        std::printf("%s, exit code %d%s%s\nsee %s\n",
-                    report.serves ? "served" : "did not serve any more", report.exit_code,
-                    report.complaint.empty() ? "" : ", ", report.complaint.c_str(),
-                    report.folder.c_str());
+        std::printf("%s, exit code %d%s%s\n", report.serves ? "served" : "did not serve any more",
+                    report.exit_code, report.complaint.empty() ? "" : ", ",
+                    report.complaint.c_str());
+        if (const std::string what = report.never_done(); !what.empty()) {
+            std::printf("never went well: %s\n", what.c_str());
+        }
+        std::printf("see %s\n", report.folder.c_str());
     }
 }
 

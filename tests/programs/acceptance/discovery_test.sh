@@ -1,7 +1,7 @@
 #!/bin/sh
 # The server of a project registers with a discovery server, by which clients find it while it runs,
 # and no longer (SH-082679, 9.11). The discovery server is node-opcua's, which comes with the peers
-# of tests/interop; without it this is left out.
+# of tests/interop; without it this is skipped.
 # usage: discovery_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
@@ -11,7 +11,7 @@ controller=$1 busbar=$2
 modules=$(dirname "$controller")/../tests/interop/node_modules
 if [ ! -d "$modules/node-opcua" ] || ! env node --version > /dev/null 2>&1; then
     echo "there is no node-opcua to register with"
-    finish
+    exit 77
 fi
 lds=$((port + 1))
 env node "$here/lds.cjs" "$modules" $lds lds > lds.log 2>&1 < /dev/null &
