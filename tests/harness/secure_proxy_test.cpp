@@ -413,6 +413,25 @@ TEST_CASE("a connection outside of the network uses up no fault if nothing liste
     site.world.network().forgive_pending_faults();
 }
 
+TEST_CASE("a proxy forgets what it has answered, and goes on", "[harness]")
+{
+    Site site{{MessageSecurityMode::None}};
+    site.world.network().set_observer(nullptr);
+    // The proxy remembers 4,096 exchanges, in case that a response comes twice.
+    site.world.network().play(parse_fault("duplicate at ReadResponse 4150").value());
+    client::ConnectionConfig config = open_connection_config();
+    config.channel.endpoint_url = proxy_url;
+    ConnectionHost client{site.world, config, site.client_parts()};
+    need(client.open());
+    int good = 0;
+    for (int i = 0; i < 4'200; ++i) {
+        const auto read = client.call<ReadResponse>(read_state());
+        good += read && read->results[0].value == Variant{std::int32_t{0}} ? 1 : 0;
+    }
+    CHECK(good == 4'200);
+    CHECK(site.world.network().pending_faults().empty());
+}
+
 TEST_CASE("a client of a proxy learns that the server is not there", "[harness]")
 {
     Site site;

@@ -50,8 +50,9 @@ struct SecureProxyParts {
 /// (Bad_SecurityChecksFailed), and those whose ApplicationUri is not that of their certificate
 /// (Bad_CertificateUriInvalid).
 ///
-/// Endpoints with other transports are passed on as they are, those with a policy that this build
-/// does not know are left out. One thread; the world must outlive it.
+/// Endpoints of other servers and ports and with other transports are passed on as they are; those
+/// of the server with a policy that this build does not know are left out. One thread; the world
+/// must outlive it.
 class BUSBAR_API SecureProxy {
 public:
     /// Listens at `url`. `server_url` is where the server listens in the world (or out of it, see
