@@ -184,7 +184,9 @@ StatusCode OwnCertificateMethods::check_wanted(const MethodCall& call, const Hol
                : check_still(needs_.server, holder, call.object_id(), call.method_id());
 }
 
-/// Part 12, 7.10.10. A new key stays in the files until its certificate arrives.
+/// Part 12, 7.10.10. A new key stays in the files until its certificate arrives. It is put there on
+/// the server's thread, where the client still waits: a key that nothing waits for would replace
+/// the one for which a certificate is being issued.
 void OwnCertificateMethods::create_signing_request(MethodCall call)
 {
     if (const StatusCode slot = check_slot(call); slot.is_bad()) {
@@ -210,7 +212,7 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
     settings.subject = *std::move(subject);
     settings.key_bits = needs_.files.key_bits;
     crypto::add_entropy(nonce);
-    using Made = Checked<std::vector<std::byte>>;
+    using Made = Checked<crypto::SigningRequest>;
     const auto made = std::make_shared<Made>(refuse({}));
     const auto shared = std::make_shared<MethodCall>(std::move(call));
     run_slowly(
@@ -218,13 +220,20 @@ void OwnCertificateMethods::create_signing_request(MethodCall call)
         [this, made, settings, needs_key] {
             const crypto::OwnCertificateStore store{*needs_.files.files};
             using Key = crypto::OwnCertificateStore::RequestKey;
-            *made = store.create_signing_request(settings, needs_key ? Key::New : Key::Present);
+            *made = store.make_signing_request(settings, needs_key ? Key::New : Key::Present);
         },
         [this, made, shared] {
             if (!*made) {
                 return refuse_call(*shared, made->error());
             }
-            shared->succeed(one_output(Variant{ByteString{**made}}));
+            auto outputs = one_output(Variant{ByteString{(*made)->request}});
+            if ((*made)->new_key) {
+                const crypto::OwnCertificateStore store{*needs_.files.files};
+                if (const auto kept = store.keep_request_key(*(*made)->new_key); !kept) {
+                    return refuse_call(*shared, kept.error());
+                }
+            }
+            shared->succeed(std::move(outputs));
         });
 }
 

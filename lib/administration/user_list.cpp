@@ -58,14 +58,6 @@ Checked<void> check_description(std::string_view name, std::string_view descript
     return {};
 }
 
-Checked<void> check_wanted(std::string_view name, const std::function<bool()>& is_wanted)
-{
-    return !is_wanted || is_wanted()
-               ? Checked<void>{}
-               : Checked<void>{refuse_user(status::Bad_Timeout, name,
-                                           "was not changed: the request had timed out")};
-}
-
 std::vector<User>::iterator place_of(std::vector<User>& users, std::string_view name)
 {
     return std::lower_bound(users.begin(), users.end(), name,
@@ -84,6 +76,12 @@ Unexpected<Refusal> refuse_configured(std::string_view name)
                        "Change the user in the configuration that defines it");
 }
 
+/// Refuses a new password for which the old one was compared before another change.
+Unexpected<Refusal> was_changed(std::string_view name)
+{
+    return refuse_user(status::Bad_IdentityTokenInvalid, name, "was changed in the meantime");
+}
+
 /// Converts a configured user to a user of the list.
 User user_of(const ConfiguredUser& user)
 {
@@ -91,22 +89,6 @@ User user_of(const ConfiguredUser& user)
             .configuration = user_bit::no_delete | user_bit::no_change_by_user,
             .description = user.description,
             .roles = user.roles};
-}
-
-void apply(const UserChange& change, std::optional<std::string> password_hash, User& user)
-{
-    if (password_hash) {
-        user.password_hash = *std::move(password_hash);
-    }
-    if (change.configuration) {
-        user.configuration = *change.configuration;
-    }
-    if (change.description) {
-        user.description = *change.description;
-    }
-    if (change.roles) {
-        user.roles = *change.roles;
-    }
 }
 
 std::string document_of(const std::vector<User>& users)
@@ -350,26 +332,8 @@ void UserList::publish(std::vector<User> users, server::PasswordUsers::Change ch
     users_ = std::move(users);
 }
 
-Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random,
-                            const std::function<bool()>& is_wanted)
+Checked<void> UserList::insert(User user)
 {
-    if (auto checked = server::check_user_name(rules_, user.name); !checked) {
-        return checked;
-    }
-    if (auto checked = check_configuration(user.name, user.configuration); !checked) {
-        return checked;
-    }
-    if (auto checked = check_description(user.name, user.description); !checked) {
-        return checked;
-    }
-    auto hashed = hash(user.name, password, random);
-    if (!hashed) {
-        return refuse(std::move(hashed).error());
-    }
-    user.password_hash = *std::move(hashed);
-    if (auto wanted = check_wanted(user.name, is_wanted); !wanted) {
-        return wanted;
-    }
     const std::lock_guard lock{change_mutex_};
     if (find_in(users_, user.name) != nullptr || is_configured(user.name) ||
         !passwords_->password_hash(user.name).empty()) {
@@ -386,23 +350,68 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     return replace(std::move(users));
 }
 
-Checked<void> UserList::modify(std::string_view name, const UserChange& change,
-                               crypto::Random& random, const std::function<bool()>& is_wanted)
+Checked<void> UserList::change(std::string_view name,
+                               const std::function<Checked<void>(User&)>& apply)
+{
+    const std::lock_guard lock{change_mutex_};
+    std::vector<User> users = users_;
+    User* const user = find_in(users, name);
+    if (user == nullptr) {
+        return refuse_user(status::Bad_NotFound, name, "does not exist");
+    }
+    if (auto applied = apply(*user); !applied) {
+        return applied;
+    }
+    if (has_administrator_in(users_) && !has_administrator_in(users)) {
+        return refuse_user(status::Bad_RequestNotAllowed, name, "is the last administrator",
+                           "Add another one first");
+    }
+    return replace(std::move(users));
+}
+
+Checked<UserList::Prepared> UserList::prepare_add(User user, std::string_view password,
+                                                  crypto::Random& random)
+{
+    if (auto checked = server::check_user_name(rules_, user.name); !checked) {
+        return refuse(std::move(checked).error());
+    }
+    if (auto checked = check_configuration(user.name, user.configuration); !checked) {
+        return refuse(std::move(checked).error());
+    }
+    if (auto checked = check_description(user.name, user.description); !checked) {
+        return refuse(std::move(checked).error());
+    }
+    auto hashed = hash(user.name, password, random);
+    if (!hashed) {
+        return refuse(std::move(hashed).error());
+    }
+    user.password_hash = *std::move(hashed);
+    return Prepared{[this, added = std::move(user)]() mutable { return insert(std::move(added)); }};
+}
+
+Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random)
+{
+    const auto prepared = prepare_add(std::move(user), password, random);
+    return prepared ? (*prepared)() : refuse(prepared.error());
+}
+
+Checked<UserList::Prepared>
+UserList::prepare_modify(std::string_view name, const UserChange& change, crypto::Random& random)
 {
     if (is_configured(name)) {
         return refuse_configured(name);
     }
-    std::optional<std::string> hashed;
     if (change.configuration) {
         if (auto checked = check_configuration(name, *change.configuration); !checked) {
-            return checked;
+            return refuse(std::move(checked).error());
         }
     }
     if (change.description) {
         if (auto checked = check_description(name, *change.description); !checked) {
-            return checked;
+            return refuse(std::move(checked).error());
         }
     }
+    std::optional<std::string> hashed;
     if (change.password) {
         auto made = hash(name, *change.password, random);
         if (!made) {
@@ -410,21 +419,26 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
         }
         hashed = *std::move(made);
     }
-    if (auto wanted = check_wanted(name, is_wanted); !wanted) {
-        return wanted;
-    }
-    const std::lock_guard lock{change_mutex_};
-    std::vector<User> users = users_;
-    User* const user = find_in(users, name);
-    if (user == nullptr) {
-        return refuse_user(status::Bad_NotFound, name, "does not exist");
-    }
-    apply(change, std::move(hashed), *user);
-    if (has_administrator_in(users_) && !has_administrator_in(users)) {
-        return refuse_user(status::Bad_RequestNotAllowed, name, "is the last administrator",
-                           "Add another one first");
-    }
-    return replace(std::move(users));
+    auto description =
+        change.description ? std::optional{std::string{*change.description}} : std::nullopt;
+    return Prepared{[this, whose = std::string{name}, hashed = std::move(hashed),
+                     bits = change.configuration, description = std::move(description),
+                     roles = change.roles]() mutable {
+        return this->change(whose, [&](User& user) {
+            user.password_hash = std::move(hashed).value_or(user.password_hash);
+            user.configuration = bits.value_or(user.configuration);
+            user.description = std::move(description).value_or(user.description);
+            user.roles = std::move(roles).value_or(user.roles);
+            return Checked<void>{};
+        });
+    }};
+}
+
+Checked<void> UserList::modify(std::string_view name, const UserChange& change,
+                               crypto::Random& random)
+{
+    const auto prepared = prepare_modify(name, change, random);
+    return prepared ? (*prepared)() : refuse(prepared.error());
 }
 
 Checked<void> UserList::remove(std::string_view name)
@@ -450,9 +464,10 @@ Checked<void> UserList::remove(std::string_view name)
     return replace(std::move(users));
 }
 
-Checked<void> UserList::change_password(std::string_view name, std::string_view old_password,
-                                        std::string_view new_password, crypto::Random& random,
-                                        const std::function<bool()>& is_wanted)
+Checked<UserList::Prepared> UserList::prepare_change_password(std::string_view name,
+                                                              std::string_view old_password,
+                                                              std::string_view new_password,
+                                                              crypto::Random& random)
 {
     const bool is_of_program = is_configured(name);
     std::optional<User> known = is_of_program ? std::optional{User{}} : find(name);
@@ -480,19 +495,28 @@ Checked<void> UserList::change_password(std::string_view name, std::string_view 
     if (!hashed) {
         return refuse(std::move(hashed).error());
     }
-    if (auto wanted = check_wanted(name, is_wanted); !wanted) {
-        return wanted;
-    }
-    const std::lock_guard lock{change_mutex_};
-    std::vector<User> users = users_;
-    User* const user = find_in(users, name);
-    // Another change may have been made first.
-    if (user == nullptr || user->password_hash != known->password_hash) {
-        return refuse_user(status::Bad_IdentityTokenInvalid, name, "was changed in the meantime");
-    }
-    user->password_hash = *std::move(hashed);
-    user->configuration &= ~user_bit::must_change_password;
-    return replace(std::move(users));
+    return Prepared{[this, whose = std::string{name}, before = std::move(known->password_hash),
+                     hashed = *std::move(hashed)]() mutable {
+        const auto changed = change(whose, [&](User& user) {
+            // Another change may have been made first.
+            if (user.password_hash != before) {
+                return Checked<void>{was_changed(whose)};
+            }
+            user.password_hash = std::move(hashed);
+            user.configuration &= ~user_bit::must_change_password;
+            return Checked<void>{};
+        });
+        return !changed && changed.error().status == status::Bad_NotFound
+                   ? Checked<void>{was_changed(whose)}
+                   : changed;
+    }};
+}
+
+Checked<void> UserList::change_password(std::string_view name, std::string_view old_password,
+                                        std::string_view new_password, crypto::Random& random)
+{
+    const auto prepared = prepare_change_password(name, old_password, new_password, random);
+    return prepared ? (*prepared)() : refuse(prepared.error());
 }
 
 } // namespace busbar::administration

@@ -78,20 +78,6 @@ Variant users_of(const UserList& list)
     return structures<UserManagementDataType>(all);
 }
 
-/// Returns a function that is false once the client no longer waits; `call` must outlive it.
-std::function<bool()> wanted_by(const MethodCall& call)
-{
-    return [&call] { return !call.is_abandoned(); };
-}
-
-/// The result of a job whose client had stopped waiting before it began.
-Checked<void> given_up()
-{
-    return refuse({status::Bad_Timeout, "user management",
-                   "the client's timeoutHint passed before it was begun", "Part 4, 7.32",
-                   "Nothing was changed"});
-}
-
 } // namespace
 
 Configured<void> UserManagement::attach()
@@ -136,7 +122,7 @@ void UserManagement::add(MethodCall call)
         user.name = text_input(c, 0);
         user.configuration = c.input<std::uint32_t>(2);
         user.description = text_input(c, 3);
-        return users_.add(std::move(user), text_view(c, 1), random_, wanted_by(c));
+        return users_.prepare_add(std::move(user), text_view(c, 1), random_);
     });
 }
 
@@ -165,7 +151,7 @@ void UserManagement::modify(MethodCall call)
             if (c.input<bool>(5)) {
                 change.description = text_view(c, 6);
             }
-            return users_.modify(text_view(c, 0), change, random_, wanted_by(c));
+            return users_.prepare_modify(text_view(c, 0), change, random_);
         },
         is_disabled ? name : std::string{});
 }
@@ -179,7 +165,10 @@ void UserManagement::remove(MethodCall call)
                          "users cannot remove themselves; another administrator can");
     }
     run(
-        std::move(call), [this](const MethodCall& c) { return users_.remove(text_view(c, 0)); },
+        std::move(call),
+        [this, name](const MethodCall& /*call*/) {
+            return UserList::Prepared{[this, name] { return users_.remove(name); }};
+        },
         name);
 }
 
@@ -193,8 +182,8 @@ void UserManagement::change_password(MethodCall call)
     run(
         std::move(call),
         [this](const MethodCall& c) {
-            return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_,
-                                          wanted_by(c));
+            return users_.prepare_change_password(c.user().name, text_view(c, 0), text_view(c, 1),
+                                                  random_);
         },
         {}, true);
 }
@@ -272,15 +261,19 @@ void UserManagement::start(const std::shared_ptr<Job>& job)
         return;
     }
     const auto busy = std::make_shared<char>();
-    const auto done = std::make_shared<Checked<void>>();
+    const auto prepared = std::make_shared<Checked<UserList::Prepared>>();
     busy_ = busy;
     table_.run(
         worker_,
-        [job, done] { *done = job->call.is_abandoned() ? given_up() : job->change(job->call); },
-        [this, job, done, busy](StatusCode worked) {
+        [job, prepared] {
+            if (!job->call.is_abandoned()) {
+                *prepared = job->change(job->call);
+            }
+        },
+        [this, job, prepared, busy](StatusCode worked) {
             const StatusCode status =
                 worked.is_bad() ? worked : busbar::detail::guarded(log_, "a change of users", [&] {
-                    finish(*job, *done);
+                    finish(*job, *prepared);
                 });
             if (status.is_bad()) {
                 job->call.fail(status);
@@ -292,13 +285,7 @@ void UserManagement::start(const std::shared_ptr<Job>& job)
 
 bool UserManagement::may_start(Job& job)
 {
-    if (job.call.is_abandoned()) {
-        job.call.fail(status::Bad_Timeout);
-        return false;
-    }
-    if (const StatusCode refused =
-            check_still(server_, job.holder, job.call.object_id(), job.call.method_id());
-        refused.is_bad()) {
+    if (const StatusCode refused = check_wanted(job); refused.is_bad()) {
         job.call.fail(refused);
         return false;
     }
@@ -319,14 +306,27 @@ bool UserManagement::may_start(Job& job)
     return true;
 }
 
-void UserManagement::finish(Job& job, const Checked<void>& done)
+StatusCode UserManagement::check_wanted(const Job& job) const
+{
+    return job.call.is_abandoned()
+               ? StatusCode{status::Bad_Timeout}
+               : check_still(server_, job.holder, job.call.object_id(), job.call.method_id());
+}
+
+void UserManagement::finish(Job& job, const Checked<UserList::Prepared>& prepared)
 {
     MethodCall& call = job.call;
     const server::RunningServer running{server_};
+    const bool is_wrong = job.tries_password && !prepared &&
+                          prepared.error().status == status::Bad_IdentityTokenInvalid;
+    if (is_wrong) { // also if the client has not waited for that
+        running.password_tried(job.holder.session, false);
+    }
+    if (const StatusCode refused = check_wanted(job); refused.is_bad()) {
+        return call.fail(refused);
+    }
+    const Checked<void> done = prepared ? (*prepared)() : refuse(prepared.error());
     if (!done) {
-        if (job.tries_password && done.error().status == status::Bad_IdentityTokenInvalid) {
-            running.password_tried(job.holder.session, false);
-        }
         tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
         return answer_with(call, done.error());
     }

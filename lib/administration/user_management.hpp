@@ -44,8 +44,8 @@ public:
     [[nodiscard]] Configured<void> attach();
 
 private:
-    /// The change that a Method makes to the list.
-    using Change = std::function<Checked<void>(const server::MethodCall&)>;
+    /// Prepares the change that a Method makes to the list, without changing anything.
+    using Change = std::function<Checked<UserList::Prepared>(const server::MethodCall&)>;
     struct Job {
         server::MethodCall call;
         Holder holder;
@@ -64,8 +64,9 @@ private:
     void modify(server::MethodCall call);
     void remove(server::MethodCall call);
     void change_password(server::MethodCall call);
-    /// Makes the change where passwords are hashed, then answers. Runs one job at a time, so that
-    /// logins, which use the same worker, wait for at most one; users take turns.
+    /// Prepares the change where passwords are hashed, then makes it on the server's thread if the
+    /// client still waits and its user still has the right, and answers. Runs one job at a time, so
+    /// that logins, which use the same worker, wait for at most one; users take turns.
     void run(server::MethodCall call, Change change, const std::string& sessions_end_of = {},
              bool tries_password = false);
     /// Makes room for a job in the queue. If the queue is full, a job of the user with the most is
@@ -76,7 +77,9 @@ private:
     void start(const std::shared_ptr<Job>& job);
     /// False if the call was refused instead.
     [[nodiscard]] bool may_start(Job& job);
-    void finish(Job& job, const Checked<void>& done);
+    /// Good if the client still waits and its user still has the right.
+    [[nodiscard]] StatusCode check_wanted(const Job& job) const;
+    void finish(Job& job, const Checked<UserList::Prepared>& prepared);
 
     server::Server& server_;
     model::AddressSpace& space_;

@@ -139,6 +139,22 @@ Checked<std::vector<std::byte>>
 OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settings,
                                             RequestKey which) const
 {
+    auto made = make_signing_request(settings, which);
+    if (!made) {
+        return refuse(std::move(made).error());
+    }
+    if (made->new_key) {
+        if (auto kept = keep_request_key(*made->new_key); !kept) {
+            return refuse(std::move(kept).error());
+        }
+    }
+    return std::move(made->request);
+}
+
+Checked<SigningRequest>
+OwnCertificateStore::make_signing_request(const OwnCertificateSettings& settings,
+                                          RequestKey which) const
+{
     const Files files{*storage_};
     const auto state = detail::prepare(files);
     if (!state) {
@@ -159,10 +175,16 @@ OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settin
             "the settings have a name or address that cannot be used in a certificate",
             "Check the subject's fields, host names and addresses"));
     }
-    if (which == RequestKey::New && !files.save_pending_key(*key)) {
-        return refuse(detail::unwritable(files.pending_key()));
-    }
-    return *std::move(request);
+    return SigningRequest{*std::move(request),
+                          which == RequestKey::New ? std::optional{*key} : std::nullopt};
+}
+
+Checked<void> OwnCertificateStore::keep_request_key(const PrivateKey& key) const
+{
+    const Files files{*storage_};
+    return files.save_pending_key(key)
+               ? Checked<void>{}
+               : Checked<void>{refuse(detail::unwritable(files.pending_key()))};
 }
 
 Checked<OwnCertificate> OwnCertificateStore::take_in(std::span<const std::byte> certificates,

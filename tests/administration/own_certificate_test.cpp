@@ -322,6 +322,50 @@ TEST_CASE("own certificate: a key whose client gave up, or lost the right, is no
     CHECK(fixture.certificate() == server_identity().certificates.front().thumbprint_text());
 }
 
+TEST_CASE("own certificate: a request that its client gave up leaves the pending key as it is",
+          "[attack]")
+{
+    enum class End : std::uint8_t { Timeout, SessionClosed, RightLost };
+    const End end = GENERATE(End::Timeout, End::SessionClosed, End::RightLost);
+    const bool is_made = GENERATE(false, true); // the key, when that happens
+    constexpr const char* patience = "patience is all";
+    ManualWorker worker;
+    OwnCertificate fixture{&worker};
+    REQUIRE(fixture.user_list.add({"pat", {}, 0, {}, {}}, patience, fixture.random));
+    fixture.configured.replace({{.name = "chief", .roles = {"SecurityAdmin"}}});
+    const IdentityMappingRuleType rule{IdentityCriteriaType::UserName, "pat"};
+    REQUIRE(fixture.roles.add_identity("SecurityAdmin", rule));
+    auto pat = fixture.log_in("pat", patience);
+    const auto first = pat.send(OwnCertificate::slow_request());
+    worker.work();
+    fixture.complete();
+    REQUIRE(pat.take<CallResponse>(first));
+    const auto pending = read_file(fixture.storage, "own/private/pending.pem", 10'000);
+    REQUIRE(pending);
+    pat.timeout_hint = 1'000;
+    const auto second = pat.send(OwnCertificate::slow_request());
+    if (is_made) {
+        worker.work();
+    }
+    switch (end) {
+    case End::Timeout:
+        fixture.advance(std::chrono::seconds{2});
+        pat.connection.handle_deadline(fixture.now);
+        CHECK(pat.take<CallResponse>(second).error() == status::Bad_Timeout);
+        break;
+    case End::SessionClosed:
+        pat.timeout_hint = 0;
+        CHECK(pat.close_session() == status::Good);
+        break;
+    case End::RightLost:
+        REQUIRE(fixture.roles.remove_identity("SecurityAdmin", rule));
+        server::RunningServer{fixture.server}.roles_changed();
+    }
+    worker.work();
+    fixture.complete();
+    CHECK(read_file(fixture.storage, "own/private/pending.pem", 10'000) == pending);
+}
+
 TEST_CASE("own certificate: a worker that is busy is no state that lasts")
 {
     ManualWorker worker;

@@ -505,10 +505,12 @@ TEST_CASE("user management: what the client gave up is not done")
     users.complete();
     CHECK(admin.take<CallResponse>(in_time));
     CHECK(is_there("pat"));
-    // While the password was hashed.
-    CHECK(users.user_list.add({"sam", {}, 0, {}, {}}, patience, users.random, [] { return false; })
-              .error()
-              .status == status::Bad_Timeout);
+    const auto hashed = add_later(admin, "sam");
+    worker.work();
+    users.advance(std::chrono::seconds{2});
+    admin.connection.handle_deadline(users.now);
+    CHECK(admin.take<CallResponse>(hashed).error() == status::Bad_Timeout);
+    users.complete();
     CHECK_FALSE(is_there("sam"));
 }
 

@@ -327,6 +327,25 @@ TEST_CASE("the certificate of a request takes the place of the old one", "[crypt
     CHECK(fs::exists(store.replaced() / (issued.thumbprint_text() + ".der")));
 }
 
+TEST_CASE("a request is made before its key is kept", "[crypto][own]")
+{
+    const Store store;
+    CHECK(store.start().key.belongs_to(store.start().certificates.front()));
+    REQUIRE(store.store.create_signing_request(settings(), RequestKey::New));
+    const std::string before = read(store.pending());
+    const auto made = store.store.make_signing_request(settings(), RequestKey::New);
+    REQUIRE(made);
+    REQUIRE(made->new_key);
+    CHECK_FALSE(made->request.empty());
+    CHECK(read(store.pending()) == before);
+    REQUIRE(store.store.keep_request_key(*made->new_key));
+    CHECK(read(store.pending()) != before);
+    CHECK(mode_of(store.pending()) == 0600);
+    const auto present = store.store.make_signing_request(settings(), RequestKey::Present);
+    REQUIRE(present);
+    CHECK_FALSE(present->new_key);
+}
+
 TEST_CASE("a request can come before the first certificate", "[crypto][own]")
 {
     const Store store;

@@ -93,17 +93,12 @@ public:
     // exclude each other, Bad_NotSupported for unknown bits and for a configured user,
     // Bad_OutOfRange for a password that breaks the rules.
 
-    // Functions that hash a password, which takes time, call `is_wanted`, if it is not empty,
-    // before they change anything: Bad_Timeout if it returns false.
-
     /// Part 18, 5.2.5: Bad_AlreadyExists, Bad_InvalidArgument for a name that breaks the rules,
     /// Bad_ResourceUnavailable at PasswordRules::max_users.
-    [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random,
-                                    const std::function<bool()>& is_wanted = {});
+    [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random);
     /// Part 18, 5.2.6: Bad_NotFound. Bad_RequestNotAllowed if no administrator would be left.
     [[nodiscard]] Checked<void> modify(std::string_view name, const UserChange& change,
-                                       crypto::Random& random,
-                                       const std::function<bool()>& is_wanted = {});
+                                       crypto::Random& random);
     /// Part 18, 5.2.7: Bad_NotFound, Bad_NotSupported for a user with no_delete,
     /// Bad_RequestNotAllowed for the last administrator.
     [[nodiscard]] Checked<void> remove(std::string_view name);
@@ -113,8 +108,23 @@ public:
     [[nodiscard]] Checked<void> change_password(std::string_view name,
                                                 std::string_view old_password,
                                                 std::string_view new_password,
-                                                crypto::Random& random,
-                                                const std::function<bool()>& is_wanted = {});
+                                                crypto::Random& random);
+
+    /// A change whose password has been hashed; calling it makes the change, once. The list must
+    /// outlive it.
+    using Prepared = std::function<Checked<void>()>;
+
+    // The same in two steps: these hash and compare passwords, which takes time, and change
+    // nothing.
+
+    [[nodiscard]] Checked<Prepared> prepare_add(User user, std::string_view password,
+                                                crypto::Random& random);
+    [[nodiscard]] Checked<Prepared> prepare_modify(std::string_view name, const UserChange& change,
+                                                   crypto::Random& random);
+    [[nodiscard]] Checked<Prepared> prepare_change_password(std::string_view name,
+                                                            std::string_view old_password,
+                                                            std::string_view new_password,
+                                                            crypto::Random& random);
 
 private:
     [[nodiscard]] bool has_administrator_in(const std::vector<User>& users) const;
@@ -123,6 +133,10 @@ private:
     [[nodiscard]] bool is_configured(std::string_view name) const;
     [[nodiscard]] Checked<std::string> hash(std::string_view name, std::string_view password,
                                             crypto::Random& random) const;
+    [[nodiscard]] Checked<void> insert(User user);
+    /// Puts what `apply` makes of the user in force.
+    [[nodiscard]] Checked<void> change(std::string_view name,
+                                       const std::function<Checked<void>(User&)>& apply);
     /// Writes the file, and then puts `users` in force.
     [[nodiscard]] Checked<void> replace(std::vector<User> users);
     [[nodiscard]] server::PasswordUsers::Change publication(const std::vector<User>& users) const;

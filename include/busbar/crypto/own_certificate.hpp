@@ -34,6 +34,14 @@ struct OwnCertificateSettings {
     std::uint32_t key_bits{2048};
 };
 
+/// A certificate request and the key that was made for it.
+struct SigningRequest {
+    /// DER.
+    std::vector<std::byte> request;
+    /// Nothing if the request is for the present key.
+    std::optional<PrivateKey> new_key;
+};
+
 /// Keeps an application's certificate and key (layout of Part 12, F.1) in a Storage:
 ///
 ///     own/certs/own.der         the certificate, followed by those that signed it, as on the wire
@@ -80,6 +88,12 @@ public:
     /// earlier one (Part 12, 7.10.10), and survives restarts.
     [[nodiscard]] Checked<std::vector<std::byte>>
     create_signing_request(const OwnCertificateSettings& settings, RequestKey key) const;
+    // The same in two steps, the first of which takes seconds.
+    /// Creates a request. Changes nothing except what prepare() of the other members does.
+    [[nodiscard]] Checked<SigningRequest>
+    make_signing_request(const OwnCertificateSettings& settings, RequestKey key) const;
+    /// Makes `key` the pending one, replacing an earlier one; it survives restarts.
+    [[nodiscard]] Checked<void> keep_request_key(const PrivateKey& key) const;
     /// Puts a certificate that a CA issued in force: PEM or DER, with the certificates that signed
     /// it in any order. Refused if no certificate belongs to the pending or the present key, or if
     /// the one that does names another ApplicationUri. Trust and time are not checked.
