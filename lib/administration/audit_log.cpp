@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
@@ -67,6 +68,79 @@ const Row& row_of(RecordKind kind)
     static constexpr Row none{0, {}};
     const auto place = static_cast<std::size_t>(kind);
     return place < rows.size() ? rows[place] : none;
+}
+
+bool is_in(std::span<const std::uint32_t> ids, const NodeId& id)
+{
+    return std::any_of(ids.begin(), ids.end(), [&](std::uint32_t each) { return id.is(each); });
+}
+
+NodeId node_of(const Record& record, std::string_view name)
+{
+    const Variant* const value = field(record, name);
+    return value != nullptr ? value->value_or<NodeId>({}) : NodeId{};
+}
+
+/// All Methods of a role add or remove a part of its mapping rules.
+bool is_role(const NodeId& object)
+{
+    static constexpr std::array roles{
+        id::WellKnownRole_Anonymous,          id::WellKnownRole_AuthenticatedUser,
+        id::WellKnownRole_TrustedApplication, id::WellKnownRole_Observer,
+        id::WellKnownRole_Operator,           id::WellKnownRole_Supervisor,
+        id::WellKnownRole_Engineer,           id::WellKnownRole_ConfigureAdmin,
+        id::WellKnownRole_SecurityAdmin};
+    return is_in(roles, object) ||
+           (object.namespace_index() == 1 && object.id_type() == IdType::String &&
+            object.string().view().starts_with("RoleSet/"));
+}
+
+/// CloseAndUpdate, AddCertificate or RemoveCertificate of TrustListType, or of a group's trust
+/// list: applications, https, users.
+bool changes_trust_list(const NodeId& method)
+{
+    static constexpr std::array<std::uint32_t, 12> methods{
+        12546, 12548, 12550, 12666, 12668, 12670, 14114, 14117, 14119, 14148, 14151, 14153};
+    return is_in(methods, method);
+}
+
+/// Returns the type of a Method's event, AuditUpdateMethodEventType or a subtype of it: each Method
+/// has one event (Part 4, 6.5.9; Part 5, 6.4.27).
+std::uint32_t method_type(const Record& record)
+{
+    const NodeId method = node_of(record, "MethodId");
+    if (is_in(std::array{id::ServerConfiguration_UpdateCertificate,
+                         id::ServerConfigurationType_UpdateCertificate},
+              method)) {
+        return id::CertificateUpdateRequestedAuditEventType; // Part 12, 7.10.26
+    }
+    if (changes_trust_list(method)) {
+        return id::TrustListUpdateRequestedAuditEventType; // Part 12, 7.8.2.12
+    }
+    // Only if it has updated the role (Part 18, 4.5).
+    return !record.status.is_bad() && is_role(node_of(record, "ObjectId"))
+               ? id::RoleMappingRuleChangedAuditEventType
+               : id::AuditUpdateMethodEventType;
+}
+
+/// True for what a Method has done or been refused, whose own event tells that: another event has
+/// only what was changed as a whole (Part 12, 7.8.2.13 and 7.10.27).
+bool is_told_otherwise(const Record& record)
+{
+    if (field(record, "MethodId") == nullptr) {
+        return false;
+    }
+    switch (record.kind) {
+    case RecordKind::SettingsChanged:
+    case RecordKind::UsersChanged:
+    case RecordKind::RolesChanged:
+        return true;
+    case RecordKind::TrustListUpdated:
+    case RecordKind::CertificateUpdated:
+        return record.status.is_bad();
+    default:
+        return false;
+    }
 }
 
 /// Returns the event type for what is wrong with the certificate (Part 5, 6.4.13 to 6.4.18).
@@ -179,7 +253,8 @@ Event audit_event(const Record& record, std::string_view server_id)
     const bool is_done = !record.status.is_bad() || record.kind == RecordKind::SessionClosed;
     Event event;
     event.event_type = NodeId{0, is_of_certificate(record.kind) ? certificate_type(record.status)
-                                                                : row.event_type};
+                                 : record.kind == RecordKind::MethodCalled ? method_type(record)
+                                                                           : row.event_type};
     event.source_name = source_name(record, row.source_name);
     event.message = LocalizedText{
         "en", String{record.text.empty() ? std::string{name(record.kind)} : record.text}};
@@ -195,10 +270,10 @@ Event audit_event(const Record& record, std::string_view server_id)
             event.set({0, String{std::string{field.name}}}, field.value);
         }
     }
-    const Variant* const node =
-        field(record, record.kind == RecordKind::AttributeWritten ? "NodeId" : "ObjectId");
-    if (const auto* const id = node != nullptr ? node->get_if<NodeId>() : nullptr) {
-        event.source_node = *id;
+    const NodeId node =
+        node_of(record, record.kind == RecordKind::AttributeWritten ? "NodeId" : "ObjectId");
+    if (!node.is_null()) {
+        event.source_node = node;
     }
     return event;
 }
@@ -219,7 +294,9 @@ void AuditLog::record(const Record& record)
     if (lines_->wants(record.kind)) {
         lines_->record(record);
     }
-    if (queue_ != nullptr && row_of(record.kind).event_type != 0) {
+    const bool is_told = is_told_otherwise(record) ||
+                         (record.kind == RecordKind::SettingsChanged && is_changing_settings_);
+    if (queue_ != nullptr && row_of(record.kind).event_type != 0 && !is_told) {
         // The queue counts events that it has no room for.
         static_cast<void>(queue_->raise(audit_event(record, server_id_)));
     }

@@ -301,6 +301,9 @@ void SettingNodes::write(server::WriteBatch batch)
 
 void SettingNodes::write_set(server::WriteBatch& batch)
 {
+    if (batch.is_abandoned()) { // and the audit tells so
+        return batch.finish(status::Bad_Timeout);
+    }
     std::vector<SettingChange> set;
     set.reserve(batch.size());
     for (const server::WriteItem& item : batch.items()) {

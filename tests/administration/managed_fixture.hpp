@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/administration/administration.hpp>
+#include <busbar/administration/audit_log.hpp>
 #include <busbar/core/storage_folder.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/server/waker.hpp>
@@ -180,7 +181,7 @@ struct ManagedFixture {
         administration =
             std::make_unique<administration::Administration>(administration::AdministrationParts{
                 .wall_clock = &wall_clock,
-                .log = &log,
+                .log = &audit,
                 .roles = &roles,
                 .users = &user_list,
                 .certificates = &certificates,
@@ -290,6 +291,8 @@ struct ManagedFixture {
     SeededRandom random;
     FixedWallClock wall_clock;
     LogBook log;
+    /// Passes all on to `log`; makes events once it is attached.
+    administration::AuditLog audit{log};
     crypto::InsecureAcceptAnyCertificate any;
     storage::MemoryStorage storage;
     StorageFolder user_files{storage, "users"};
@@ -358,7 +361,7 @@ struct ManagedFixture {
     server::Server server{
         server::Server::create(ServerFixture::secure_config(), {.random = &random,
                                                                 .wall_clock = &wall_clock,
-                                                                .log = &log,
+                                                                .log = &audit,
                                                                 .validator = &validator,
                                                                 .users = &passwords,
                                                                 .roles = &roles,

@@ -145,6 +145,57 @@ TEST_CASE_METHOD(Fixture, "a Method that takes too long answers Bad_Timeout, the
     CHECK(use(client) == status::Good);
 }
 
+TEST_CASE_METHOD(Fixture, "each Method of a Call that ends early is recorded once, with its result",
+                 "[unit:Auditing Method]")
+{
+    const NodeId now_method =
+        add("Now", {}, {}, [](MethodCall call) { call.fail(status::Bad_OutOfService); });
+    auto client = log_in();
+    client.timeout_hint = 1'000;
+    log.keeps_records = true;
+    client.send(request({to_call(slow, {Variant{1}}), to_call(now_method), to_call(own("No")),
+                         to_call(slow, {Variant{2}})}));
+    REQUIRE(calls.size() == 2);
+    calls[0].succeed({Variant{8}});
+    const auto recorded = [this] {
+        std::vector<std::string> found;
+        for (const std::string& line : std::exchange(log.records, {})) {
+            if (line.find("MethodCalled") == 0) {
+                found.push_back(line.substr(0, line.find(' ', sizeof "MethodCalled")));
+            }
+        }
+        return found;
+    };
+    std::string end;
+    SECTION("timeout hint")
+    {
+        advance(1s, client);
+        end = "MethodCalled Bad_Timeout";
+    }
+    SECTION("CloseSession")
+    {
+        REQUIRE(client.close_session() == status::Good);
+        end = "MethodCalled Bad_SessionClosed";
+    }
+    SECTION("shutdown")
+    {
+        server.begin_shutdown(now, "maintenance");
+        end = "MethodCalled Bad_Shutdown";
+    }
+    SECTION("a result that comes in time")
+    {
+        calls[1].fail(status::Bad_DeviceFailure);
+        complete(client);
+        end = "MethodCalled Bad_DeviceFailure";
+    }
+    CHECK(recorded() == std::vector<std::string>{"MethodCalled Good",
+                                                 "MethodCalled Bad_OutOfService",
+                                                 "MethodCalled Bad_NodeIdUnknown", end});
+    calls[1].succeed({Variant{9}});
+    complete(client);
+    CHECK(recorded().empty());
+}
+
 TEST_CASE_METHOD(Fixture, "a Call ends with the client's patience, its session and the server")
 {
     auto client = log_in();

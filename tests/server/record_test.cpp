@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <busbar/crypto/certificate_notices.hpp>
+#include <busbar/server/memory_source.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
@@ -126,6 +127,55 @@ TEST_CASE_METHOD(Recorded, "record: Writes and Calls, done or refused")
     log.keeps_records = false;
     static_cast<void>(client.call<WriteResponse>(write));
     CHECK(log.records.empty());
+}
+
+TEST_CASE_METHOD(Recorded, "record: a Write that ends early, with what was written by then")
+{
+    struct LateSource final : server::DataSource {
+        void read(server::ReadBatch) override {}
+        void write(server::WriteBatch batch) override { writes.push_back(std::move(batch)); }
+        std::vector<server::WriteBatch> writes;
+    };
+    LateSource late;
+    server::MemorySource quick{wall_clock};
+    model::AddressSpace& space = server.address_space();
+    const auto add = [&](const char* name, std::uint32_t source, std::uint64_t handle) {
+        model::NewNode node;
+        node.id = NodeId{1, name};
+        node.browse_name = QualifiedName{1, name};
+        node.parent = space.find(id::ObjectsFolder);
+        model::NewVariable variable;
+        variable.data_type = NodeId{0, id::Int32};
+        variable.access_level = model::Access::ReadWrite;
+        variable.source = source;
+        variable.handle = handle;
+        REQUIRE(space.add_variable(node, variable));
+    };
+    users.everybody.access_level_mask = 0xFF;
+    add("Late", server.add_source(late), 0);
+    add("Quick", server.add_source(quick), quick.add(Variant{1}));
+    auto client = log_in();
+    static_cast<void>(news(*this));
+    WriteRequest write;
+    for (const char* name : {"Late", "Quick", "None"}) {
+        WriteValue& each = write.nodes_to_write.emplace_back();
+        each.node_id = NodeId{1, name};
+        each.attribute_id = 13;
+        each.value.value = Variant{7};
+    }
+    client.send(write);
+    REQUIRE(late.writes.size() == 1);
+    CHECK_FALSE(late.writes[0].is_abandoned());
+    CHECK(client.close_session() == status::Good);
+    CHECK(late.writes[0].is_abandoned());
+    const Lines lines = news(*this);
+    REQUIRE(lines.size() == 4); // and the end of the session
+    CHECK(lines[0].find("AttributeWritten Bad_SessionClosed") == 0);
+    CHECK(lines[1].find("AttributeWritten Good") == 0);
+    CHECK(lines[2].find("AttributeWritten Bad_NodeIdUnknown") == 0);
+    late.writes[0].finish(status::Good);
+    server.handle_completions(now);
+    CHECK(news(*this) == Lines{});
 }
 
 TEST_CASE("record: nodes and references that clients add and delete")

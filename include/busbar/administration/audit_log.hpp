@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -22,6 +23,11 @@ namespace busbar::administration {
 /// become events. The queue is bounded; events that find no room are counted there, and clients are
 /// notified.
 ///
+/// Each Method and each node of a Write has one event, also if its session ends before the answer:
+/// of the type that the specification has for the Method, else AuditUpdateMethodEventType. Trust
+/// lists and certificates that a Method has changed have another one each (Part 12, 7.8.2.13 and
+/// 7.10.27), and so has what a file replaces that a Method commits.
+///
 /// A Write has no OldValue: data sources are not asked for it. Inputs of Methods with passwords or
 /// keys are left out.
 ///
@@ -35,6 +41,10 @@ public:
     /// is the server's ApplicationUri.
     void attach(std::shared_ptr<server::EventQueue> queue, std::string server_id);
 
+    /// While this is true, records of changed settings become no events: those of a change by a
+    /// Write or a Method, which has an event of its own.
+    void set_changing_settings(bool is_changing) { is_changing_settings_ = is_changing; }
+
     void write(LogLevel level, std::string_view source, std::string_view text) override
     {
         lines_->write(level, source, text);
@@ -46,6 +56,7 @@ private:
     LogSink* lines_;
     std::shared_ptr<server::EventQueue> queue_;
     std::string server_id_;
+    std::atomic<bool> is_changing_settings_{false};
 };
 
 /// Returns the event for a record: Status and ids, actor and origin, and the fields that the event

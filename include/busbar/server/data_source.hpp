@@ -122,6 +122,7 @@ public:
     [[nodiscard]] std::span<const WriteItem> items() const { return items_; }
     /// One status for each item, in the same order.
     [[nodiscard]] std::span<StatusCode> results() { return {results_, items_.size()}; }
+    [[nodiscard]] bool is_abandoned() const; // see CallBatch
 
     void complete();
     /// Completes with `status` for each item; Good is allowed. `reason` is CallResult::reason.

@@ -22,6 +22,7 @@ namespace busbar::server {
 
 namespace detail {
 class CallPart;
+struct ResultMark;
 } // namespace detail
 
 /// The caller of a Method.
@@ -46,6 +47,9 @@ struct CallItem {
     /// One for each of the Method's InputArguments, with its data type, value rank and dimensions:
     /// only ranges remain to be checked. Copies of them own their memory.
     std::span<const Variant> inputs;
+    /// Set by MethodCall when it has the result, which an audit tells also if the client has left
+    /// before the batch is complete. May be null.
+    detail::ResultMark* mark{nullptr};
 };
 
 /// The result of one Method.

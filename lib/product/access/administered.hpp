@@ -74,6 +74,7 @@ public:
 
     /// Returns the server's log.
     [[nodiscard]] LogSink& log() { return audit_; }
+    [[nodiscard]] administration::AuditLog& audit() { return audit_; }
     [[nodiscard]] const server::RoleMapper& roles() const { return listener_roles_; }
     /// Adds the users that were added online to those of the file, and lets `config` offer them.
     /// Called once, before the server is created. Throws ConfigError. `admission` must outlive this

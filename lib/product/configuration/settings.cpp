@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <busbar/administration/managed_certificates.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
 #include "mode_guard.hpp"
@@ -216,6 +217,8 @@ Configured<void> Settings::check_version(const Version& all) const
 void Settings::apply(const SettingValues& changes)
 {
     auto checked = std::exchange(checked_, {});
+    is_applying_ = true;
+    const busbar::detail::Undo applied{[this] { is_applying_ = false; }};
     take(checked && checked->changes == changes ? std::move(checked->version)
                                                 : version(text_, sources_, changes));
 }

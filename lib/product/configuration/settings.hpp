@@ -88,6 +88,8 @@ public:
     [[nodiscard]] bool waits_for_restart() const;
     [[nodiscard]] Configured<void> check(const administration::SettingValues& changes) override;
     void apply(const administration::SettingValues& changes) override;
+    /// True while apply() runs: what changes then was changed online.
+    [[nodiscard]] bool is_applying() const { return is_applying_; }
 
 private:
     struct Version {
@@ -122,6 +124,7 @@ private:
     /// The result of the last check(): apply(), which comes after the changes were stored, must not
     /// fail for lack of memory, and reads nothing again.
     std::optional<Checked> checked_;
+    bool is_applying_{false};
 };
 
 /// Removes online changes, readable or not: settings, and a program that was sent. Returns what it

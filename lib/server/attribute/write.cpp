@@ -1,5 +1,7 @@
 #include "write.hpp"
 
+#include <utility>
+
 #include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
@@ -73,8 +75,17 @@ void WriteOperation::handle_deadline(TimePoint now)
     }
 }
 
+void WriteOperation::ends_with(StatusCode status)
+{
+    if (job_ && session() != nullptr && !std::exchange(is_observed_, true)) {
+        needs_.observer.given_up(*session(), mark_, request(),
+                                 [&](std::size_t index) { return job_->result_or(index, status); });
+    }
+}
+
 void WriteOperation::call_completed()
 {
+    is_observed_ = true;
     needs_.observer.written(session(), mark_, request(), job_->nodes(),
                             [this](std::size_t index) { return job_->result(index); });
     if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {

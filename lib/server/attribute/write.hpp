@@ -28,6 +28,7 @@ public:
 
 private:
     void call_completed() override;
+    void ends_with(StatusCode status) override;
     [[nodiscard]] bool takes_aliases() const override { return !needs_.observer.wants_node_ids(); }
     /// Checks values; true if none is left.
     [[nodiscard]] bool plan(ServiceContext& context);
@@ -36,6 +37,7 @@ private:
     std::optional<WriteJob> job_;
     RequestMark mark_;
     bool is_planning_{true};
+    bool is_observed_{false};
     unsigned restarts_{0};
 };
 

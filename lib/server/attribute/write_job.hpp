@@ -68,6 +68,12 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// The result of an item, once the results are complete.
     [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
+    /// The result of an item at any time, `otherwise` if it has none yet.
+    [[nodiscard]] StatusCode result_or(std::size_t index, StatusCode otherwise) const
+    {
+        const StatusCode* const result = index < planned_ ? call_.find_result(index) : nullptr;
+        return result != nullptr ? *result : otherwise;
+    }
     /// The reason why its source refused it; empty if unknown.
     [[nodiscard]] std::string_view reason(std::size_t index) const
     {

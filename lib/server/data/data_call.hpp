@@ -184,6 +184,30 @@ public:
         const std::uint32_t place = place_[index];
         return place < size() ? block_->answers[place] : failures_[place - size()];
     }
+    /// The result of operation `index` at any time; null if it has none yet, or its source may
+    /// still change it.
+    [[nodiscard]] const Answer* find_result(std::size_t index) const
+    {
+        const std::uint32_t place = place_[index];
+        if (place >= size() - answered_) {
+            return &result(index);
+        }
+        const auto is_of = [&](const Group& group) {
+            return place >= group.first && place - group.first < group.size;
+        };
+        const auto found = std::find_if(groups_.begin(), groups_.end(), is_of);
+        if (owner_ == nullptr || found == groups_.end()) {
+            return nullptr;
+        }
+        const Part& part = block_->parts[found->part];
+        return part.is_complete() && part.verdict() == StatusCode{} ? &result(index) : nullptr;
+    }
+    /// The answer of operation `index`, for which find_result() is null though its source will not
+    /// change it any more.
+    [[nodiscard]] const Answer& settled_answer(std::size_t index) const
+    {
+        return block_->answers[place_[index]];
+    }
     /// The batch of operation `index`, once its source has completed it; null for one that was
     /// answered here, or whose source is late.
     [[nodiscard]] const Part* part_of(std::size_t index) const

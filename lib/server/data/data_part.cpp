@@ -118,6 +118,11 @@ WriteBatch& WriteBatch::operator=(WriteBatch&& other) noexcept
     return *this;
 }
 
+bool WriteBatch::is_abandoned() const
+{
+    return part_ != nullptr && part_->is_abandoned();
+}
+
 void WriteBatch::complete()
 {
     items_ = {};

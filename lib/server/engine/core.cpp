@@ -231,6 +231,12 @@ void Core::written(const Session* session, const RequestMark& mark, const WriteR
     }
 }
 
+void Core::given_up(const Session& session, const RequestMark& mark, const WriteRequest& request,
+                    FunctionRef<StatusCode(std::size_t)> result)
+{
+    record_write(rationed_log, &session, mark, request, result);
+}
+
 void Core::model_changed()
 {
     events->announce_model_changes();

@@ -174,6 +174,8 @@ private:
     void written(const Session* session, const RequestMark& mark, const WriteRequest& request,
                  std::span<const model::NodeHandle> nodes,
                  FunctionRef<StatusCode(std::size_t)> result) override;
+    void given_up(const Session& session, const RequestMark& mark, const WriteRequest& request,
+                  FunctionRef<StatusCode(std::size_t)> result) override;
     void model_changed() override;
 
     std::int64_t log_minute_{0};

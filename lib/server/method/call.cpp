@@ -39,6 +39,13 @@ void CallOperation::handle_deadline(TimePoint now)
     }
 }
 
+void CallOperation::ends_with(StatusCode status)
+{
+    if (job_ && session() != nullptr) {
+        job_->record(*session(), mark_, request(), status);
+    }
+}
+
 void CallOperation::call_completed()
 {
     if (is_finished()) {

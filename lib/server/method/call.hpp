@@ -25,6 +25,7 @@ public:
 
 private:
     void call_completed() override;
+    void ends_with(StatusCode status) override;
 
     const MethodNeeds& needs_;
     std::optional<CallJob> job_;

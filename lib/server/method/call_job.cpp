@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/text.hpp>
@@ -100,6 +101,7 @@ CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,
                        context.mark.audit_entry_id,
                        context.mark.timestamp};
     const auto calls = request.methods_to_call.span();
+    memory_->marks = std::make_unique<ResultMark[]>(calls.size());
     for (std::size_t i = 0; i < calls.size(); ++i) {
         if (auto answer = plan(context, i, calls[i])) {
             call_.answer(i) = std::move(*answer);
@@ -165,7 +167,8 @@ std::optional<CallResult> CallJob::carry_out(const ServiceContext& context, std:
         return CallResult{status::Bad_Shutdown};
     }
     call_.ask(index, attributes.source,
-              {attributes.handle, &call.object_id, &call.method_id, call.input_arguments.span()});
+              {attributes.handle, &call.object_id, &call.method_id, call.input_arguments.span(),
+               &memory_->marks[index]});
     return std::nullopt;
 }
 
@@ -201,10 +204,17 @@ void CallJob::finish()
     }
 }
 
-void CallJob::record(const Session& session, const RequestMark& mark,
-                     const CallRequest& request) const
+const CallResult* CallJob::find_result(std::size_t index) const
 {
-    if (!needs_.log.wants(RecordKind::MethodCalled)) {
+    const CallResult* const result = call_.find_result(index);
+    return result == nullptr && memory_->marks[index].is_set ? &call_.settled_answer(index)
+                                                             : result;
+}
+
+void CallJob::record(const Session& session, const RequestMark& mark, const CallRequest& request,
+                     StatusCode status)
+{
+    if (std::exchange(is_recorded_, true) || !needs_.log.wants(RecordKind::MethodCalled)) {
         return;
     }
     for (std::size_t i = 0; i < call_.size(); ++i) {
@@ -213,7 +223,9 @@ void CallJob::record(const Session& session, const RequestMark& mark,
                                 RecordField{"MethodId", Variant{call.method_id}},
                                 RecordField{"InputArguments", Variant{call.input_arguments}}};
         Record one{RecordKind::MethodCalled, LogLevel::Debug, "method"};
-        one.status = call_.result(i).status;
+        const CallResult* const result = find_result(i);
+        one.status = result != nullptr ? result->status : status;
+        one.text = result != nullptr ? result->reason : std::string{};
         one.actor = actor_of(session, mark);
         // The last field may contain a password.
         one.fields = std::span{fields}.first(has_secret_inputs(call.method_id) ? 2 : 3);

@@ -43,8 +43,11 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// Checks the answers of the sources; before encode_results().
     void finish();
-    /// Records each Method, if the log wants it (Part 5, 6.4.28); after finish().
-    void record(const Session& session, const RequestMark& mark, const CallRequest& request) const;
+    /// Records each Method, if the log wants it (Part 5, 6.4.28): after finish(), or if the client
+    /// gets `status` for the whole Call instead, which then is the status of Methods without a
+    /// result. Only the first call records.
+    void record(const Session& session, const RequestMark& mark, const CallRequest& request,
+                StatusCode status = {});
     /// Returns the diagnostics of the calls and their arguments, after finish().
     [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
                                            const CallRequest& request) const;
@@ -66,6 +69,8 @@ private:
         MethodCaller caller;
         std::vector<std::byte> message;
         CallRequest request;
+        /// One for each Method.
+        std::unique_ptr<ResultMark[]> marks;
     };
 
     [[nodiscard]] std::optional<CallResult> plan(const ServiceContext& context, std::size_t index,
@@ -75,6 +80,8 @@ private:
                                                       const CallMethodRequest& call,
                                                       model::NodeIndex method);
     [[nodiscard]] Result<const MethodSignature*> signature(model::NodeIndex method);
+    /// The result of a Method at any time; null if it has none.
+    [[nodiscard]] const CallResult* find_result(std::size_t index) const;
 
     const MethodNeeds& needs_;
     SourceMethodCall call_;
@@ -86,6 +93,7 @@ private:
     std::size_t item_count_{0};
     /// References that may still be visited.
     std::size_t visits_left_{10'000'000};
+    bool is_recorded_{false};
 };
 
 } // namespace busbar::server::detail

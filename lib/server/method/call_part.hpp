@@ -1,11 +1,19 @@
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "server/data/data_call.hpp"
 
 namespace busbar::server::detail {
+
+/// Says that the result of a Method will not change any more; set on any thread.
+struct ResultMark {
+    std::atomic<bool> is_set{false};
+};
 
 class CallPart : public Part {
 public:

@@ -2,6 +2,8 @@
 
 #include <busbar/core/detail/guarded.hpp>
 
+#include "call_part.hpp"
+
 namespace busbar::server {
 
 void MethodCall::succeed(Array<Variant> outputs)
@@ -30,6 +32,9 @@ void MethodCall::finish(CallResult result)
 {
     if (const auto batch = std::move(batch_)) {
         batch->results()[index_] = std::move(result);
+        if (detail::ResultMark* const mark = batch->items()[index_].mark) {
+            mark->is_set = true;
+        }
     }
 }
 

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/status_codes.hpp>
+
 #include "service.hpp"
 #include "session.hpp"
 
@@ -37,9 +40,16 @@ void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binar
     }
 }
 
+void ServiceOperation::drop()
+{
+    busbar::detail::attempt([&] { ends_with(status::Bad_ConnectionClosed); });
+    static_cast<void>(finish());
+}
+
 void ServiceOperation::fault(StatusCode status)
 {
     if (!is_finished()) {
+        busbar::detail::attempt([&] { ends_with(status); });
         peer_->count_fault(session_, encoding_id_, status);
         finish().fault({request_id_, request_handle_, 0, return_diagnostics_}, status);
     }

@@ -96,8 +96,8 @@ public:
     /// Charges the session for the message and its decoded form; an operation that has not answered
     /// after start() still needs both.
     [[nodiscard]] bool charge_message() { return charge(message_.capacity() + decoded_); }
-    /// Drops the operation, whose answer is not needed any more.
-    void drop() { static_cast<void>(finish()); }
+    /// Drops the operation, whose connection has ended.
+    void drop();
     /// Called before the operation is destroyed: returns the message for another use, empty if an
     /// object that outlives the operation needs it.
     [[nodiscard]] virtual std::vector<std::byte> spare_message() { return take_message(); }
@@ -143,6 +143,9 @@ protected:
 
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
+    /// Called before the operation ends other than by respond(): by its own fault() or by that of
+    /// other code, or with its connection. session() is still there.
+    virtual void ends_with(StatusCode /*status*/) {}
     /// True if it looks aliases up by itself, and keeps none.
     [[nodiscard]] virtual bool takes_aliases() const { return false; }
     /// Calls `visit` for each NodeId that may be an alias until it returns false, and returns the
