@@ -59,10 +59,8 @@ public:
     {
         needs_.password_checks.stop_waiting(*this);
         if (check_) {
-            check_->owner = nullptr;
+            check_->leave();
         }
-        // A client that does not wait for the answer has guessed.
-        busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
         wipe_message();
     }
     /// The message without the password, which only the token's own policy encrypts.
@@ -99,8 +97,6 @@ private:
     void take_result(PasswordCheck& check, TimePoint now);
     void work_displaced(TimePoint now) override;
     void check_ended(TimePoint now) override;
-    /// Reports the end to the guard, if the beginning was reported.
-    void end_check(LoginGuard::End end);
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
     [[nodiscard]] LoginAttempt login_attempt() const;
@@ -118,16 +114,8 @@ private:
     /// The check that a worker does, and the nonce that it began with.
     std::shared_ptr<PasswordCheck> check_;
     ByteString checked_nonce_;
-    /// The attempt whose check is under way; its texts are here and in thumbprint_.
-    struct Begun {
-        std::string user;
-        std::string address;
-        bool has_code{false};
-        TimePoint since;
-        /// The delay of the answer if the password is wrong.
-        Duration delay{};
-    };
-    std::optional<Begun> begun_;
+    /// The delay of the answer if the password is wrong.
+    Duration delay_{};
     /// The answer at the end of the wait; good if that is not decided.
     StatusCode answer_;
 };
@@ -300,8 +288,7 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
         return end_user(end_log_in(*check), now);
     }
     const LoginAttempt attempt = login_attempt();
-    begun_ = Begun{std::string{attempt.user}, std::string{attempt.address}, attempt.has_code, now};
-    begun_->delay = needs_.logins.begun(attempt, now);
+    delay_ = check->begin(needs_.logins, attempt, now);
     check_ = std::move(check);
     check_->owner = this;
     check_->source = LoginGuard::source_of(attempt);
@@ -312,18 +299,12 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
         return needs_.guards.report().guard("Worker::run", false,
                                             [&] { return worker->run(std::move(job)); });
     };
+    busbar::detail::Undo undo{
+        [this] { std::exchange(check_, nullptr)->end(LoginGuard::End::NotLookedAt); }};
     if (!needs_.password_checks.start(check_, run, now)) {
-        end_check(LoginGuard::End::NotLookedAt);
         return fault(status::Bad_ServerTooBusy);
     }
-}
-
-void ActivateSession::end_check(LoginGuard::End end)
-{
-    if (const std::optional<Begun> begun = std::exchange(begun_, std::nullopt)) {
-        needs_.logins.ended({begun->user, thumbprint_, begun->address, begun->has_code}, end,
-                            begun->since);
-    }
+    undo.keep();
 }
 
 void ActivateSession::check_ended(TimePoint now)
@@ -341,7 +322,7 @@ void ActivateSession::check_ended(TimePoint now)
 /// Much may have happened meanwhile.
 void ActivateSession::work_done(TimePoint now)
 {
-    const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
+    const std::shared_ptr<PasswordCheck> check = check_;
     if (!is_finished()) {
         const StatusCode thrown = busbar::detail::guarded(needs_.log, "the end of a login",
                                                           [&] { take_result(*check, now); });
@@ -349,8 +330,9 @@ void ActivateSession::work_done(TimePoint now)
             fault(thrown);
         }
     }
-    // An undecided check counts as failed. Others may wait for its end.
-    busbar::detail::attempt([&] { end_check(LoginGuard::End::Wrong); });
+    check_ = nullptr;
+    // Others may wait for the end of a check that has decided nothing.
+    busbar::detail::attempt([&] { check->end_by_result(); });
 }
 
 void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
@@ -368,8 +350,7 @@ void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
 
 void ActivateSession::work_displaced(TimePoint now)
 {
-    check_ = nullptr;
-    end_check(LoginGuard::End::NotLookedAt);
+    std::exchange(check_, nullptr)->end(LoginGuard::End::NotLookedAt);
     if (is_finished()) {
         return;
     }
@@ -385,12 +366,11 @@ void ActivateSession::end_user(Login user, TimePoint now)
 {
     if (!user) {
         Duration delay = Duration::zero();
-        if (!user.error().is_guess) {
-            end_check(LoginGuard::End::NotLookedAt);
-        } else if (begun_) {
-            delay = begun_->delay;
-            end_check(LoginGuard::End::Wrong);
-        } else {
+        if (check_) {
+            delay = user.error().is_guess ? delay_ : Duration::zero();
+            check_->end(user.error().is_guess ? LoginGuard::End::Wrong
+                                              : LoginGuard::End::NotLookedAt);
+        } else if (user.error().is_guess) {
             delay = needs_.logins.failed(login_attempt(), now);
         }
         return refuse(user.error().answer, std::move(user.error().refusal), delay, now);
@@ -453,8 +433,8 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     if (!nonce) {
         return fault(nonce.error());
     }
-    if (begun_) {
-        end_check(LoginGuard::End::Right);
+    if (check_) {
+        check_->end(LoginGuard::End::Right);
     } else if (!is_anonymous()) {
         needs_.logins.succeeded(login_attempt());
     }

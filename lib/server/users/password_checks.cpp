@@ -1,11 +1,13 @@
 #include "password_checks.hpp"
 
 #include <cstddef>
+#include <utility>
 
 namespace busbar::server::detail {
 
 void PasswordCheck::run(UserStore& from)
 {
+    was_compared_ = true;
     const StatusCode status =
         busbar::detail::caught(thrown, [&] { result = from.log_in(name, password.text()); });
     if (status.is_bad()) {
@@ -14,6 +16,38 @@ void PasswordCheck::run(UserStore& from)
             thrown.set("an exception");
         }
     }
+}
+
+Duration PasswordCheck::begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now)
+{
+    // `name` is the attempt's user.
+    address_ = attempt.address;
+    certificate_ = attempt.certificate;
+    has_code_ = attempt.has_code;
+    since_ = now;
+    const Duration delay = guard.begun(attempt, now);
+    guard_ = &guard;
+    return delay;
+}
+
+void PasswordCheck::end(LoginGuard::End how)
+{
+    if (LoginGuard* const guard = std::exchange(guard_, nullptr)) {
+        guard->ended({name, certificate_, address_, has_code_}, how, since_);
+    }
+}
+
+void PasswordCheck::end_by_result()
+{
+    // An exception means nothing about the password.
+    const bool is_wrong = was_compared_ && thrown.view().empty() && (!is_readable || !result);
+    end(is_wrong ? LoginGuard::End::Wrong : LoginGuard::End::NotLookedAt);
+}
+
+void PasswordCheck::leave()
+{
+    is_wanted_ = false;
+    owner = this;
 }
 
 void PasswordChecks::drain(TimePoint now)

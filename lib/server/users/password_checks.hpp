@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,18 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/worker.hpp>
 
+#include "login_guard.hpp"
 #include "work_queue.hpp"
 
 namespace busbar::server::detail {
 
 /// A name and a password on their way through a UserStore.
-struct PasswordCheck final : WorkItem {
+///
+/// The LoginGuard counts a check that a worker does until it ends, which outlives a login whose
+/// client goes away: what was compared and wrong is a failure even then, what was right or not
+/// looked at is none. So a guess costs the same whether its answer is awaited or not, and a client
+/// that is cut off in the middle of right logins is not locked out.
+struct PasswordCheck final : WorkItem, private WorkOwner {
     std::string name;
     crypto::Secret password;
     /// False for a stand-in: the login fails, whatever the store answers.
@@ -28,7 +35,37 @@ struct PasswordCheck final : WorkItem {
 
     /// Calls the store; takes some time.
     void run(UserStore& from);
-    void run() override { run(*users); }
+    void run() override
+    {
+        if (is_wanted_) {
+            run(*users);
+        }
+    }
+
+    // The following members are called on the server's thread.
+
+    /// The guard, which must outlive the check, counts it from now on. Returns the delay of the
+    /// answer if the password is wrong.
+    [[nodiscard]] Duration begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now);
+    /// Tells the guard how it ended, if it was begun and has not ended before.
+    void end(LoginGuard::End how);
+    /// Likewise, by the result: a right password is no success if nothing logs in by it.
+    void end_by_result();
+    /// Its owner no longer waits: a worker that has not begun compares nothing.
+    void leave();
+
+private:
+    void work_done(TimePoint /*now*/) override { end_by_result(); }
+    void work_displaced(TimePoint /*now*/) override { end(LoginGuard::End::NotLookedAt); }
+
+    std::atomic<bool> is_wanted_{true};
+    bool was_compared_{false};
+    LoginGuard* guard_{nullptr};
+    /// The attempt for the guard, and when it began.
+    std::string address_;
+    std::string certificate_;
+    bool has_code_{false};
+    TimePoint since_;
 };
 
 /// Waits for the end of any check; lives on the server's thread.
