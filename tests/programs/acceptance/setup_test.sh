@@ -128,6 +128,7 @@ shut_down
 # Without a port nobody could use a code: none is made, and the start says what to do.
 rm -rf "$XDG_DATA_HOME"
 sed -e 's/"first/"closed/' -e 's/^\[machine\]/&\nuse = false/' first.toml > closed.toml
+rm -f log # or that of the one before is found
 "$controller" --config closed.toml > log 2>&1 < /dev/null &
 pid=$!
 await logged '^ready'
