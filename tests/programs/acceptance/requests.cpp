@@ -4,11 +4,13 @@
 //     read N NODE                    write N NODE                    browse N
 //     translate N                    call N OBJECT METHOD            sessions N
 //     subscriptions N INTERVAL       items N NODE SAMPLING QUEUE     held SECONDS NODE
-//     bytes N NODE SIZE
+//     bytes N NODE SIZE              password N OLD NEW              rule ROLE CRITERIA TEXT
 //
 // "Good: 3 Good, 1 Bad_NodeIdUnknown", and what was revised. "held" writes and reads the node after
-// that time; "bytes" writes so many ByteStrings of that size at once. Without security, unless
-// REQUESTS_USER says who logs in, with REQUESTS_PASSWORD.
+// that time; "bytes" writes so many ByteStrings of that size at once; "password" changes the user's
+// own N times in one Call; "rule" is AddIdentity with a number of IdentityCriteriaType. Without
+// security, unless REQUESTS_USER says who logs in, with REQUESTS_PASSWORD, or REQUESTS_TOKEN is a
+// JSON Web Token.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -18,6 +20,7 @@
 #include <busbar/core/text_forms.hpp>
 #include <busbar/net/application.hpp>
 #include <busbar/net/blocking_client.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
@@ -216,6 +219,32 @@ bool items(BlockingClient& client, std::size_t count, const NodeId& node, double
     return made.has_value();
 }
 
+bool change_password(BlockingClient& client, std::size_t count, const std::string& from,
+                     const std::string& to)
+{
+    CallRequest request;
+    for (std::size_t i = 0; i < count; ++i) {
+        CallMethodRequest& each = request.methods_to_call.emplace_back();
+        each.object_id = NodeId{0, id::UserManagement};
+        each.method_id = NodeId{0, id::UserManagement_ChangePassword};
+        each.input_arguments = {Variant{String{from}}, Variant{String{to}}};
+    }
+    return send<CallResponse>(client, std::move(request),
+                              [](const CallMethodResult& result) { return result.status_code; });
+}
+
+bool add_rule(BlockingClient& client, const NodeId& role, int criteria, const std::string& text)
+{
+    CallRequest request;
+    CallMethodRequest& add = request.methods_to_call.emplace_back();
+    add.object_id = role;
+    add.method_id = NodeId{0, id::RoleType_AddIdentity};
+    add.input_arguments = {Variant{ExtensionObject::from(
+        IdentityMappingRuleType{static_cast<IdentityCriteriaType>(criteria), String{text}})}};
+    return send<CallResponse>(client, std::move(request),
+                              [](const CallMethodResult& result) { return result.status_code; });
+}
+
 class Requests {
 public:
     Requests(net::Application& application, std::vector<std::string> words)
@@ -250,9 +279,12 @@ private:
     [[nodiscard]] client::ClientConfig config(int timeout) const
     {
         client::ClientConfig config = application_.client_config(word(0));
+        const char* const token = std::getenv("REQUESTS_TOKEN");
         const char* const user = std::getenv("REQUESTS_USER");
         const char* const password = std::getenv("REQUESTS_PASSWORD");
-        if (user != nullptr && password != nullptr) {
+        if (token != nullptr) {
+            config.identity = client::IssuedUser{token};
+        } else if (user != nullptr && password != nullptr) {
             config.identity = client::NamedUser{user, password};
         } else {
             config.security = {{"None"}, MessageSecurityMode::None, true};
@@ -285,6 +317,12 @@ private:
         }
         if (kind == "call") {
             return call(client, count, node_of(word(3)), node_of(word(4)));
+        }
+        if (kind == "password") {
+            return change_password(client, count, word(3), word(4));
+        }
+        if (kind == "rule") {
+            return add_rule(client, node_of(word(2)), static_cast<int>(number(3)), word(4));
         }
         if (kind == "subscriptions") {
             return subscriptions(client, count, number(3));
