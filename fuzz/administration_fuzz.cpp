@@ -148,6 +148,7 @@ struct Fixture : Backend, fuzz::ServerSession {
             add(space.find(NodeId{1, "Transfers/backup"}), method);
         }
         lasting_targets = targets.size();
+        keeps_connection = true;
         kept_files.keep();
     }
     void make_recipes()
@@ -164,7 +165,19 @@ struct Fixture : Backend, fuzz::ServerSession {
     {
         const bool is_over = fuzz::ServerSession::disconnect();
         files.set_protected(false);
-        kept_files.restore();
+        const bool is_restored = !kept_files.restore() || undo_roles();
+        administration.refresh_files();
+        for (const char* path : {"/d", "/a", "/d/a"}) {
+            open_to_all(path);
+        }
+        handles_before = handles;
+        targets.resize(lasting_targets);
+        return is_over && is_restored &&
+               server::RunningServer{server}.change_state(ServerState::Running, "", {});
+    }
+    /// Makes the server have the roles of its file again.
+    [[nodiscard]] bool undo_roles()
+    {
         auto& space = server.address_space();
         for (const administration::RoleRules& role : roles.roles()) {
             if (!administration::RoleList::is_well_known(role.name)) {
@@ -172,15 +185,7 @@ struct Fixture : Backend, fuzz::ServerSession {
                     NodeId{1, String{"RoleSet/" + role.namespace_uri + "/" + role.name}})));
             }
         }
-        const bool is_loaded = roles.load().has_value();
-        administration.refresh_files();
-        for (const char* path : {"/d", "/a", "/d/a"}) {
-            open_to_all(path);
-        }
-        handles_before = handles;
-        targets.resize(lasting_targets);
-        return is_over && is_loaded &&
-               server::RunningServer{server}.change_state(ServerState::Running, "", {});
+        return roles.load().has_value();
     }
     void add_call(const fuzz::MethodTarget& target, fuzz::Script& script)
     {
@@ -207,8 +212,8 @@ struct Fixture : Backend, fuzz::ServerSession {
         }
         run();
         note_handles();
-        called.clear();
         follow_transfers();
+        called.clear();
     }
     void add_file_methods(const std::string& path)
     {
@@ -248,9 +253,17 @@ struct Fixture : Backend, fuzz::ServerSession {
         send(std::move(request));
         followed.clear();
     }
-    /// Temporary files come and go.
+    /// Temporary files come and go, by a Method of theirs.
     void follow_transfers()
     {
+        const bool is_any =
+            std::any_of(called.begin(), called.end(), [](const fuzz::MethodTarget* target) {
+                return target->object.id_type() == IdType::String &&
+                       target->object.string().view().starts_with("Transfers/");
+            });
+        if (!is_any) {
+            return;
+        }
         auto& space = server.address_space();
         std::vector<NodeId> transferred;
         const model::NodeIndex type = space.find(id::FileType);

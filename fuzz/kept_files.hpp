@@ -31,10 +31,11 @@ public:
         }
         steps_ = files_.steps();
     }
-    void restore()
+    /// False if there was nothing to put back.
+    bool restore()
     {
         if (files_.steps() == steps_) {
-            return; // nothing was changed
+            return false;
         }
         for (const std::string& name : files_.names()) {
             if (!contents_.contains(name)) {
@@ -59,6 +60,7 @@ public:
             }
         }
         steps_ = files_.steps();
+        return true;
     }
 
 private:

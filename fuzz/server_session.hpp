@@ -26,6 +26,7 @@ struct ServerSession {
     void connect()
     {
         connection.emplace(*server.connect("127.0.0.1", now));
+        connected_at = now;
         channel::ClientChannelConfig config;
         config.endpoint_url = "opc.tcp://localhost:4840";
         client.emplace(
@@ -50,8 +51,8 @@ struct ServerSession {
                                                     .waker = waker};
         return *server::Server::create(quick_modules(), config, environment);
     }
-    /// Ends the session and the connection, and lets the time pass until all that they made has
-    /// ended, too. False if that takes long: this is the end of the server then.
+    /// Ends the session and the connection, unless that may stay, and lets the time pass until all
+    /// that they made has ended, too. False if that takes long: this is the end of the server then.
     [[nodiscard]] bool disconnect()
     {
         CloseSessionRequest close;
@@ -59,8 +60,10 @@ struct ServerSession {
         send(std::move(close));
         token = {};
         responses.clear();
-        client.reset();
-        connection.reset();
+        if (!keeps_connection || connection->is_closed() || is_busy() || now != connected_at) {
+            client.reset();
+            connection.reset();
+        }
         for (int i = 0; i < 100 && is_busy(); ++i) { // Subscriptions count late deadlines once
             now += std::chrono::minutes{3};
             server.handle_deadline(now);
@@ -136,6 +139,10 @@ struct ServerSession {
     NullLog log;
     TimePoint now{};
     server::Server server;
+    /// Whether the next input may use the same connection: if nothing can be wrong with that, as
+    /// its messages are made by a client, and if no time has passed.
+    bool keeps_connection{false};
+    TimePoint connected_at{};
     std::optional<server::Connection> connection;
     std::optional<channel::ClientChannel> client;
     NodeId token;
