@@ -50,10 +50,16 @@ struct ResolvedType {
     /// For a text as in TypeUse; 1 for Char and Wchar.
     std::uint32_t string_length{0};
     std::optional<Bounds> subrange{};
-    /// The initial value of the first resolved type that has one; null if none has.
-    const InitialValue* initial{nullptr};
-    /// The number of dimensions around the type that `initial` is of.
-    std::size_t initial_level{0};
+    /// The initial value of a type that was resolved.
+    struct Initial {
+        /// Belongs to the type; not null.
+        const InitialValue* value{nullptr};
+        /// The number of dimensions around that type.
+        std::size_t level{0};
+    };
+    /// In the order in which types were resolved. What the first ones leave out, such as the rest
+    /// of an array, begins as the next ones say (IEC 61131-3, 6.4.4.5).
+    std::vector<Initial> initials{};
 
     [[nodiscard]] bool is_array() const { return !dimensions.empty(); }
     /// True for a Structure and a Union, and arrays of these.

@@ -74,7 +74,7 @@ bool InitialValues::store(const ResolvedType& type, const InitialValue& own,
     for (std::uint32_t i = 1; i < place.elements; ++i) {
         std::memcpy(to + std::size_t{i} * place.stride, to, place.stride);
     }
-    fits = (type.initial == nullptr || apply_type(target)) && fits;
+    fits = apply_types(target) && fits;
     return (own.empty() || apply(target, own)) && fits;
 }
 
@@ -102,16 +102,22 @@ bool InitialValues::store_default(const Target& target) const
     return fits;
 }
 
-bool InitialValues::apply_type(const Target& target) const
+bool InitialValues::apply_types(const Target& target) const
 {
-    const std::size_t level = target.type.initial_level;
-    const InitialValue& value = *target.type.initial;
-    const bool fits = level < target.type.dimensions.size() ? apply_list(target, value, level, 0)
-                                                            : apply_one(target, value);
-    const std::uint64_t of_one = elements_below(target.type, level);
-    const std::size_t bytes = of_one * target.place.stride;
-    for (std::uint64_t i = of_one; i < target.place.elements; i += of_one) {
-        std::memcpy(target.to + i * target.place.stride, target.to, bytes);
+    const ResolvedType& type = target.type;
+    bool fits = true;
+    for (std::size_t i = type.initials.size(); i-- > 0;) {
+        const auto& [value, level] = type.initials[i];
+        fits = (level < type.dimensions.size() ? apply_list(target, *value, level, 0)
+                                               : apply_one(target, *value)) &&
+               fits;
+        const std::uint64_t one = elements_below(type, level);
+        const std::uint64_t all =
+            i > 0 ? elements_below(type, type.initials[i - 1].level) : target.place.elements;
+        for (std::uint64_t copied = one; copied < all; copied += one) {
+            std::memcpy(target.to + copied * target.place.stride, target.to,
+                        one * target.place.stride);
+        }
     }
     return fits;
 }

@@ -29,9 +29,9 @@ private:
     };
 
     [[nodiscard]] bool store_default(const Target& target) const;
-    /// Applies the value of the type: to the whole variable, or to each of the values of that type
-    /// that an array consists of.
-    [[nodiscard]] bool apply_type(const Target& target) const;
+    /// Applies the values of the types, the innermost first: each to one value of its type, which
+    /// is then copied to the others that are elements of one value of the next type.
+    [[nodiscard]] bool apply_types(const Target& target) const;
     [[nodiscard]] bool apply(const Target& target, const InitialValue& value) const;
     /// Fills elements from index `first` on by a list below `level` dimensions. A list of lists has
     /// one for each index, of which a short one leaves the rest of its elements alone.

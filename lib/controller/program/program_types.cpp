@@ -108,9 +108,8 @@ ResolvedType ProgramTypes::resolve(const TypeUse& use) const
             return result;
         }
         const DerivedType& type = *find(at->type_name);
-        if (result.initial == nullptr && !type.initial.empty()) {
-            result.initial = &type.initial;
-            result.initial_level = result.dimensions.size();
+        if (!type.initial.empty()) {
+            result.initials.push_back({&type.initial, result.dimensions.size()});
         }
         if (type.kind != DerivedType::Kind::Alias) {
             result.kind = kind_of(type.kind);

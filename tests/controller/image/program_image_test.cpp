@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/program_image.hpp>
 #include <busbar/core/extension_object.hpp>
 
@@ -235,6 +236,58 @@ TEST_CASE("Elements of an array begin as their type says (6-2-2)")
         CHECK(made->image()->memory().structure(0, i).value<std::int16_t>(0) == 0);
         CHECK(made->image()->memory().structure(0, i).value<std::int16_t>(1) == 5);
     }
+}
+
+TEST_CASE("What a type's short list leaves out begins as its elements' type says")
+{
+    const auto begins = [](const std::string& types, const std::string& variable) {
+        const auto program = read_declarations(
+            "TYPE " + types + " END_TYPE\nVAR_GLOBAL x : " + variable + "; END_VAR", "i.st");
+        REQUIRE(program);
+        const auto made = image_of(*program);
+        INFO((made ? "" : text(made.error())));
+        REQUIRE(made);
+        return made->image()->memory().load(0);
+    };
+    using Ints = Array<std::int16_t>;
+    const std::string level = "Level : INT := 7; ";
+    CHECK(begins(level + "Row : ARRAY[0..3] OF Level := [1, 2];", "Row") ==
+          Variant{Ints{1, 2, 7, 7}});
+    CHECK(begins(level + "Row : ARRAY[0..3] OF Level := [1(), 2(3)];", "Row") ==
+          Variant{Ints{7, 3, 3, 7}});
+    CHECK(begins(level + "Row : ARRAY[0..3] OF Level := [1];", "Row := [3()]") ==
+          Variant{Ints{1, 7, 7, 7}});
+    CHECK(begins(level + "Row : ARRAY[0..2] OF Level := [1];", "ARRAY[0..1] OF Row := [[5, 6]]") ==
+          Variant::matrix(Ints{5, 6, 7, 1, 7, 7}, Array<std::uint32_t>{2, 3}));
+    CHECK(begins(level + "Row : ARRAY[0..1] OF Level := [1]; Rows : ARRAY[0..2] OF Row := [[8]];",
+                 "Rows") == Variant::matrix(Ints{8, 7, 1, 7, 1, 7}, Array<std::uint32_t>{3, 2}));
+    CHECK(begins(level + "High : Level := 9; Row : ARRAY[0..1] OF High := [1];", "Row") ==
+          Variant{Ints{1, 9}});
+    CHECK(begins("Mode : (Off, On) := On; Row : ARRAY[0..2] OF Mode := [Off];", "Row") ==
+          Variant{Array<std::int32_t>{0, 1, 1}});
+    CHECK(begins("Name : STRING[5] := 'none'; Row : ARRAY[0..1] OF Name := ['a'];", "Row") ==
+          Variant{Array<String>{"a", "none"}});
+}
+
+TEST_CASE("A type's initial value leaves the other members as the structure's type says")
+{
+    const auto program = read_declarations(
+        "TYPE Pair : STRUCT A : INT := 1; B : INT := 2; C : INT := 3; END_STRUCT := (B := 4);\n"
+        "Other : Pair := (A := 5);\n"
+        "Row : ARRAY[0..1] OF Other := [(C := 6)]; END_TYPE\n"
+        "VAR_GLOBAL one : Other; row : Row; END_VAR",
+        "i.st");
+    REQUIRE(program);
+    const auto made = image_of(*program);
+    REQUIRE(made);
+    const auto numbers = [&](std::uint32_t variable, std::uint32_t element) {
+        const auto view = made->image()->memory().structure(variable, element);
+        return std::vector{view.value<std::int16_t>(0), view.value<std::int16_t>(1),
+                           view.value<std::int16_t>(2)};
+    };
+    CHECK(numbers(0, 0) == std::vector<std::int16_t>{5, 4, 3});
+    CHECK(numbers(1, 0) == std::vector<std::int16_t>{5, 4, 6});
+    CHECK(numbers(1, 1) == std::vector<std::int16_t>{5, 4, 3});
 }
 
 TEST_CASE("Initial values of structures, member by member (6-2-2)")

@@ -62,7 +62,9 @@ TEST_CASE("Names of types are followed, whatever their case (6-2-2)")
     CHECK(table.elementary == ElementaryType::Real);
     CHECK(table.dimensions == std::vector<Bounds>{{0, 1}, {1, 4}, {0, 2}});
     CHECK(table.elements() == 24);
-    CHECK(table.initial == &program.types[0].initial);
+    REQUIRE(table.initials.size() == 1);
+    CHECK(table.initials[0].value == &program.types[0].initial);
+    CHECK(table.initials[0].level == 2);
     CHECK(types->resolve(use("POINT")).type == &program.types[2]);
     CHECK(types->find("none") == nullptr);
 }
