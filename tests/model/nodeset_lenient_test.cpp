@@ -260,6 +260,83 @@ TEST_CASE_METHOD(Lenient, "Values are converted if nothing is lost")
     CHECK(value("s=V") == each.expected);
 }
 
+TEST_CASE_METHOD(Lenient, "A structure becomes one of a subtype without further fields")
+{
+    const auto options = [](const char* value) {
+        return "<ExtensionObject><TypeId><Identifier>i=12757</Identifier></TypeId><Body><OptionSet "
+               "xmlns=\"http://opcfoundation.org/UA/2008/02/Types.xsd\"><Value>" +
+               std::string{value} +
+               "</Value><ValidBits>gAM=</ValidBits></OptionSet></Body></ExtensionObject>";
+    };
+    const std::string type =
+        type_text("UADataType", "i=25", "i=12755",
+                  "<Definition Name=\"1:Bits\"><Field Name=\"Const\" Value=\"0\"/></Definition>") +
+        encoding_text("i=33", "i=25");
+    const auto bytes = [](std::initializer_list<unsigned> all) {
+        std::vector<std::byte> result;
+        for (const unsigned each : all) {
+            result.push_back(std::byte(each));
+        }
+        return ByteString{std::span{std::as_const(result)}};
+    };
+    const auto expected = [&](unsigned low) {
+        return ExtensionObject::from_binary(NodeId{1, 33},
+                                            bytes({2, 0, 0, 0, low, 0, 2, 0, 0, 0, 0x80, 3}));
+    };
+    SECTION("one")
+    {
+        const Texts done = repairs(type + value_of("DataType=\"ns=1;i=25\"", options("AQA=")),
+                                   "found a value <ExtensionObject>");
+        REQUIRE(done.size() == 1);
+        CHECK(done[0].ends_with("(rule value-converted)"));
+        CHECK(value("s=V") == Variant{expected(1)});
+    }
+    SECTION("a list")
+    {
+        const Texts done =
+            repairs(type + value_of("DataType=\"ns=1;i=25\" ValueRank=\"1\"",
+                                    "<ListOfExtensionObject>" + options("AQA=") + options("AgA=") +
+                                        "</ListOfExtensionObject>"),
+                    "found a value <ListOfExtensionObject>");
+        REQUIRE(done.size() == 1);
+        CHECK(done[0].ends_with("(rule value-converted)"));
+        CHECK(value("s=V") == Variant{Array<ExtensionObject>{expected(1), expected(2)}});
+    }
+    SECTION("of another type")
+    {
+        const Texts done = repairs(type + value_of("DataType=\"i=884\"", options("AQA=")),
+                                   "found a value <ExtensionObject>");
+        REQUIRE(done.size() == 1);
+        CHECK(done[0].ends_with("(rule value-removed)"));
+    }
+}
+
+TEST_CASE_METHOD(Lenient, "ArrayDimensions that a value exceeds are 0")
+{
+    struct Case {
+        const char* attributes;
+        std::string value;
+        Variant expected;
+    };
+    const std::string matrix = "<Matrix><Dimensions><UInt32>2</UInt32><UInt32>2</UInt32>"
+                               "</Dimensions><Elements><Int32>1</Int32><Int32>2</Int32><Int32>3"
+                               "</Int32><Int32>4</Int32></Elements></Matrix>";
+    const Case each =
+        GENERATE_COPY(Case{"DataType=\"i=6\" ValueRank=\"1\" ArrayDimensions=\"1\"",
+                           list("Int32", {"7", "8"}), Variant{Array<std::int32_t>{7, 8}}},
+                      Case{"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"2,1\"", matrix,
+                           Variant::matrix(Array<std::int32_t>{1, 2, 3, 4}, {2, 2})});
+    const Texts done = repairs(value_of(each.attributes, each.value), "found a value <");
+    REQUIRE(done.size() == 1);
+    CHECK(done[0].find(": set ArrayDimensions to 0, which a value <") != std::string::npos);
+    CHECK(done[0].ends_with("(rule array-dimensions)"));
+    CHECK(value("s=V") == each.expected);
+    for (const std::uint32_t length : space.variable(find("s=V")).array_dimensions) {
+        CHECK(length == 0);
+    }
+    check_write_back(space, AddressSpace{}, {1}, summary);
+}
+
 TEST_CASE_METHOD(Lenient, "Values that cannot be converted are null")
 {
     const auto [attributes, value] = GENERATE(table<std::string, std::string>({
@@ -278,7 +355,6 @@ TEST_CASE_METHOD(Lenient, "Values that cannot be converted are null")
         {"DataType=\"i=1\"", "<Int32>1</Int32>"},
         {"DataType=\"i=6\"", list("Int32", {"7", "8"})},
         {"DataType=\"i=6\"", list("Int32", {})},
-        {"DataType=\"i=6\" ValueRank=\"1\" ArrayDimensions=\"1\"", list("Int32", {"7", "8"})},
         {"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"2,3\"", list("Int32", {"7", "8"})},
         {"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"0,2\"", list("Int32", {"7", "8"})},
         {"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"65536,65536\"",

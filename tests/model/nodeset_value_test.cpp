@@ -314,6 +314,24 @@ TEST_CASE_METHOD(ValueFixture, "Structures without a TypeId are known by their n
     CHECK(bare == Variant{ExtensionObject::from_id(NodeId{2, 21U})});
 }
 
+TEST_CASE_METHOD(ValueFixture, "Elements of XML have the SymbolicNames of types")
+{
+    // Default XML of 3DVector, for which the AddressSpace has no node.
+    CHECK(body(object("i=18853", "<ThreeDVector><X>1</X><Y>2</Y><Z>3</Z></ThreeDVector>")) ==
+          bytes(1.0, 2.0, 3.0));
+    CHECK(encoding == NodeId{0, id::ThreeDVector_Encoding_DefaultBinary});
+    load("<UADataType NodeId=\"ns=1;i=90\" BrowseName=\"1:2 Sides\" SymbolicName=\"TwoSides\">"
+         "<References><Reference ReferenceType=\"HasSubtype\" IsForward=\"false\">i=22"
+         "</Reference></References><Definition Name=\"1:2 Sides\">" +
+         field_text("Left", "i=6") + "</Definition></UADataType>\n" +
+         encoding_text("i=91", "i=90") +
+         variable_text("s=Sides", "DataType=\"ns=1;i=90\"",
+                       object("ns=1;i=999", "<TwoSides><Left>7</Left></TwoSides>")));
+    const Variant sides = value("s=Sides");
+    REQUIRE(sides.get_if<ExtensionObject>() != nullptr);
+    CHECK(sides.get_if<ExtensionObject>()->encoding_id().numeric() == 91);
+}
+
 TEST_CASE_METHOD(ValueFixture, "What is not known is kept as it is")
 {
     const Variant xml = read(object("ns=1;i=999", "<What xmlns=\"urn:w\"><Ever>1</Ever></What>"));

@@ -78,9 +78,11 @@ enum class NodeSetRule : std::uint8_t {
     ValueConverted,
     /// A value that does not fit and cannot be converted, or that cannot be read, becomes null.
     ValueRemoved,
+    /// ArrayDimensions that the value exceeds become 0, which allows any length (Part 3, 5.6.2).
+    ArrayDimensions,
 };
 /// The number of rules.
-inline constexpr std::size_t nodeset_rule_count = 9;
+inline constexpr std::size_t nodeset_rule_count = 10;
 
 /// One change that a lenient load made.
 struct NodeSetRepair {

@@ -36,12 +36,23 @@ std::string name_key(std::uint16_t name_space, std::string_view name)
     return std::to_string(name_space) + ':' + std::string{name};
 }
 
+/// Returns the name that elements of XML have for a type such as 3DFrame, as no name of XML begins
+/// with a digit: the SymbolicNames of namespace 0 have the number in words.
+std::string xml_name(std::string_view name)
+{
+    constexpr std::string_view three = "3D";
+    return name.starts_with(three) ? "Three" + std::string{name.substr(1)} : std::string{name};
+}
+
 } // namespace
 
 DataTypeTable::DataTypeTable(const Document& document)
 {
     for (const Node& node : document.nodes()) {
         if (node.node_class == NodeClass::DataType) {
+            if (!node.symbolic_name.empty()) {
+                names_.emplace(name_key(node.browse_namespace, node.symbolic_name), node.id);
+            }
             add({node.id,
                  node.browse_namespace,
                  node.browse_name,
@@ -86,6 +97,7 @@ void DataTypeTable::add_references(const Document& document, const Node& node)
 void DataTypeTable::add(DataType type)
 {
     names_.emplace(name_key(type.name_space, type.name), type.id);
+    names_.emplace(name_key(type.name_space, xml_name(type.name)), type.id);
     if (!type.binary_encoding.is_null()) {
         add_encoding(type.id, type.binary_encoding);
     }

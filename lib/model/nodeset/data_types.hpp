@@ -73,7 +73,7 @@ public:
     [[nodiscard]] const DataType* find(const NodeId& id) const;
     /// Returns the DataType whose encoding, or whose own id, this is.
     [[nodiscard]] const DataType* find_encoded(const NodeId& encoding) const;
-    /// Finds by BrowseName, if nothing better identifies it.
+    /// Finds by BrowseName or SymbolicName, if nothing better identifies it.
     [[nodiscard]] const DataType* find_named(std::uint16_t name_space, std::string_view name) const;
     [[nodiscard]] const DataType* supertype(const NodeId& id) const;
     /// Resolved along HasSubtype (Part 6, 5.1.2).

@@ -322,7 +322,15 @@ void Loader::fit_value(const Node& node, NodeIndex index, const Variant& value)
         fail(node, "found " + found + ", expected one of " + expected, node.value->line);
         return;
     }
-    kept = converted(space_, value, attributes);
+    if (space_.check_value(value, attributes.data_type, attributes.value_rank, {}).is_good()) {
+        for (std::uint32_t& length : graft_.record(index).make_extra().array_dimensions) {
+            length = 0;
+        }
+        repair(model::NodeSetRule::ArrayDimensions, node,
+               "set ArrayDimensions to 0, which " + found + " exceeds", node.value->line);
+        return;
+    }
+    kept = converted(space_, types_, value, attributes);
     if (kept.is_null()) {
         repair(model::NodeSetRule::ValueRemoved, node,
                "left out " + found + ", which does not fit " + expected, node.value->line);

@@ -246,6 +246,7 @@ constexpr std::array<RuleTexts, nodeset_rule_count> rule_texts{{
     {"data-type", "DataTypes of Variables that are nowhere are BaseDataType"},
     {"value-converted", "values were converted to what their Variables may have"},
     {"value-removed", "values that their Variables cannot have were left out"},
+    {"array-dimensions", "ArrayDimensions that values exceed are 0"},
 }};
 
 const RuleTexts& texts_of(NodeSetRule rule)

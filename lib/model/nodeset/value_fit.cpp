@@ -66,7 +66,10 @@ Variant all_as(const Variant& value)
 {
     if (const From* const scalar = value.get_if<From>()) {
         auto same = same_value<To>(*scalar);
-        return same ? Variant{*std::move(same)} : Variant{};
+        if (!same) {
+            return {};
+        }
+        return Variant{*std::move(same)};
     }
     const Array<From>* const from = value.array_if<From>();
     if (from == nullptr) {
@@ -119,6 +122,46 @@ Variant with_rank(const Variant& value, std::int32_t value_rank)
     });
 }
 
+/// Returns true if values of `type` are those of its supertype `above`.
+bool adds_nothing(const DataTypeTable& types, const DataType& type, const DataType& above)
+{
+    constexpr unsigned max_levels = 100;
+    const DataType* at = &type;
+    for (unsigned level = 0; level < max_levels && at != nullptr && at != &above; ++level) {
+        at = types.supertype(at->id);
+    }
+    return at == &above && !type.is_abstract &&
+           (types.kind(type.id) == Kind::OptionSetStructure ||
+            types.fields(type.id).size() == types.fields(above.id).size());
+}
+
+/// Gives structures the encoding of `type` if they are of a supertype without fewer fields.
+Variant with_structure(const DataTypeTable& types, const Variant& value, const DataType& type)
+{
+    const auto subtype = [&](const ExtensionObject& object) {
+        const DataType* const above = types.find_encoded(object.encoding_id());
+        if (above == nullptr || object.body() != ExtensionObject::Body::Binary ||
+            !adds_nothing(types, type, *above)) {
+            return object;
+        }
+        return ExtensionObject::from_binary(
+            type.binary_encoding.is_null() ? type.id : type.binary_encoding, object.binary());
+    };
+    if (const auto* const object = value.get_if<ExtensionObject>()) {
+        return Variant{subtype(*object)};
+    }
+    const auto* const objects = value.array_if<ExtensionObject>();
+    if (objects == nullptr || value.is_matrix()) {
+        return value;
+    }
+    Array<ExtensionObject> all;
+    all.clear(); // not null
+    for (const ExtensionObject& object : *objects) {
+        all.push_back(subtype(object));
+    }
+    return Variant{std::move(all)};
+}
+
 } // namespace
 
 Variant with_dimensions(const Variant& value, const model::VariableAttributes& attributes)
@@ -140,7 +183,7 @@ Variant with_dimensions(const Variant& value, const model::VariableAttributes& a
     });
 }
 
-Variant converted(const model::SpaceReader& space, const Variant& value,
+Variant converted(const model::SpaceReader& space, const DataTypeTable& types, const Variant& value,
                   const model::VariableAttributes& attributes)
 {
     const auto fits = [&](const Variant& form) {
@@ -151,12 +194,16 @@ Variant converted(const model::SpaceReader& space, const Variant& value,
                    .is_good();
     };
     Variant result = value;
-    const std::uint32_t types = space.built_in_types_of(attributes.data_type) & ~std::uint32_t{1};
-    if (std::has_single_bit(types)) {
-        const BuiltInType type{static_cast<std::uint8_t>(std::countr_zero(types))};
+    const std::uint32_t possible =
+        space.built_in_types_of(attributes.data_type) & ~std::uint32_t{1};
+    if (std::has_single_bit(possible)) {
+        const BuiltInType type{static_cast<std::uint8_t>(std::countr_zero(possible))};
         if (type != value.type()) {
             result = with_type(value, type);
         }
+    }
+    if (const DataType* const type = types.find(space.node_id(attributes.data_type))) {
+        result = with_structure(types, result, *type);
     }
     result = with_dimensions(with_rank(result, attributes.value_rank), attributes);
     return fits(result) ? result : Variant{};
