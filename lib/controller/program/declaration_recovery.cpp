@@ -22,7 +22,8 @@ constexpr std::array<std::string_view, 11> block_ends{
     "END_RESOURCE",       "END_TYPE",          "END_VAR",
 };
 
-/// The units of IEC 61131-3, 3rd edition, 6.6, with statements or prototypes.
+/// The units of IEC 61131-3, 3rd edition, 6.6, with statements or prototypes, and their parts,
+/// which some tools export to files of their own.
 struct UnitRow {
     std::string_view first;
     std::string_view last;
@@ -30,15 +31,20 @@ struct UnitRow {
 };
 constexpr std::array unit_rows{
     UnitRow{"FUNCTION_BLOCK", "END_FUNCTION_BLOCK", "is a function block"},
+    // The word of CoDeSys 2 for those in ladder diagram.
+    UnitRow{"FUNCTIONBLOCK", "END_FUNCTION_BLOCK", "is a function block"},
     UnitRow{"FUNCTION", "END_FUNCTION", "is a function"},
     UnitRow{"PROGRAM", "END_PROGRAM", "is a program"},
     UnitRow{"CLASS", "END_CLASS", "is a class"},
     UnitRow{"INTERFACE", "END_INTERFACE", "is an interface"},
     UnitRow{"ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK", "is an organization block"},
+    UnitRow{"METHOD", "END_METHOD", "is a method"},
+    UnitRow{"PROPERTY", "END_PROPERTY", "is a property"},
+    UnitRow{"ACTION", "END_ACTION", "is an action"},
 };
 
-constexpr std::array<std::string_view, 6> unit_modifiers{
-    "ABSTRACT", "FINAL", "INTERNAL", "PRIVATE", "PROTECTED", "PUBLIC",
+constexpr std::array<std::string_view, 7> unit_modifiers{
+    "ABSTRACT", "FINAL", "INTERNAL", "OVERRIDE", "PRIVATE", "PROTECTED", "PUBLIC",
 };
 
 template <std::size_t n>

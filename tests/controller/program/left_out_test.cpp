@@ -137,6 +137,12 @@ TEST_CASE("What only a whole program has is skipped")
 {
     const char* const text = GENERATE(
         "PROGRAM Main VAR a : INT; END_VAR a.TYPE := a + 1; s := 'END_PROGRAM'; END_PROGRAM",
+        "{attribute 'hide'} METHOD PUBLIC OVERRIDE Run : BOOL VAR_INPUT x : LREAL; END_VAR Run := "
+        "x > 0; END_METHOD",
+        "METHOD Count : INT; END_METHOD METHOD PRIVATE Clear Count := 0; END_METHOD",
+        "PROPERTY PUBLIC Level : INT GET Level := 5; END_GET SET x := Level; END_SET END_PROPERTY",
+        "ACTION Start: run := TRUE; END_ACTION",
+        "FUNCTIONBLOCK Ramp VAR_INPUT x : REAL; END_VAR _LD_BODY _NETWORKS : 1 END_FUNCTION_BLOCK",
         "FUNCTION F : INT VAR_INPUT x : INT; END_VAR F := x; (* END_FUNCTION *) END_FUNCTION",
         "FUNCTION_BLOCK ABSTRACT B METHOD PUBLIC M : INT M := 1; END_METHOD END_FUNCTION_BLOCK",
         "INTERFACE I METHOD M : INT END_METHOD END_INTERFACE",
