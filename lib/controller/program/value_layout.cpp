@@ -4,6 +4,8 @@
 
 #include <busbar/controller/program_types.hpp>
 
+#include "server/image/image_shape.hpp"
+
 namespace busbar::controller {
 
 namespace {
@@ -11,8 +13,6 @@ namespace {
 /// Caps numbers so that sums of unchecked types stay in range; the checker allows far less.
 constexpr std::uint64_t most = std::uint64_t{1} << 56U;
 constexpr std::uint64_t bits_of_word = 16;
-/// Size of a text's length in a process image.
-constexpr std::uint64_t size_of_length = 4;
 
 std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
 {
@@ -30,39 +30,32 @@ std::uint64_t text_bytes_of(ElementaryType type, std::uint32_t length)
     return length * (is_wide(type) ? bytes_of_unit : 1);
 }
 
-ValueLayout::Extent extent_of_text(ElementaryType type, std::uint32_t length, ValueMemory memory)
+std::uint64_t size_in_source(const ResolvedType& type)
 {
-    if (memory == ValueMemory::Image) {
-        return {rounded_up(size_of_length + text_bytes_of(type, length), size_of_length),
-                size_of_length};
+    if (type.kind == ResolvedType::Kind::Enumeration) {
+        return 2;
     }
-    const std::uint64_t unit = is_wide(type) ? 2 : 1;
-    const std::uint64_t fixed = size_of(type);
-    return {fixed != 0 ? fixed : (std::uint64_t{length} + 1) * unit, unit};
-}
-
-std::uint64_t size_of_number(ElementaryType type, ValueMemory memory)
-{
-    const bool is_source = memory == ValueMemory::Source;
-    if (type == ElementaryType::Bool && memory != ValueMemory::Cpu) {
+    if (type.elementary == ElementaryType::Bool) {
         return 1;
     }
-    if (is_source && type >= ElementaryType::Time && type <= ElementaryType::DateAndTime) {
-        return 4;
-    }
-    return size_of(type);
+    const bool is_time =
+        type.elementary >= ElementaryType::Time && type.elementary <= ElementaryType::DateAndTime;
+    return is_time ? 4 : size_of(type.elementary);
 }
 
 ValueLayout::Extent extent_of_one(const ResolvedType& type, ValueMemory memory)
 {
-    if (type.kind == ResolvedType::Kind::Enumeration) {
-        const std::uint64_t size = memory == ValueMemory::Source ? 2 : 4;
-        return {size, size};
+    if (memory == ValueMemory::Image) {
+        const auto [size, alignment] = server::detail::extent_of(
+            built_in_type_of(type.elementary), text_bytes_of(type.elementary, type.string_length));
+        return {size, alignment};
     }
+    const std::uint64_t size =
+        memory == ValueMemory::Source ? size_in_source(type) : size_of(type.elementary);
     if (is_text(type.elementary)) {
-        return extent_of_text(type.elementary, type.string_length, memory);
+        const std::uint64_t unit = is_wide(type.elementary) ? 2 : 1;
+        return {size != 0 ? size : (std::uint64_t{type.string_length} + 1) * unit, unit};
     }
-    const std::uint64_t size = size_of_number(type.elementary, memory);
     return {size, size};
 }
 

@@ -12,28 +12,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Returns the bytes of one element, 0 for a type that an image cannot have; for a text they may
-/// exceed the possible size.
-std::uint64_t stride_of(const ImageVariable& variable)
-{
-    if (variable.type == BuiltInType::ExtensionObject) {
-        return variable.structure != nullptr ? variable.structure->size() : 0;
-    }
-    return visit_image_type(
-        variable.type,
-        [&](auto tag) -> std::uint64_t {
-            using T = typename decltype(tag)::type;
-            if constexpr (is_image_text<T>) {
-                constexpr std::uint64_t unit = alignof(ImageText);
-                const std::uint64_t bytes = std::uint64_t{sizeof(ImageText)} + variable.capacity;
-                return (bytes + unit - 1) / unit * unit;
-            } else {
-                return sizeof(T);
-            }
-        },
-        [] { return std::uint64_t{0}; });
-}
-
 /// Returns the number of elements, 0 if there are more than `most`.
 std::uint64_t count_of(std::span<const std::uint32_t> dimensions, std::uint64_t most)
 {
@@ -49,9 +27,28 @@ std::uint64_t count_of(std::span<const std::uint32_t> dimensions, std::uint64_t 
 
 } // namespace
 
+ImageExtent extent_of(BuiltInType type, std::uint64_t capacity)
+{
+    return visit_image_type(
+        type,
+        [&](auto tag) -> ImageExtent {
+            using T = typename decltype(tag)::type;
+            constexpr std::uint32_t unit = alignof(ImageText);
+            if constexpr (is_image_text<T>) {
+                return {(sizeof(ImageText) + capacity + unit - 1) / unit * unit, unit};
+            } else {
+                return {sizeof(T), std::is_same_v<T, Guid> ? unit : std::uint32_t{sizeof(T)}};
+            }
+        },
+        [] { return ImageExtent{}; });
+}
+
 Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
 {
-    const std::uint64_t stride = stride_of(variable);
+    std::uint64_t stride = extent_of(variable.type, variable.capacity).size;
+    if (variable.type == BuiltInType::ExtensionObject && variable.structure != nullptr) {
+        stride = variable.structure->size();
+    }
     if (stride == 0) {
         return fail(status::Bad_DataTypeIdUnknown);
     }
@@ -80,11 +77,8 @@ Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
 
 std::uint32_t alignment_of(const ImagePlace& place)
 {
-    if (place.is_structure()) {
-        return place.structure->alignment();
-    }
-    constexpr std::uint32_t of_text = alignof(ImageText);
-    return place.is_text() || place.type == BuiltInType::Guid ? of_text : place.stride;
+    return place.is_structure() ? place.structure->alignment()
+                                : extent_of(place.type, place.capacity).alignment;
 }
 
 } // namespace busbar::server::detail

@@ -3,10 +3,21 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/server/image_place.hpp>
 
 namespace busbar::server::detail {
+
+/// The bytes of one value in an image.
+struct ImageExtent {
+    std::uint64_t size{0};
+    std::uint32_t alignment{1};
+};
+
+/// Returns the extent of a number, or of a text of at most `capacity` bytes; size 0 for a type that
+/// an image does not have or that needs an ImageStructure.
+[[nodiscard]] BUSBAR_API ImageExtent extent_of(BuiltInType type, std::uint64_t capacity);
 
 /// Returns a variable's place without its offset. `room` is the maximum number of its bytes. For
 /// errors see ImageLayout::add.
