@@ -311,6 +311,30 @@ TEST_CASE_METHOD(Lenient, "A structure becomes one of a subtype without further 
     }
 }
 
+TEST_CASE_METHOD(Lenient, "Names of types in values are their NodeIds")
+{
+    const auto argument = [](const std::string& type) {
+        return "<ExtensionObject><TypeId><Identifier>i=297</Identifier></TypeId><Body><Argument>"
+               "<Name>A</Name><DataType><Identifier>" +
+               type + "</Identifier></DataType></Argument></Body></ExtensionObject>";
+    };
+    const auto variable = [&](const std::string& type) {
+        return value_of("DataType=\"i=296\"", argument(type));
+    };
+    const Texts done =
+        repairs(variable("String"), "found <Identifier> \"String\", expected a NodeId");
+    CHECK(done == Texts{"t.xml:3: ns=1;s=V: took \"String\" and the like in a value for DataTypes "
+                        "(rule alias)"});
+    Lenient strict;
+    strict.load(variable("i=12"));
+    CHECK(value("s=V") == strict.value("s=V"));
+    Lenient other;
+    CHECK(other.repairs(variable("Nothing"), "expected a NodeId")
+              .at(0)
+              .ends_with("(rule value-removed)"));
+    CHECK(other.value("s=V").is_null());
+}
+
 TEST_CASE_METHOD(Lenient, "ArrayDimensions that a value exceeds are 0")
 {
     struct Case {

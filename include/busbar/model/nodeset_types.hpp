@@ -68,7 +68,7 @@ enum class NodeSetRule : std::uint8_t {
     Supertype,
     /// A second type definition or supertype is left out.
     SecondType,
-    /// A name without `<Alias>` that is the name of a type of namespace 0 stands for that type.
+    /// A name without `<Alias>`, or one in a value, stands for the type of namespace 0 that has it.
     Alias,
     /// A RequiredModel is there in an older version.
     OlderModel,

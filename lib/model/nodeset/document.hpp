@@ -187,6 +187,7 @@ public:
     {
         published_names_ = std::move(names);
     }
+    [[nodiscard]] const auto& published_names() const { return published_names_; }
 
     /// Index 0 is "http://opcfoundation.org/UA/"; others in the order in which files name them.
     [[nodiscard]] const std::vector<std::string>& namespaces() const { return namespaces_; }

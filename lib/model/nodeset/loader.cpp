@@ -11,6 +11,7 @@
 #include "node_flags.hpp"
 #include "value_fit.hpp"
 #include "value_reader.hpp"
+#include "xml_text.hpp"
 
 namespace busbar::nodeset {
 
@@ -191,7 +192,15 @@ void Loader::fill_variable(const Node& node, NodeRecord& record)
         return;
     }
     XmlValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
+    if (document_.is_lenient(node)) {
+        reader.take_names(document_.published_names());
+    }
     Variant value = reader.variant(*node.value);
+    if (const Element* const named = reader.named()) {
+        repair(model::NodeSetRule::Alias, node,
+               "took " + quoted(named->text) + " and the like in a value for DataTypes",
+               named->line);
+    }
     if (!reader.error().empty()) {
         if (document_.is_lenient(node)) {
             repair(model::NodeSetRule::ValueRemoved, node, "left out a value: " + reader.error(),

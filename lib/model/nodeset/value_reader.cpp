@@ -108,11 +108,19 @@ void XmlValueReader::read(const Element& xml, ByteString& value, unsigned)
 void XmlValueReader::read(const Element& xml, NodeId& value, unsigned)
 {
     const Element* const identifier = xml.child("Identifier");
-    const auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
-    if (text.empty()) {
+    if (identifier == nullptr || trimmed(identifier->text).empty()) {
         return;
     }
+    const std::string_view text = trimmed(identifier->text);
     auto id = NodeId::parse(text);
+    if (!id && published_ != nullptr) {
+        const auto known = published_->find(std::string{text});
+        if (known != published_->end()) {
+            named_ = named_ == nullptr ? identifier : named_;
+            value = known->second;
+            return;
+        }
+    }
     if (!id) {
         fail(*identifier, "a NodeId");
         return;
@@ -125,10 +133,10 @@ void XmlValueReader::read(const Element& xml, NodeId& value, unsigned)
 void XmlValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
 {
     const Element* const identifier = xml.child("Identifier");
-    const auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
-    if (text.empty()) {
+    if (identifier == nullptr || trimmed(identifier->text).empty()) {
         return;
     }
+    const std::string_view text = trimmed(identifier->text);
     auto id = parse_expanded_node_id(text);
     if (!id) {
         fail(*identifier, "an ExpandedNodeId");

@@ -27,6 +27,12 @@ public:
     {
     }
 
+    /// Takes these names for NodeIds, as files of some tools have the aliases of DataTypes in
+    /// Arguments. `names` must outlive this object.
+    void take_names(const std::unordered_map<std::string, NodeId>& names) { published_ = &names; }
+    /// Returns the first NodeId that was a name, null if none was.
+    [[nodiscard]] const Element* named() const { return named_; }
+
     /// Returns the value of the element in <Value>, such as <ListOfInt32>.
     [[nodiscard]] Variant variant(const Element& xml) { return variant(xml, 0); }
     /// The error and its place; empty and 0 if there is none.
@@ -105,6 +111,8 @@ private:
     const std::vector<std::uint16_t>& namespaces_;
     std::size_t& fields_left_;
     std::unordered_map<const DataType*, Structure> structures_;
+    const std::unordered_map<std::string, NodeId>* published_{nullptr};
+    const Element* named_{nullptr};
     std::string error_;
     std::uint32_t error_line_{0};
 };
