@@ -108,9 +108,8 @@ void ServerLoop::register_again()
 
 void ServerLoop::stop_on_signals(std::function<void()> first)
 {
-    impl_->signals.add(SIGINT);
-    impl_->signals.add(SIGTERM);
-    impl_->signals.async_wait([this, first = std::move(first)](std::error_code error, int) {
+    impl_->signals.emplace(impl_->context, SIGINT, SIGTERM);
+    impl_->signals->async_wait([this, first = std::move(first)](std::error_code error, int) {
         if (!error) {
             if (first) {
                 busbar::detail::guarded(impl_->log, "handler before a stop", first);
@@ -123,7 +122,7 @@ void ServerLoop::stop_on_signals(std::function<void()> first)
 void ServerLoop::on_hangup(std::function<void()> handler)
 {
     impl_->on_hangup = std::move(handler);
-    impl_->hangup.add(SIGHUP);
+    impl_->hangup.emplace(impl_->context, SIGHUP);
     impl_->await_hangup();
 }
 
@@ -178,24 +177,60 @@ Configured<void> ServerLoop::hand_over(server::Server& next, Handover handover)
     return {};
 }
 
-void ServerLoop::run(server::Server& server)
+void ServerLoop::Impl::begin(server::Server& server)
 {
-    impl_->serve(server);
-    impl_->listeners.start([impl = impl_.get()](tcp::socket socket, std::uint32_t listener) {
-        impl->adopt(std::move(socket), detail::ServedServer::Direction::FromClient, listener);
+    serve(server);
+    listeners.start([this](tcp::socket socket, std::uint32_t listener) {
+        adopt(std::move(socket), detail::ServedServer::Direction::FromClient, listener);
     });
-    for (const auto& dialer : impl_->dialers) {
+    for (const auto& dialer : dialers) {
         dialer->start();
     }
-    for (const auto& registration : impl_->registrations) {
+    for (const auto& registration : registrations) {
         registration->start();
     }
-    impl_->await_wake();
-    impl_->await_deadline();
-    impl_->run();
-    impl_->for_each([](detail::ServedServer& each) { each.drop_all(); });
-    impl_->served.clear();
-    impl_->registrations.clear();
+    await_wake();
+    await_deadline();
+}
+
+void ServerLoop::Impl::end()
+{
+    for_each([](detail::ServedServer& each) { each.drop_all(); });
+    served.clear();
+    registrations.clear();
+}
+
+void ServerLoop::run(server::Server& server)
+{
+    impl_->begin(server);
+    impl_->run(no_deadline);
+    impl_->end();
+}
+
+bool ServerLoop::run_for(server::Server& server, Duration time)
+{
+    if (impl_->context.stopped()) {
+        return false;
+    }
+    if (impl_->served.empty()) {
+        busbar::detail::Undo undo{[this] { end_at_once(); }};
+        impl_->begin(server);
+        undo.keep();
+    } else {
+        impl_->after_activity(); // of what the program did meanwhile
+    }
+    impl_->run(detail::after(time));
+    if (impl_->context.stopped()) {
+        impl_->end();
+    }
+    return !impl_->context.stopped();
+}
+
+void ServerLoop::end_at_once()
+{
+    impl_->listeners.close();
+    impl_->end();
+    impl_->context.stop();
 }
 
 void ServerLoop::post(std::function<void()> work)

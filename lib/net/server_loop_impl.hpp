@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/signal_set.hpp>
@@ -57,21 +58,27 @@ struct ServerLoop::Impl {
     void after_activity();
     void await_deadline();
     void handle_deadline();
-    void turn(bool is_behind);
+    [[nodiscard]] bool turn(TimePoint until);
     void begin_stop();
     void tell_to_stop();
     [[nodiscard]] bool resume();
-    void run();
+    void begin(server::Server& server);
+    void run(TimePoint until);
+    void end();
     void await_wake();
     void await_hangup();
     [[nodiscard]] bool has_stopped() const;
 
     busbar::detail::SafeLog log;
     asio::io_context context;
+    /// Without it a turn, or a context without waits, would end at once.
+    asio::executor_work_guard<asio::io_context::executor_type> work{context.get_executor()};
     detail::PipeWaker waker;
     detail::MemoryReturn memory_return;
-    asio::signal_set signals;
-    asio::signal_set hangup;
+    /// Made when they are wanted: Asio's service of signals, if its construction fails for lack of
+    /// memory, stays in a list of the process (Asio 1.22).
+    std::optional<asio::signal_set> signals;
+    std::optional<asio::signal_set> hangup;
     std::function<void()> on_hangup;
     /// Peers that are being refused for lack of room.
     detail::TurnAway turn_away{16};
@@ -88,6 +95,8 @@ struct ServerLoop::Impl {
     TimePoint deadline{no_deadline};
     /// Whether the last turn was for a deadline.
     bool had_deadline{false};
+    /// Whether waits may be missing after an exception.
+    bool is_behind{false};
     bool awaits_hangup{false};
     bool is_stopping{false};
     bool is_told_to_stop{false}; // everything is

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include <asio/executor_work_guard.hpp>
 #include <asio/post.hpp>
 
 #include <busbar/net/system.hpp>
@@ -26,9 +25,12 @@ TimePoint on_grid(TimePoint deadline)
 /// Pause between attempts to get memory for waiting.
 constexpr std::chrono::milliseconds retry_pause{100};
 
+/// Turns that run() takes after its time, each for one occurrence.
+constexpr std::size_t max_late_turns = 64;
+
 } // namespace
 
-ServerLoop::Impl::Impl(LogSink& l) : log{l}, waker{context}, signals{context}, hangup{context}
+ServerLoop::Impl::Impl(LogSink& l) : log{l}, waker{context}
 {
     detail::keep_free_memory(); // memory_return returns it
     events.on_activity = [this] {
@@ -106,36 +108,44 @@ bool ServerLoop::Impl::resume()
     return thrown.is_good();
 }
 
-/// Runs until everything has stopped. Recovers from exceptions, now or when there is memory.
-void ServerLoop::Impl::run()
+/// Runs until everything has stopped, or `until`. Recovers from exceptions, now or when there is
+/// memory.
+void ServerLoop::Impl::run(TimePoint until)
 {
-    const auto work = asio::make_work_guard(context); // or a turn would end at once
-    bool is_behind = false;
+    std::size_t late_turns = 0;
     while (!context.stopped()) {
+        bool has_done = true;
         const StatusCode thrown =
-            busbar::detail::guarded(log, "network handler", [&] { turn(is_behind); });
+            busbar::detail::guarded(log, "network handler", [&] { has_done = turn(until); });
         if (is_behind || thrown.is_bad()) {
             is_behind = !resume();
+        }
+        // What is ready is handled even without time, but a flood of it does not keep the caller.
+        if (detail::now() >= until && (!has_done || ++late_turns == max_late_turns)) {
+            return;
         }
     }
 }
 
 /// Handles what is due or else the next occurrence, of which there may be none for a while. Where
 /// deadlines never end, they and the sockets have turns alternately. A turn of the sockets is one
-/// occurrence, since these may never end either: a flood of connections is always ready.
-void ServerLoop::Impl::turn(bool is_behind)
+/// occurrence, since these may never end either: a flood of connections is always ready. Returns
+/// false if nothing occurred before `until`.
+bool ServerLoop::Impl::turn(TimePoint until)
 {
     const bool is_due = deadline <= detail::now();
     const bool has_had_turn = std::exchange(had_deadline, is_due && !had_deadline);
     if (is_due && has_had_turn) {
-        context.poll_one();
-    } else if (is_due) {
-        handle_deadline();
-    } else if (is_behind) {
-        context.run_for(retry_pause);
-    } else {
-        context.run_one_until(deadline);
+        return context.poll_one() != 0;
     }
+    if (is_due) {
+        handle_deadline();
+        return true;
+    }
+    if (is_behind) {
+        return context.run_until(std::min(until, detail::now() + retry_pause)) != 0;
+    }
+    return context.run_one_until(std::min(until, deadline)) != 0 || deadline <= until;
 }
 
 void ServerLoop::Impl::await_wake()
@@ -210,7 +220,7 @@ void ServerLoop::Impl::await_hangup()
     if (awaits_hangup || !on_hangup) {
         return;
     }
-    hangup.async_wait([this](std::error_code error, int) {
+    hangup->async_wait([this](std::error_code error, int) {
         awaits_hangup = false;
         if (!error) {
             busbar::detail::guarded(log, "on_hangup handler", [this] { on_hangup(); });

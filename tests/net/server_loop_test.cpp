@@ -167,4 +167,54 @@ TEST_CASE("a server without a place for a client that listens says nothing and c
     }
 }
 
+TEST_CASE("a loop that runs for a time does what is due and comes back", "[net]")
+{
+    Station station;
+    station.config.shutdown_delay = 0ms;
+    station.make();
+    std::size_t posted = 0;
+    for (int i = 0; i < 3; ++i) {
+        station.loop.post([&] { ++posted; });
+    }
+    // Without time it does what is ready, however many that are.
+    CHECK(station.loop.run_for(station.server(), 0ms));
+    CHECK(posted == 3);
+    CHECK(station.loop.run_for(station.server(), 0ms));
+
+    std::atomic<bool> ends{false};
+    std::thread thread{[&] {
+        while (station.loop.run_for(station.server(), 1ms) && !ends) {
+        }
+    }};
+    std::int32_t state = -1;
+    {
+        Guest guest{station.port};
+        state = guest.state();
+    }
+    station.loop.stop();
+    thread.join();
+    CHECK(state == running);
+    CHECK(station.server().is_stopped());
+    CHECK_FALSE(station.loop.run_for(station.server(), 0ms));
+    CHECK_FALSE(is_open(station.port));
+}
+
+TEST_CASE("a loop that runs for a time can be ended at once", "[net]")
+{
+    Station station;
+    station.make();
+    REQUIRE(station.loop.run_for(station.server(), 0ms));
+    asio::io_context context;
+    tcp::socket socket{context};
+    socket.connect({asio::ip::address_v4::loopback(), station.port});
+    for (int i = 0; i < 1'000 && station.server().connection_count() == 0; ++i) {
+        REQUIRE(station.loop.run_for(station.server(), 1ms));
+    }
+    CHECK(station.server().connection_count() == 1);
+    station.loop.end_at_once();
+    CHECK(station.server().connection_count() == 0);
+    CHECK_FALSE(station.loop.run_for(station.server(), 0ms));
+    CHECK_FALSE(is_open(station.port));
+}
+
 } // namespace server_loop_test

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
@@ -114,6 +115,14 @@ public:
     /// Returns when the server has stopped: clients see State Shutdown first, then their
     /// connections are closed. `server` must live until then, or until it is handed over.
     void run(server::Server& server);
+    /// Serves as run() does for at most `time`, or does only what is due for 0: for a program that
+    /// has other work on the same thread. Call it again with the same server to continue; between
+    /// two calls the program may change the server. False once the server has stopped, also because
+    /// the first call failed for lack of memory, which throws std::bad_alloc. A program that does
+    /// not wait for that calls end_at_once() before the server is destroyed.
+    [[nodiscard]] bool run_for(server::Server& server, Duration time);
+    /// Closes the ports and drops all connections of run_for(), which returns false from now on.
+    void end_at_once();
     /// Begins the server's shutdown. Servers that were replaced before are given no more time than
     /// it takes. Called from any thread.
     void stop();
