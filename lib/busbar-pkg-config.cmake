@@ -16,6 +16,10 @@ function(busbar_add_pkg_config layer)
       message(FATAL_ERROR "busbar-${layer}.pc: how does pkg-config find ${library}?")
     endif()
   endforeach()
+  # What a C compiler does not link by itself.
+  if(layer STREQUAL "c")
+    string(APPEND flags " -lstdc++ -lm")
+  endif()
   # Shared layers bring with them what they need themselves.
   set(requires_private "")
   set(flags_private "")

@@ -19,8 +19,9 @@
  * out through a pointer belongs to the handle, and stays until the event that the comment names.
  *
  * Growth. Structures with a member `size` are filled by their ..._init function, which sets `size`
- * and the defaults; later versions add members at the end, and use `size` to know what a program
- * that was compiled earlier has. A member that is 0 or null has its default. The shared library's
+ * and the defaults, or have `size` set by the caller; later versions add members at the end, and use
+ * `size` to know what a program that was compiled earlier has. Each is cleared before it is filled:
+ * a member that is 0 or null has its default. The shared library's
  * symbols have the version BUSBAR_1; a function never changes its meaning within it.
  *
  * Memory. Everything below is C++ and takes its memory from operator new, and from OpenSSL's and
@@ -343,9 +344,11 @@ BUSBAR_C_API void busbar_server_config_init(busbar_server_config* config);
  * values; 0 for an unknown preset. Any thread. */
 BUSBAR_C_API uint64_t busbar_memory_needed(int limits);
 
-/* Creates a server, which listens after busbar_server_start. Stores a handle in `server` also when
- * it fails, for busbar_server_last_error and busbar_server_destroy; all other functions then return
- * the same failure. It is null only after Bad_OutOfMemory and Bad_InvalidArgument. */
+/* Creates a server and takes its port, at which it listens after busbar_server_start. Stores a
+ * handle in `server` also when it fails, for busbar_server_last_error and busbar_server_destroy; all
+ * other functions then return the same failure. It is null only after Bad_OutOfMemory and
+ * Bad_InvalidArgument. Bad_ConfigurationError for what cannot be; Bad_CommunicationError for a port
+ * that cannot be had; and what Part 6, 6.2 has for certificates. */
 BUSBAR_C_API busbar_status busbar_server_create(const busbar_server_config* config,
                                                 busbar_server** server);
 
@@ -357,18 +360,19 @@ BUSBAR_C_API void busbar_server_destroy(busbar_server* server);
  * bytes, valid until the next call with the handle. */
 BUSBAR_C_API const char* busbar_server_last_error(const busbar_server* server);
 
-/* Listens. Bad_CommunicationError if the port cannot be had, Bad_InvalidState if it listens. */
+/* Listens. Bad_CommunicationError if another program was faster, Bad_InvalidState if it listens. */
 BUSBAR_C_API busbar_status busbar_server_start(busbar_server* server);
 
-/* The port that it listens on; 0 before busbar_server_start. */
+/* The port of the server; 0 for null, and if it has none. */
 BUSBAR_C_API uint16_t busbar_server_port(const busbar_server* server);
 
-/* Serves for `timeout_ms`, and not at all longer than that for a lack of work; with 0 does what is
- * due. Bad_Shutdown once the server has stopped, Bad_InvalidState before it was started. */
+/* Serves for `timeout_ms`, also if there is nothing to do; with 0 does what is due. Bad_Shutdown once
+ * the server has stopped, Bad_InvalidState before it was started and within a callback. If the first
+ * call finds no memory, it is Bad_OutOfMemory, and the server has stopped. */
 BUSBAR_C_API busbar_status busbar_server_poll(busbar_server* server, uint32_t timeout_ms);
 
 /* Serves until busbar_server_stop; if `ends_on_signals`, also until SIGINT or SIGTERM. Returns
- * BUSBAR_GOOD then. Starts the server if it was not. */
+ * BUSBAR_GOOD then, Bad_InvalidState within a callback. Starts the server if it was not. */
 BUSBAR_C_API busbar_status busbar_server_run(busbar_server* server, bool ends_on_signals);
 
 /* Begins the shutdown (Part 5, 12.6): poll and run end after shutdown_delay_ms, or earlier if no
@@ -440,8 +444,8 @@ BUSBAR_C_API busbar_status busbar_server_remove_node(busbar_server* server, cons
 BUSBAR_C_API busbar_status busbar_server_add_nodeset(busbar_server* server, const char* name,
                                                      const char* xml, size_t size);
 
-/* Gives the value of one variable. `value` is valid until the callback returns; what it points at
- * must stay until the next callback of the server or the end of its poll. */
+/* Gives the value of one variable, of the variable's type. Begins as a null value, and is copied as
+ * soon as the callback has returned. A bad status is that of the value; a time of 0 is now. */
 typedef busbar_status (*busbar_read_callback)(void* context, const char* node,
                                               busbar_data_value* value);
 /* Takes the value that a client writes, which has the variable's type; it may refuse it. */
@@ -788,12 +792,11 @@ BUSBAR_C_API busbar_status busbar_client_subscribe(busbar_client* client, double
                                                    uint32_t* subscription);
 /* Monitors a node's value (Part 4, 5.13.2); a negative sampling interval is that of the
  * Subscription, a queue of 0 is one of 1. Stores the item's number, which the callback gets. A node
- * that cannot be monitored has its status as the item's value. Bad_NotFound for a Subscription that
- * is none. */
+ * that cannot be monitored has its status as the item's value. Bad_SubscriptionIdInvalid. */
 BUSBAR_C_API busbar_status busbar_client_monitor(busbar_client* client, uint32_t subscription,
                                                  const char* node, double sampling_ms,
                                                  uint32_t queue_size, uint32_t* item);
-/* Removes a Subscription with its items. */
+/* Removes a Subscription with its items. Bad_SubscriptionIdInvalid. */
 BUSBAR_C_API busbar_status busbar_client_unsubscribe(busbar_client* client, uint32_t subscription);
 
 #ifdef __cplusplus
