@@ -145,6 +145,9 @@ bool ServerLoop::Impl::turn(TimePoint until)
     if (is_behind) {
         return context.run_until(std::min(until, detail::now() + retry_pause)) != 0;
     }
+    if (until <= detail::now()) {
+        return context.poll_one() != 0; // run_one_until() handles nothing then
+    }
     return context.run_one_until(std::min(until, deadline)) != 0 || deadline <= until;
 }
 
