@@ -53,9 +53,9 @@ std::size_t count_others(const std::string& text, const std::regex& pattern)
     return count;
 }
 
-constexpr std::array<std::string_view, 10> stack_layers = {"core",    "binary", "storage", "crypto",
+constexpr std::array<std::string_view, 11> stack_layers = {"core",    "binary", "storage", "crypto",
                                                            "channel", "model",  "server",  "client",
-                                                           "net",     "harness"};
+                                                           "net",     "c",      "harness"};
 
 } // namespace
 
