@@ -1,7 +1,10 @@
 #include "value.hpp"
 
+#include <array>
+#include <bit>
 #include <climits>
 #include <cstring>
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
@@ -140,14 +143,6 @@ bool take(const busbar_text& from, String& to)
     return is_text(from);
 }
 
-bool take(const busbar_text& from, XmlElement& to)
-{
-    String text;
-    const bool is_good = take(from, text);
-    to = XmlElement{std::move(text)};
-    return is_good;
-}
-
 bool take(const busbar_text& from, ByteString& to)
 {
     if (is_text(from) && from.data != nullptr) {
@@ -264,73 +259,126 @@ void give(const ExtensionObject& from, Scratch& scratch, busbar_extension& to)
     }
 }
 
-/// Any byte but 0 is true: others than 0 and 1 must not get into a bool.
-bool is_true(const void* boolean)
+template <typename T>
+[[nodiscard]] T loaded(const void* from)
 {
-    return *static_cast<const unsigned char*>(boolean) != 0;
+    T value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
 }
 
+/// Writes an element that takes a program's form first; false if it is malformed.
 template <typename T>
-bool take_scalar(const busbar_value& from, Variant& to)
+bool write_taken(binary::Writer& writer, const void* from)
 {
-    T value{};
-    bool is_good = true;
-    if constexpr (std::is_same_v<T, bool>) {
-        value = is_true(&from.as);
-    } else if constexpr (is_plain<T>) {
-        std::memcpy(static_cast<void*>(&value), &from.as, sizeof value);
-    } else {
-        typename InC<T>::type in_c;
-        std::memcpy(&in_c, &from.as, sizeof in_c);
-        is_good = take(in_c, value);
-    }
-    to = Variant{std::move(value)};
+    T value;
+    const bool is_good = take(loaded<typename InC<T>::type>(from), value);
+    encode(writer, value);
     return is_good;
 }
 
-template <typename T>
-bool take_array(const busbar_value& from, Array<std::uint32_t> dimensions, Variant& to)
+void write_guid(binary::Writer& writer, const void* from)
 {
-    Array<T> values;
-    values.resize(from.count);
-    const auto* in_c = static_cast<const typename InC<T>::type*>(from.as.array);
-    if constexpr (std::is_same_v<T, bool>) {
-        for (bool& value : values) {
-            value = is_true(in_c++);
-        }
-    } else if constexpr (is_plain<T>) {
-        if (from.count != 0) {
-            std::memcpy(static_cast<void*>(values.data()), in_c, from.count * sizeof(T));
-        }
-    } else {
-        for (T& value : values) {
-            if (!take(*in_c++, value)) {
-                return false;
-            }
+    const auto guid = loaded<busbar_guid>(from);
+    writer.number(guid.data1);
+    writer.number(guid.data2);
+    writer.number(guid.data3);
+    writer.bytes(std::as_bytes(std::span{guid.data4}));
+}
+
+/// Writes a value as it is on the wire (Part 6, 5.2.2): one code for all types, which are many.
+bool write_element(binary::Writer& writer, unsigned type, const void* from)
+{
+    switch (type) {
+    case BUSBAR_BOOLEAN:
+        encode(writer, loaded<std::uint8_t>(from) != 0);
+        return true;
+    case BUSBAR_GUID:
+        write_guid(writer, from);
+        return true;
+    case BUSBAR_STRING:
+    case BUSBAR_XML_ELEMENT:
+        return write_taken<String>(writer, from);
+    case BUSBAR_BYTE_STRING:
+        return write_taken<ByteString>(writer, from);
+    case BUSBAR_NODE_ID:
+        return write_taken<NodeId>(writer, from);
+    case BUSBAR_EXPANDED_NODE_ID:
+        return write_taken<ExpandedNodeId>(writer, from);
+    case BUSBAR_QUALIFIED_NAME:
+        return write_taken<QualifiedName>(writer, from);
+    case BUSBAR_LOCALIZED_TEXT:
+        return write_taken<LocalizedText>(writer, from);
+    case BUSBAR_EXTENSION_OBJECT:
+        return write_taken<ExtensionObject>(writer, from);
+    default:
+        break;
+    }
+    switch (busbar_type_size(static_cast<std::uint8_t>(type))) {
+    case 1:
+        writer.number(loaded<std::uint8_t>(from));
+        return true;
+    case 2:
+        writer.number(loaded<std::uint16_t>(from));
+        return true;
+    case 4:
+        writer.number(loaded<std::uint32_t>(from));
+        return true;
+    default:
+        writer.number(loaded<std::uint64_t>(from));
+        return true;
+    }
+}
+
+/// Writes all elements, those that are the same on the wire at once.
+bool write_elements(binary::Writer& writer, const busbar_value& from)
+{
+    const std::size_t size = busbar_type_size(from.type);
+    const auto* at = static_cast<const std::byte*>(from.as.array);
+    if (std::endian::native == std::endian::little && size <= 8 && from.type != BUSBAR_BOOLEAN) {
+        writer.bytes(bytes_of(at, size * from.count));
+        return true;
+    }
+    for (std::uint32_t i = 0; i < from.count; ++i, at += size) {
+        if (!write_element(writer, from.type, at)) {
+            return false;
         }
     }
-    to = Variant::matrix(std::move(values), std::move(dimensions));
     return true;
 }
 
-/// False if the dimensions are not those of the elements.
-bool take_dimensions(const busbar_value& from, Array<std::uint32_t>& to)
+/// Writes a Variant (Part 6, 5.2.2.16); false if it is malformed.
+bool write_variant(binary::Writer& writer, const busbar_value& from)
 {
-    if (from.dimension_count == 0) {
-        return true;
+    constexpr unsigned array_bit = 0x80;
+    constexpr unsigned dimensions_bit = 0x40;
+    const bool has_dimensions = from.is_array && from.dimension_count != 0;
+    writer.number(static_cast<std::uint8_t>(from.type | (from.is_array ? array_bit : 0U) |
+                                            (has_dimensions ? dimensions_bit : 0U)));
+    if (!from.is_array) {
+        return write_element(writer, from.type, &from.as);
     }
-    if (from.dimension_count < 2 || from.dimensions == nullptr) {
+    writer.length(from.count);
+    if (!has_all(from.as.array, from.count) || !writer.ok() || !write_elements(writer, from)) {
         return false;
     }
-    std::uint64_t product = 1;
-    for (const std::uint32_t each : std::span{from.dimensions, from.dimension_count}) {
-        product *= each;
-        if (product > from.count) {
+    if (has_dimensions) {
+        writer.length(from.dimension_count);
+        if (from.dimensions == nullptr || from.dimension_count < 2) {
             return false;
         }
-        to.push_back(each);
+        writer.numbers(std::span{from.dimensions, from.dimension_count});
     }
-    return product == from.count;
+    return true;
+}
+
+/// Reads what write_variant() wrote; the reader checks dimensions.
+Result<Variant> read_variant(std::span<const std::byte> bytes)
+{
+    binary::DecodeLimits limits;
+    limits.max_string_length = limits.max_byte_string_length = limits.max_array_length = INT_MAX;
+    limits.max_expansion = limits.free_memory = UINT32_MAX;
+    return binary::from_bytes<Variant>(bytes, nullptr, limits);
 }
 
 template <typename T>
@@ -371,25 +419,29 @@ busbar_text Scratch::keep(std::string_view text)
 
 Result<Variant> to_variant(const busbar_value& value)
 {
-    Variant result;
     if (value.type == BUSBAR_NULL) {
-        return result;
+        return Variant{};
     }
-    Array<std::uint32_t> dimensions;
-    if (value.is_array &&
-        (!has_all(value.as.array, value.count) || !take_dimensions(value, dimensions))) {
+    if (busbar_type_size(value.type) == 0) {
         return fail(status::Bad_InvalidArgument);
     }
-    bool is_good = true;
-    const bool is_known = visit_type(value.type, [&](auto tag) {
-        using T = typename decltype(tag)::type;
-        is_good = value.is_array ? take_array<T>(value, std::move(dimensions), result)
-                                 : take_scalar<T>(value, result);
-    });
-    if (!is_known || !is_good) {
-        return fail(status::Bad_InvalidArgument);
+    Result<Variant> result = fail(status::Bad_InvalidArgument);
+    if (std::array<std::byte, 32> room; // most values are numbers, which need no memory
+        !value.is_array && busbar_type_size(value.type) <= 8) {
+        binary::SpanSink sink{room};
+        binary::Writer writer{sink};
+        if (write_variant(writer, value)) {
+            result = read_variant(std::span{room}.first(writer.written()));
+        }
+    } else {
+        binary::VectorSink sink;
+        binary::Writer writer{sink};
+        if (write_variant(writer, value) && writer.ok()) {
+            result = read_variant(sink.take(writer.written()));
+        }
     }
-    return result;
+    return result || result.error() == status::Bad_OutOfMemory ? std::move(result)
+                                                               : fail(status::Bad_InvalidArgument);
 }
 
 StatusCode to_c(const Variant& from, Scratch& scratch, busbar_value& to)
@@ -431,11 +483,32 @@ using namespace busbar;
 
 size_t busbar_type_size(uint8_t type)
 {
-    size_t size = 0;
-    c::visit_type(type, [&](auto tag) {
-        size = sizeof(typename c::InC<typename decltype(tag)::type>::type);
-    });
-    return size;
+    static constexpr std::uint8_t sizes[] = {
+        0,
+        1,
+        1,
+        1,
+        2,
+        2,
+        4,
+        4,
+        8,
+        8,
+        4,
+        8,
+        sizeof(busbar_text),
+        8,
+        sizeof(busbar_guid),
+        sizeof(busbar_text),
+        sizeof(busbar_text),
+        sizeof(busbar_text),
+        sizeof(busbar_text),
+        4,
+        sizeof(busbar_qualified_name),
+        sizeof(busbar_localized_text),
+        sizeof(busbar_extension),
+    };
+    return type < std::size(sizes) ? sizes[type] : 0;
 }
 
 busbar_value busbar_value_boolean(bool value)
