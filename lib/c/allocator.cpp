@@ -20,7 +20,7 @@ namespace busbar::c {
 
 namespace {
 
-/// What stands before each block: its size, and the beginning of the memory.
+/// Stands before each block: its size, and the beginning of its memory.
 struct BlockHead {
     std::size_t size;
     void* memory;

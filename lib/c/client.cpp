@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 
 Configured<client::ClientConfig> client_config(const busbar_client_config& from,
-                                               const Surroundings& around)
+                                               const ApplicationSurroundings& around)
 {
     client::ClientConfig to;
     to.endpoint_url = text_or(from.url, "");

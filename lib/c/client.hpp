@@ -16,11 +16,11 @@ struct busbar_client {
     explicit busbar_client(const busbar_application& application) : around{application} {}
 
     busbar::c::FailureText failure;
-    /// Why it could not be created, or Good.
+    /// The reason why it could not be created, or Good.
     busbar::StatusCode created{busbar::status::Bad_InvalidState};
-    busbar::c::Surroundings around;
+    busbar::c::ApplicationSurroundings around;
     busbar::channel::ChannelEnvironment environment;
-    /// What the results of the last function point at.
+    /// The memory that results of the last function point at.
     std::vector<busbar::DataValue> values;
     busbar::Array<busbar::Variant> outputs;
     std::vector<busbar_value> outputs_in_c;

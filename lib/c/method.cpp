@@ -22,7 +22,7 @@ namespace busbar::c {
 
 namespace {
 
-/// What one Method is.
+/// The callback of one Method.
 struct MethodRoutine {
     busbar_method_callback callback;
     void* context;

@@ -68,9 +68,9 @@ struct busbar_server {
     ~busbar_server();
 
     mutable busbar::c::FailureText failure;
-    /// Why it could not be created, or Good.
+    /// The reason why it could not be created, or Good.
     busbar::StatusCode created{busbar::status::Bad_InvalidState};
-    busbar::c::Surroundings around;
+    busbar::c::ApplicationSurroundings around;
     busbar::net::ServerLoop loop;
     busbar::c::CallbackUsers users;
     std::uint16_t port{0};

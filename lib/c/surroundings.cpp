@@ -20,7 +20,7 @@ void CallbackLog::write(LogLevel level, std::string_view source, std::string_vie
     }
 }
 
-Surroundings::Surroundings(const busbar_application& application)
+ApplicationSurroundings::ApplicationSurroundings(const busbar_application& application)
     : uri_{text_or(application.uri, "")}, name_{text_or(application.name, uri_)},
       host_{text_or(application.host_name, "localhost")}, log_{application.log,
                                                                application.log_context,
@@ -28,7 +28,7 @@ Surroundings::Surroundings(const busbar_application& application)
 {
 }
 
-Configured<void> Surroundings::open(const busbar_application& application)
+Configured<void> ApplicationSurroundings::open(const busbar_application& application)
 {
     if (uri_.empty()) {
         return misconfigured("application.uri", "is empty, expected a globally unique URI");
@@ -57,7 +57,7 @@ Configured<void> Surroundings::open(const busbar_application& application)
     return has_certificate ? take_certificate(application) : load_certificate();
 }
 
-Configured<void> Surroundings::take_certificate(const busbar_application& application)
+Configured<void> ApplicationSurroundings::take_certificate(const busbar_application& application)
 {
     auto certificates =
         crypto::read_certificates(bytes_of(application.certificate, application.certificate_size));
@@ -74,7 +74,7 @@ Configured<void> Surroundings::take_certificate(const busbar_application& applic
     return {};
 }
 
-Configured<void> Surroundings::load_certificate()
+Configured<void> ApplicationSurroundings::load_certificate()
 {
     crypto::OwnCertificateSettings settings;
     settings.subject.common_name = name_;

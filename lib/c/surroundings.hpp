@@ -32,12 +32,12 @@ private:
     int level_;
 };
 
-/// What an application has around its server or client: log, clock, random numbers, its certificate
+/// Gives a server or client what it needs around it: log, clock, random numbers, its certificate
 /// and whom it trusts, in a folder or in memory.
-class Surroundings {
+class ApplicationSurroundings {
 public:
     /// `application` is read in open() too.
-    explicit Surroundings(const busbar_application& application);
+    explicit ApplicationSurroundings(const busbar_application& application);
 
     /// Opens the folder, or takes certificates from memory. The problem names what is wrong.
     [[nodiscard]] Configured<void> open(const busbar_application& application);

@@ -10,7 +10,7 @@ namespace busbar::c {
 
 namespace {
 
-/// Where a variable's value comes from, and the handle that its program gets.
+/// Says where a variable's value comes from, and the handle that its program gets.
 struct Binding {
     std::uint32_t source{0};
     std::uint64_t handle{0};

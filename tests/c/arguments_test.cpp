@@ -336,7 +336,7 @@ TEST_CASE("structures, images and events in C that cannot be are refused", "[c]"
     CHECK(busbar_server_raise_event(server, &event) == good);
 }
 
-TEST_CASE("functions of a client in C refuse null, nonsense and what is too much", "[c]")
+TEST_CASE("a client in C that cannot be says why", "[c]")
 {
     busbar_client* client = nullptr;
     busbar_client_config config;
@@ -365,7 +365,10 @@ TEST_CASE("functions of a client in C refuse null, nonsense and what is too much
     CHECK(failure().find("security.policies") == 0);
     config.size = 1;
     CHECK(busbar_client_create(&config, &client) == bad);
+}
 
+TEST_CASE("services of a client in C refuse null, nonsense and what is too much", "[c]")
+{
     ServerInC machine;
     machine.run();
     ClientInC peer{machine.url()};

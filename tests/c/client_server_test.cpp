@@ -26,10 +26,17 @@ busbar_value text_value(std::uint8_t type, std::string_view text)
 
 } // namespace
 
-TEST_CASE("values of all types and arrays of them go through a server and a client in C", "[c]")
+namespace {
+
+using NamedValues = std::vector<std::pair<std::string, busbar_value>>;
+
+const std::array<busbar_text, 2> texts{{{"one", 3}, {nullptr, 0}}};
+const std::array<std::int16_t, 6> numbers{1, 2, 3, 4, 5, -6};
+const std::array<std::uint32_t, 2> dimensions{2, 3};
+
+NamedValues all_values()
 {
-    ServerInC machine;
-    std::vector<std::pair<std::string, busbar_value>> values;
+    NamedValues values;
     const auto put = [&](const char* name, busbar_value value) {
         values.emplace_back(name, value);
     };
@@ -65,15 +72,48 @@ TEST_CASE("values of all types and arrays of them go through a server and a clie
     code.type = BUSBAR_STATUS_CODE;
     code.as.status = BUSBAR_BAD_TIMEOUT;
     put("Code", code);
-    const std::array<busbar_text, 2> texts{{{"one", 3}, {nullptr, 0}}};
     put("Texts", busbar_value_array(BUSBAR_STRING, texts.data(), 2));
-    const std::array<std::int16_t, 6> numbers{1, 2, 3, 4, 5, -6};
-    const std::array<std::uint32_t, 2> dimensions{2, 3};
     busbar_value matrix = busbar_value_array(BUSBAR_INT16, numbers.data(), 6);
     matrix.dimension_count = 2;
     matrix.dimensions = dimensions.data();
     put("Matrix", matrix);
+    return values;
+}
 
+void check_same(const busbar_data_value& got, const busbar_value& sent)
+{
+    if (sent.type <= BUSBAR_DOUBLE && !sent.is_array) {
+        CHECK(std::memcmp(&got.value.as, &sent.as, busbar_type_size(sent.type)) == 0);
+    } else if (sent.type == BUSBAR_INT16) {
+        CHECK(std::memcmp(got.value.as.array, numbers.data(), sizeof numbers) == 0);
+        REQUIRE(got.value.dimension_count == 2);
+        CHECK(got.value.dimensions[1] == 3);
+    } else if (sent.is_array) {
+        const auto* const elements = static_cast<const busbar_text*>(got.value.as.array);
+        CHECK(text_of(elements[0]) == "one");
+        CHECK(text_of(elements[1]) == "null");
+    } else if (sent.type == BUSBAR_QUALIFIED_NAME) {
+        CHECK(got.value.as.qualified_name.namespace_index == 3);
+        CHECK(text_of(got.value.as.qualified_name.name) == "Name");
+    } else if (sent.type == BUSBAR_LOCALIZED_TEXT) {
+        CHECK(text_of(got.value.as.localized_text.text) == "Word");
+    } else if (sent.type == BUSBAR_DATE_TIME) {
+        CHECK(got.value.as.time == sent.as.time);
+    } else if (sent.type == BUSBAR_GUID) {
+        CHECK(std::memcmp(&got.value.as.guid, &sent.as.guid, sizeof sent.as.guid) == 0);
+    } else if (sent.type == BUSBAR_STATUS_CODE) {
+        CHECK(got.value.as.status == BUSBAR_BAD_TIMEOUT);
+    } else {
+        CHECK(text_of(got.value.as.text) == text_of(sent.as.text));
+    }
+}
+
+} // namespace
+
+TEST_CASE("values of all types and arrays of them go through a server and a client in C", "[c]")
+{
+    ServerInC machine;
+    const NamedValues values = all_values();
     std::vector<std::string> paths;
     for (std::size_t i = 0; i < values.size(); ++i) {
         const std::string id = values[i].first + std::to_string(i);
@@ -96,30 +136,7 @@ TEST_CASE("values of all types and arrays of them go through a server and a clie
         CHECK(got.value.type == sent.type);
         CHECK(got.value.is_array == sent.is_array);
         CHECK(got.value.count == sent.count);
-        if (sent.type <= BUSBAR_DOUBLE && !sent.is_array) {
-            CHECK(std::memcmp(&got.value.as, &sent.as, busbar_type_size(sent.type)) == 0);
-        } else if (sent.type == BUSBAR_INT16) {
-            CHECK(std::memcmp(got.value.as.array, numbers.data(), sizeof numbers) == 0);
-            REQUIRE(got.value.dimension_count == 2);
-            CHECK(got.value.dimensions[1] == 3);
-        } else if (sent.is_array) {
-            const auto* const elements = static_cast<const busbar_text*>(got.value.as.array);
-            CHECK(text_of(elements[0]) == "one");
-            CHECK(text_of(elements[1]) == "null");
-        } else if (sent.type == BUSBAR_QUALIFIED_NAME) {
-            CHECK(got.value.as.qualified_name.namespace_index == 3);
-            CHECK(text_of(got.value.as.qualified_name.name) == "Name");
-        } else if (sent.type == BUSBAR_LOCALIZED_TEXT) {
-            CHECK(text_of(got.value.as.localized_text.text) == "Word");
-        } else if (sent.type == BUSBAR_DATE_TIME) {
-            CHECK(got.value.as.time == sent.as.time);
-        } else if (sent.type == BUSBAR_GUID) {
-            CHECK(std::memcmp(&got.value.as.guid, &sent.as.guid, sizeof guid.as.guid) == 0);
-        } else if (sent.type == BUSBAR_STATUS_CODE) {
-            CHECK(got.value.as.status == BUSBAR_BAD_TIMEOUT);
-        } else {
-            CHECK(text_of(got.value.as.text) == text_of(sent.as.text));
-        }
+        check_same(got, sent);
     }
     CHECK(busbar_client_disconnect(client.client) == good);
     CHECK(busbar_client_state(client.client) == BUSBAR_CLIENT_CLOSED);
