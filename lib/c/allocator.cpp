@@ -1,5 +1,4 @@
-// The operator new of programs that refer to busbar_set_allocator or busbar_memory_in_use: the
-// linker takes this file from the static library for these only.
+// The operator new of programs that link this layer and have none of their own.
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -194,7 +193,8 @@ busbar_status busbar_memory_in_use(busbar_memory* memory)
 }
 
 // All replaceable forms: none may take from, or give back to, another allocator than this one.
-#define BUSBAR_EXPORTED __attribute__((visibility("default")))
+// Weak: a program's own one takes their place.
+#define BUSBAR_EXPORTED __attribute__((visibility("default"), weak))
 BUSBAR_EXPORTED void* operator new(std::size_t size)
 {
     return allocate_or_throw(size);

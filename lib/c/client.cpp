@@ -13,18 +13,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Configured<client::ClientConfig> client_config(const busbar_client_config& from,
-                                               const ApplicationSurroundings& around)
+StatusCode take_config(const busbar_client_config& from, busbar_client& made,
+                       client::ClientConfig& to)
 {
-    client::ClientConfig to;
     to.endpoint_url = text_or(from.url, "");
-    to.application_uri = around.uri();
-    to.application_name = around.name();
+    to.application_uri = made.around.uri();
+    to.application_name = made.around.name();
     if (from.policy != nullptr) {
         to.security.policies = {from.policy};
     }
     if (from.least_mode < BUSBAR_MODE_NONE || from.least_mode > BUSBAR_MODE_SIGN_AND_ENCRYPT) {
-        return misconfigured("least_mode", "must be 1, 2 or 3");
+        return misconfigured(made.failure, "least_mode", "must be 1, 2 or 3");
     }
     to.security.allows_none = from.least_mode == BUSBAR_MODE_NONE;
     to.security.min_mode = to.security.allows_none
@@ -39,34 +38,35 @@ Configured<client::ClientConfig> client_config(const busbar_client_config& from,
     if (from.session_timeout_ms != 0) {
         to.session_timeout = milliseconds{from.session_timeout_ms};
     }
-    return to;
+    return status::Good;
 }
 
-Configured<void> create(const busbar_client_config& config, busbar_client& made)
+StatusCode create(const busbar_client_config& config, busbar_client& made)
 {
-    if (auto opened = made.around.open(config.application); !opened) {
+    if (const StatusCode opened = made.around.open(config.application, made.failure);
+        opened.is_bad()) {
         return opened;
     }
-    auto to = client_config(config, made.around);
-    if (!to) {
-        return Unexpected{to.error()};
+    client::ClientConfig to;
+    if (const StatusCode taken = take_config(config, made, to); taken.is_bad()) {
+        return taken;
     }
     made.environment.random = &made.around.random();
     made.environment.wall_clock = &made.around.clock();
     made.environment.log = &made.around.log();
     made.environment.validator = made.around.validator();
     made.environment.identity = made.around.identity() ? &*made.around.identity() : nullptr;
-    if (auto checked = client::check_config(*to, made.environment); !checked) {
-        return checked;
+    if (auto checked = client::check_config(to, made.environment); !checked) {
+        return failed(made.failure, checked.error());
     }
-    made.client.emplace(*std::move(to), made.environment);
+    made.client.emplace(std::move(to), made.environment);
     if (config.state != nullptr) {
         made.client->client().on_state([call = config.state, context = config.state_context](
                                            client::ClientState state, StatusCode why) {
             call(context, static_cast<int>(state), why.value());
         });
     }
-    return {};
+    return status::Good;
 }
 
 } // namespace
@@ -109,10 +109,8 @@ busbar_status busbar_client_create(const busbar_client_config* config, busbar_cl
     std::unique_ptr<busbar_client> made;
     const busbar_status status = c::run_guarded(nullptr, [&] {
         made = std::make_unique<busbar_client>(config->application);
-        made->created = StatusCode{c::run_guarded(&made->failure, [&] {
-            const auto created = c::create(*config, *made);
-            return created ? status::Good : c::failed(made->failure, created.error());
-        })};
+        made->created =
+            StatusCode{c::run_guarded(&made->failure, [&] { return c::create(*config, *made); })};
         return made->created;
     });
     if (made != nullptr && status != BUSBAR_BAD_OUT_OF_MEMORY) {

@@ -1,6 +1,7 @@
 #include "guard.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -36,6 +37,24 @@ busbar_status run_guarded(FailureText* failure, FunctionRef<StatusCode()> body) 
 StatusCode failed(FailureText& failure, StatusCode status, std::string_view text)
 {
     failure.set(text);
+    return status;
+}
+
+StatusCode misconfigured(FailureText& failure, const char* list, std::size_t index,
+                         const char* text, StatusCode status) noexcept
+{
+    std::array<char, 256> line;
+    std::snprintf(line.data(), line.size(), "%s[%zu]: %s", list, index, text);
+    failure.set(line.data());
+    return status;
+}
+
+StatusCode misconfigured(FailureText& failure, const char* where, const char* text,
+                         StatusCode status) noexcept
+{
+    std::array<char, 256> line;
+    std::snprintf(line.data(), line.size(), "%s: %s", where, text);
+    failure.set(line.data());
     return status;
 }
 

@@ -37,6 +37,13 @@ private:
 /// Keeps what is wrong, and returns the status.
 StatusCode failed(FailureText& failure, StatusCode status, std::string_view text);
 StatusCode failed(FailureText& failure, const Problem& problem);
+/// Keeps what is wrong with a configuration: "users[3]: has no name". Returns
+/// Bad_ConfigurationError, or `status`.
+StatusCode misconfigured(FailureText& failure, const char* list, std::size_t index,
+                         const char* text,
+                         StatusCode status = status::Bad_ConfigurationError) noexcept;
+StatusCode misconfigured(FailureText& failure, const char* where, const char* text,
+                         StatusCode status = status::Bad_ConfigurationError) noexcept;
 
 /// Returns the text, or `otherwise` for null.
 [[nodiscard]] inline std::string_view text_or(const char* text, std::string_view otherwise)

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cstdint>
-#include <string>
 #include <utility>
 
 #include <busbar/server/process_image.hpp>
@@ -95,12 +94,12 @@ StatusCode add_all(busbar_server& server, const busbar_image_config& config, bus
     for (std::size_t i = 0; i < config.count; ++i) {
         auto variable = placed(config, config.variables[i]);
         if (!variable) {
-            return failed(server.failure, variable.error(),
-                          "variables[" + std::to_string(i) + "] has no place in the memory");
+            return misconfigured(server.failure, "variables", i, "has no place in the memory",
+                                 variable.error());
         }
         if (const auto added = layout.add(*variable); !added) {
-            return failed(server.failure, added.error(),
-                          "variables[" + std::to_string(i) + "] is not aligned, or too large");
+            return misconfigured(server.failure, "variables", i, "is not aligned, or too large",
+                                 added.error());
         }
     }
     server::ImageOptions options;
@@ -118,8 +117,7 @@ StatusCode add_all(busbar_server& server, const busbar_image_config& config, bus
         const StatusCode added =
             variables.add(config, from, *made.source, handle, server::ImageMemory{alone}.load(0));
         if (added.is_bad()) {
-            return failed(server.failure, added,
-                          "variables[" + std::to_string(handle) + "] cannot be added");
+            return misconfigured(server.failure, "variables", handle, "cannot be added", added);
         }
     }
     variables.keep();

@@ -14,48 +14,49 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Configured<void> take_endpoints(const busbar_server_config& from, server::ServerConfig& to)
+StatusCode take_endpoints(const busbar_server_config& from, FailureText& failure,
+                          server::ServerConfig& to)
 {
     if (from.endpoints == nullptr) {
-        return {};
+        return status::Good;
     }
     to.endpoints.clear();
     for (std::size_t i = 0; i < from.endpoint_count; ++i) {
         const busbar_endpoint& each = from.endpoints[i];
-        const std::string where = "endpoints[" + std::to_string(i) + "]";
-        server::EndpointConfig endpoint;
+        server::EndpointConfig& endpoint = to.endpoints.emplace_back();
         endpoint.security.policy = crypto::find_policy_by_name(text_or(each.policy, ""));
         if (endpoint.security.policy == nullptr) {
-            return misconfigured(where + ".policy", "is not a policy that this build knows");
+            return misconfigured(failure, "endpoints", i,
+                                 "policy is not one that this build knows");
         }
         if (each.mode < BUSBAR_MODE_NONE || each.mode > BUSBAR_MODE_SIGN_AND_ENCRYPT) {
-            return misconfigured(where + ".mode", "must be 1, 2 or 3");
+            return misconfigured(failure, "endpoints", i, "mode must be 1, 2 or 3");
         }
         endpoint.security.mode = static_cast<MessageSecurityMode>(each.mode);
         endpoint.allows_anonymous = each.allows_anonymous;
         endpoint.allows_user_name = each.allows_user_name;
-        to.endpoints.push_back(endpoint);
     }
-    return {};
+    return status::Good;
 }
 
-Configured<void> take_limits(const busbar_server_config& from, server::ServerConfig& to)
+StatusCode take_limits(const busbar_server_config& from, FailureText& failure,
+                       server::ServerLimits& to)
 {
     if (from.memory_limit != 0) {
-        auto limits = server::limits_for(from.memory_limit);
+        const auto limits = server::limits_for(from.memory_limit);
         if (!limits) {
-            return Unexpected{limits.error()};
+            return failed(failure, limits.error());
         }
-        to.limits = *limits;
+        to = *limits;
     } else if (from.limits == BUSBAR_LIMITS_SMALL) {
-        to.limits = server::small_controller_limits();
+        to = server::small_controller_limits();
     } else if (from.limits != BUSBAR_LIMITS_LARGE) {
-        return misconfigured("limits", "is not a preset that this build knows");
+        return misconfigured(failure, "limits", "is not a preset that this build knows");
     }
-    return {};
+    return status::Good;
 }
 
-Configured<void> take_users(const busbar_server_config& from, CallbackUsers& to)
+StatusCode take_users(const busbar_server_config& from, FailureText& failure, CallbackUsers& to)
 {
     for (std::size_t i = 0; i < from.user_count; ++i) {
         const busbar_user& each = from.users[i];
@@ -63,24 +64,24 @@ Configured<void> take_users(const busbar_server_config& from, CallbackUsers& to)
         if (each.is_read_only) {
             rights.access_level_mask = server::anonymous_reader().access_level_mask;
         }
-        const auto set = to.table().set(std::string{text_or(each.name, "")},
-                                        std::string{text_or(each.password_hash, "")}, rights);
+        const auto set =
+            to.table().set(std::string{text_or(each.name, "")},
+                           std::string{text_or(each.password_hash, "")}, std::move(rights));
         if (!set) {
-            return misconfigured("users[" + std::to_string(i) + "]",
-                                 "has no name, or no hash of a password", set.error());
+            return misconfigured(failure, "users", i, "has no name, or no hash of a password",
+                                 set.error());
         }
     }
     if (from.anonymous_may_write) {
         to.table().set_anonymous_access(0xFF);
     }
     to.ask(from.login, from.login_context);
-    return {};
+    return status::Good;
 }
 
-Configured<server::ServerConfig> server_config(const busbar_server_config& from,
-                                               busbar_server& made)
+StatusCode take_config(const busbar_server_config& from, busbar_server& made,
+                       server::ServerConfig& to)
 {
-    server::ServerConfig to;
     to.application_uri = made.around.uri();
     to.application_name = made.around.name();
     to.product_uri = text_or(from.product_uri, to.product_uri);
@@ -89,33 +90,12 @@ Configured<server::ServerConfig> server_config(const busbar_server_config& from,
     to.endpoint_url = "opc.tcp://" + made.around.host() + ":" + std::to_string(made.port);
     to.identity = made.around.identity();
     to.shutdown_delay = milliseconds{from.shutdown_delay_ms};
-    if (const auto taken = take_endpoints(from, to); !taken) {
-        return Unexpected{taken.error()};
-    }
-    if (const auto taken = take_limits(from, to); !taken) {
-        return Unexpected{taken.error()};
-    }
-    return to;
+    const StatusCode taken = take_endpoints(from, made.failure, to);
+    return taken.is_bad() ? taken : take_limits(from, made.failure, to.limits);
 }
 
-Configured<void> create(const busbar_server_config& config, busbar_server& made)
+StatusCode create_server(server::ServerConfig&& config, busbar_server& made)
 {
-    if (auto opened = made.around.open(config.application); !opened) {
-        return opened;
-    }
-    if (auto taken = take_users(config, made.users); !taken) {
-        return taken;
-    }
-    const std::uint16_t wanted = config.takes_free_port ? 0 : config.port == 0 ? 4840 : config.port;
-    const auto port = made.loop.reserve(text_or(config.address, ""), wanted);
-    if (!port) {
-        return misconfigured("port", "cannot be opened for listening", port.error());
-    }
-    made.port = *port;
-    auto to = server_config(config, made);
-    if (!to) {
-        return Unexpected{to.error()};
-    }
     server::ServerEnvironment environment;
     environment.random = &made.around.random();
     environment.wall_clock = &made.around.clock();
@@ -123,16 +103,36 @@ Configured<void> create(const busbar_server_config& config, busbar_server& made)
     environment.validator = made.around.validator();
     environment.users = &made.users;
     environment.waker = &made.loop.waker();
-    auto created = server::Server::create(*std::move(to), environment);
+    auto created = server::Server::create(std::move(config), environment);
     if (!created) {
-        return Unexpected{created.error()};
+        return failed(made.failure, created.error());
     }
     made.server.emplace(*std::move(created));
     made.variables = std::make_shared<VariableSource>(made.around.clock());
     made.methods = std::make_shared<server::MethodTable>();
     made.server->add_source(made.variables);
     made.server->add_source(made.methods);
-    return {};
+    return status::Good;
+}
+
+StatusCode create(const busbar_server_config& config, busbar_server& made)
+{
+    if (const StatusCode opened = made.around.open(config.application, made.failure);
+        opened.is_bad()) {
+        return opened;
+    }
+    if (const StatusCode taken = take_users(config, made.failure, made.users); taken.is_bad()) {
+        return taken;
+    }
+    const std::uint16_t wanted = config.takes_free_port ? 0 : config.port == 0 ? 4840 : config.port;
+    const auto port = made.loop.reserve(text_or(config.address, ""), wanted);
+    if (!port) {
+        return misconfigured(made.failure, "port", "cannot be opened for listening", port.error());
+    }
+    made.port = *port;
+    server::ServerConfig to;
+    const StatusCode taken = take_config(config, made, to);
+    return taken.is_bad() ? taken : create_server(std::move(to), made);
 }
 
 /// Bad_Shutdown once the server has stopped.
@@ -226,10 +226,8 @@ busbar_status busbar_server_create(const busbar_server_config* config, busbar_se
     std::unique_ptr<busbar_server> made;
     const busbar_status status = c::run_guarded(nullptr, [&] {
         made = std::make_unique<busbar_server>(config->application);
-        made->created = StatusCode{c::run_guarded(&made->failure, [&] {
-            const auto created = c::create(*config, *made);
-            return created ? status::Good : c::failed(made->failure, created.error());
-        })};
+        made->created =
+            StatusCode{c::run_guarded(&made->failure, [&] { return c::create(*config, *made); })};
         return made->created;
     });
     if (made != nullptr && status != BUSBAR_BAD_OUT_OF_MEMORY) {

@@ -8,8 +8,6 @@
 #include <busbar/storage/folder_storage.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
-#include "guard.hpp"
-
 namespace busbar::c {
 
 void CallbackLog::write(LogLevel level, std::string_view source, std::string_view text)
@@ -28,10 +26,12 @@ ApplicationSurroundings::ApplicationSurroundings(const busbar_application& appli
 {
 }
 
-Configured<void> ApplicationSurroundings::open(const busbar_application& application)
+StatusCode ApplicationSurroundings::open(const busbar_application& application,
+                                         FailureText& failure)
 {
     if (uri_.empty()) {
-        return misconfigured("application.uri", "is empty, expected a globally unique URI");
+        return misconfigured(failure, "application.uri",
+                             "is empty, expected a globally unique URI");
     }
     const bool has_certificate = application.certificate != nullptr;
     if (application.folder != nullptr) {
@@ -39,11 +39,11 @@ Configured<void> ApplicationSurroundings::open(const busbar_application& applica
     } else if (has_certificate) {
         storage_ = std::make_unique<storage::MemoryStorage>();
     } else {
-        return {};
+        return status::Good;
     }
     store_.emplace(*storage_, crypto::StoreLimits{}, log_);
     if (const auto made = store_->create(); !made) {
-        return misconfigured("application.folder", "cannot be created (Part 12, F.1)",
+        return misconfigured(failure, "application.folder", "cannot be created (Part 12, F.1)",
                              made.error());
     }
     validator_.emplace(*store_, log_);
@@ -51,30 +51,31 @@ Configured<void> ApplicationSurroundings::open(const busbar_application& applica
         const busbar_text& each = application.trusted[i];
         const auto added = store_->add(crypto::StoreList::Trusted, bytes_of(each.data, each.size));
         if (!added && added.error().status != status::Bad_EntryExists) {
-            return Unexpected{problem_of(added.error())};
+            return failed(failure, problem_of(added.error()));
         }
     }
-    return has_certificate ? take_certificate(application) : load_certificate();
+    return has_certificate ? take_certificate(application, failure) : load_certificate(failure);
 }
 
-Configured<void> ApplicationSurroundings::take_certificate(const busbar_application& application)
+StatusCode ApplicationSurroundings::take_certificate(const busbar_application& application,
+                                                     FailureText& failure)
 {
     auto certificates =
         crypto::read_certificates(bytes_of(application.certificate, application.certificate_size));
     if (!certificates) {
-        return Unexpected{problem_of(certificates.error())};
+        return failed(failure, problem_of(certificates.error()));
     }
     auto key = crypto::PrivateKey::parse(bytes_of(application.key, application.key_size));
     if (!key || certificates->empty() || !key->belongs_to(certificates->front())) {
-        return misconfigured("application.key",
+        return misconfigured(failure, "application.key",
                              "is not the RSA key of the certificate, as PEM or DER",
                              key ? status::Bad_ConfigurationError : key.error());
     }
     identity_ = channel::ApplicationIdentity{std::move(*certificates), std::move(*key)};
-    return {};
+    return status::Good;
 }
 
-Configured<void> ApplicationSurroundings::load_certificate()
+StatusCode ApplicationSurroundings::load_certificate(FailureText& failure)
 {
     crypto::OwnCertificateSettings settings;
     settings.subject.common_name = name_;
@@ -84,11 +85,11 @@ Configured<void> ApplicationSurroundings::load_certificate()
     const crypto::OwnCertificateStore own{*storage_};
     auto loaded = own.load_or_create(settings, clock_.now());
     if (!loaded) {
-        return Unexpected{problem_of(loaded.error())};
+        return failed(failure, problem_of(loaded.error()));
     }
     identity_ =
         channel::ApplicationIdentity{std::move(loaded->certificates), std::move(loaded->key)};
-    return {};
+    return status::Good;
 }
 
 } // namespace busbar::c

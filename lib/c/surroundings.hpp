@@ -8,12 +8,13 @@
 #include <busbar/busbar.h>
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/log.hpp>
-#include <busbar/core/problem.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/net/system.hpp>
+
+#include "guard.hpp"
 
 namespace busbar::c {
 
@@ -39,8 +40,8 @@ public:
     /// `application` is read in open() too.
     explicit ApplicationSurroundings(const busbar_application& application);
 
-    /// Opens the folder, or takes certificates from memory. The problem names what is wrong.
-    [[nodiscard]] Configured<void> open(const busbar_application& application);
+    /// Opens the folder, or takes certificates from memory. Keeps what is wrong in `failure`.
+    [[nodiscard]] StatusCode open(const busbar_application& application, FailureText& failure);
 
     [[nodiscard]] const std::string& uri() const { return uri_; }
     [[nodiscard]] const std::string& name() const { return name_; }
@@ -59,8 +60,9 @@ public:
     }
 
 private:
-    [[nodiscard]] Configured<void> take_certificate(const busbar_application& application);
-    [[nodiscard]] Configured<void> load_certificate();
+    [[nodiscard]] StatusCode take_certificate(const busbar_application& application,
+                                              FailureText& failure);
+    [[nodiscard]] StatusCode load_certificate(FailureText& failure);
 
     std::string uri_;
     std::string name_;

@@ -308,4 +308,16 @@ TEST_CASE("each allocation of the C interface fails once", "[c]")
     CHECK(left == before);
 }
 
+TEST_CASE("a program with an operator new of its own keeps it", "[c]")
+{
+    busbar_allocator allocator{};
+    allocator.size = sizeof allocator;
+    allocator.allocate = [](void*, std::size_t, std::size_t) -> void* { return nullptr; };
+    allocator.release = [](void*, void*) {};
+    CHECK(busbar_set_allocator(&allocator) == BUSBAR_BAD_NOT_SUPPORTED);
+    busbar_memory memory{};
+    memory.size = sizeof memory;
+    CHECK(busbar_memory_in_use(&memory) == BUSBAR_BAD_NOT_SUPPORTED);
+}
+
 } // namespace c_allocation_failure_test

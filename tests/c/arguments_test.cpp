@@ -114,9 +114,9 @@ TEST_CASE("a server in C that cannot be says why", "[c]")
     config.endpoints = &endpoint;
     config.endpoint_count = 1;
     endpoint.mode = 9;
-    CHECK(failure_of(config).second.find("endpoints[0].mode") == 0);
+    CHECK(failure_of(config).second.find("endpoints[0]: mode") == 0);
     endpoint = {"Basic0", BUSBAR_MODE_NONE, true, false};
-    CHECK(failure_of(config).second.find("endpoints[0].policy") == 0);
+    CHECK(failure_of(config).second.find("endpoints[0]: policy") == 0);
     endpoint = {nullptr, BUSBAR_MODE_NONE, true, false};
     CHECK(failure_of(config).first != good);
     endpoint = {"None", BUSBAR_MODE_NONE, true, false};

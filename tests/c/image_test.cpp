@@ -151,7 +151,7 @@ TEST_CASE("an image in C that does not fit its memory is refused as a whole", "[
     CHECK(press.add() == BUSBAR_BAD_OUT_OF_RANGE);
     CHECK(press.image == nullptr);
     CHECK(std::string{busbar_server_last_error(press.machine.server)} ==
-          "variables[3] has no place in the memory");
+          "variables[3]: has no place in the memory");
     press.memory_size = sizeof(Memory);
     busbar_variable taken = press.machine.variable("Recipe", busbar_value_double(0));
     REQUIRE(busbar_server_add_variable(press.machine.server, &taken, nullptr) == good);

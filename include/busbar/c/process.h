@@ -34,11 +34,12 @@ typedef struct busbar_allocator {
 /* Takes all memory of the process's C++ code, OpenSSL and pugixml from `allocator`. Call it before
  * all other functions and before anything else has used C++ or OpenSSL; once.
  *
- * Busbar takes its memory by operator new. A program that refers to this function, or links the
- * shared library, has an operator new of Busbar's in place of the C++ library's, which uses malloc
- * until this call. So the allocator gets what any C++ code of the process asks for. Not taken from
- * it: what the C library allocates itself (getaddrinfo, stdio, the stacks of threads), and the
- * exceptions of the C++ library.
+ * Busbar takes its memory by operator new, which C++ lets a program replace, and nothing else can. A
+ * program that links this library, static or shared, has an operator new of Busbar's in place of the
+ * C++ library's, unless it has one of its own. It counts, and uses malloc until this call. So the
+ * allocator gets what any C++ code of the process asks for. Not taken from it: what the C library
+ * allocates itself (getaddrinfo, stdio, the stacks of threads), and the C++ library's exceptions,
+ * which are thrown when memory runs out.
  *
  * Bad_InvalidState if memory of operator new or of OpenSSL is in use already, as in most programs
  * with C++ of their own; Bad_NotSupported if the program has an operator new of its own, which then
@@ -55,8 +56,8 @@ typedef struct busbar_memory {
     uint64_t failed;          /* allocations that failed */
 } busbar_memory;
 
-/* Stores the memory in use. Bad_NotSupported if the program has an operator new of its own. Costs
- * nothing where it is not called; referring to it counts all allocations. Any thread. */
+/* Stores the memory in use. Bad_NotSupported if the program has an operator new of its own. Any
+ * thread. */
 BUSBAR_C_API busbar_status busbar_memory_in_use(busbar_memory* memory);
 
 /* Makes the hash of a password (scrypt, or PBKDF2 with `iterations` of 1,000 to 10,000,000 if that
