@@ -109,6 +109,22 @@ if(EXISTS ${prefix}/bin/busbar)
   run(${CMAKE_COMMAND} --build ${test}/first_server)
 endif()
 
+find_program(C_COMPILER cc)
+if(C_COMPILER AND NOT SANITIZE AND EXISTS ${prefix}/${LIBDIR}/pkgconfig/busbar-c.pc)
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/in_c -B ${test}/in_c
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER})
+  run(${CMAKE_COMMAND} --build ${test}/in_c)
+  run(${test}/in_c/in_c)
+  if(PKG_CONFIG)
+    set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
+    run(${PKG_CONFIG} --cflags --libs busbar-c)
+    separate_arguments(all UNIX_COMMAND "${output}")
+    run(${C_COMPILER} -std=c99 -Wall -Wextra -pedantic -Werror ${SOURCE_DIR}/in_c/main.c
+      -o ${test}/plain_c ${all})
+    run(${test}/plain_c)
+  endif()
+endif()
+
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
   run(${PKG_CONFIG} --cflags busbar-server busbar-harness)
