@@ -213,7 +213,7 @@ TEST_CASE("calls in the table for users of open62541 are Busbar's", "[tidy]")
     std::set<std::string> known;
     for (const auto& entry :
          std::filesystem::recursive_directory_iterator{root / "include" / "busbar"}) {
-        if (entry.path().extension() == ".hpp") {
+        if (entry.path().extension() == ".hpp" || entry.path().extension() == ".h") {
             const auto words = words_of(text_of(entry.path()));
             known.insert(words.begin(), words.end());
         }
