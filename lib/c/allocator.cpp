@@ -1,4 +1,4 @@
-// The operator new of programs that link this layer and have none of their own.
+// The operator new of programs that link this layer as a static library and have none of their own.
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -192,89 +192,92 @@ busbar_status busbar_memory_in_use(busbar_memory* memory)
     return BUSBAR_GOOD;
 }
 
+#ifdef BUSBAR_C_HAS_OPERATOR_NEW
 // All replaceable forms: none may take from, or give back to, another allocator than this one.
 // Weak: a program's own one takes their place.
-#define BUSBAR_EXPORTED __attribute__((visibility("default"), weak))
-BUSBAR_EXPORTED void* operator new(std::size_t size)
+#define BUSBAR_REPLACEABLE __attribute__((weak))
+BUSBAR_REPLACEABLE void* operator new(std::size_t size)
 {
     return allocate_or_throw(size);
 }
-BUSBAR_EXPORTED void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
     return allocate_block(size);
 }
-BUSBAR_EXPORTED void* operator new(std::size_t size, std::align_val_t alignment)
+BUSBAR_REPLACEABLE void* operator new(std::size_t size, std::align_val_t alignment)
 {
     return allocate_or_throw(size, static_cast<std::size_t>(alignment));
 }
-BUSBAR_EXPORTED void* operator new(std::size_t size, std::align_val_t alignment,
-                                   const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void* operator new(std::size_t size, std::align_val_t alignment,
+                                      const std::nothrow_t&) noexcept
 {
     return allocate_block(size, static_cast<std::size_t>(alignment));
 }
-BUSBAR_EXPORTED void* operator new[](std::size_t size)
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size)
 {
     return allocate_or_throw(size);
 }
-BUSBAR_EXPORTED void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
 {
     return allocate_block(size);
 }
-BUSBAR_EXPORTED void* operator new[](std::size_t size, std::align_val_t alignment)
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment)
 {
     return allocate_or_throw(size, static_cast<std::size_t>(alignment));
 }
-BUSBAR_EXPORTED void* operator new[](std::size_t size, std::align_val_t alignment,
-                                     const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment,
+                                        const std::nothrow_t&) noexcept
 {
     return allocate_block(size, static_cast<std::size_t>(alignment));
 }
-BUSBAR_EXPORTED void operator delete(void* block) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete(void* block, std::size_t) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete(void* block, const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block, const std::nothrow_t&) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete(void* block, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block, std::align_val_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete(void* block, std::size_t, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t, std::align_val_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void operator delete(void* block, std::align_val_t,
+                                        const std::nothrow_t&) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block, std::size_t) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::size_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block, const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, const std::nothrow_t&) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block, std::size_t, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::size_t, std::align_val_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_EXPORTED void operator delete[](void* block, std::align_val_t,
-                                       const std::nothrow_t&) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t,
+                                          const std::nothrow_t&) noexcept
 {
     release_block(block);
 }
+#endif

@@ -133,7 +133,7 @@ using namespace busbar;
 busbar_status busbar_server_add_image(busbar_server* server, const busbar_image_config* config,
                                       busbar_image** image)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (config == nullptr || config->size != sizeof *config || config->memory == nullptr ||
             config->variables == nullptr || image == nullptr || config->count > c::max_elements) {
             return status::Bad_InvalidArgument;

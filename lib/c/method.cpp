@@ -104,7 +104,7 @@ busbar_status busbar_server_add_method(busbar_server* server, const busbar_node*
                                        const busbar_argument* outputs, size_t output_count,
                                        busbar_method_callback callback, void* context)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (node == nullptr || callback == nullptr || !c::has_all(inputs, input_count) ||
             !c::has_all(outputs, output_count) || input_count > c::max_elements ||
             output_count > c::max_elements) {

@@ -116,7 +116,7 @@ using namespace busbar;
 
 busbar_status busbar_server_add_namespace(busbar_server* server, const char* uri, uint16_t* index)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (uri == nullptr || *uri == '\0' || index == nullptr) {
             return status::Bad_InvalidArgument;
         }
@@ -129,7 +129,7 @@ busbar_status busbar_server_add_namespace(busbar_server* server, const char* uri
 busbar_status busbar_server_add_object(busbar_server* server, const busbar_node* node,
                                        const char* type)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (node == nullptr) {
             return status::Bad_InvalidArgument;
         }
@@ -156,7 +156,7 @@ busbar_status busbar_server_add_object_type(busbar_server* server, const busbar_
                                             const busbar_property* properties,
                                             size_t property_count)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (node == nullptr || !c::has_all(properties, property_count)) {
             return status::Bad_InvalidArgument;
         }
@@ -182,7 +182,7 @@ busbar_status busbar_server_add_object_type(busbar_server* server, const busbar_
 busbar_status busbar_server_add_reference(busbar_server* server, const char* source,
                                           const char* type, const char* target)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         model::AddressSpace& space = server->server->address_space();
         const auto type_id = c::node_id_of(type);
         const model::NodeIndex from = c::find_node(space, source);
@@ -197,7 +197,7 @@ busbar_status busbar_server_add_reference(busbar_server* server, const char* sou
 
 busbar_status busbar_server_remove_node(busbar_server* server, const char* id)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         model::AddressSpace& space = server->server->address_space();
         const model::NodeIndex node = c::find_node(space, id);
         if (node == model::no_node) {

@@ -9,7 +9,7 @@ using namespace busbar;
 busbar_status busbar_server_add_nodeset(busbar_server* server, const char* name, const char* xml,
                                         size_t size)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (name == nullptr || xml == nullptr) {
             return status::Bad_InvalidArgument;
         }

@@ -190,6 +190,15 @@ busbar_status enter(busbar_server* server, FunctionRef<StatusCode()> body) noexc
     return run_guarded(&server->failure, body);
 }
 
+busbar_status change(busbar_server* server, FunctionRef<StatusCode()> body) noexcept
+{
+    return enter(server, [&]() -> StatusCode {
+        return server->is_serving ? failed(server->failure, status::Bad_InvalidState,
+                                           "a callback cannot change nodes")
+                                  : body();
+    });
+}
+
 } // namespace busbar::c
 
 using namespace busbar;

@@ -47,6 +47,9 @@ private:
 /// their statuses.
 [[nodiscard]] busbar_status enter(busbar_server* server, FunctionRef<StatusCode()> body) noexcept;
 
+/// Runs likewise what changes nodes; Bad_InvalidState in a callback, which requests run around.
+[[nodiscard]] busbar_status change(busbar_server* server, FunctionRef<StatusCode()> body) noexcept;
+
 /// Returns the attributes that a program gave a new node, below `folder` unless it names a parent.
 /// The NodeId of a node without one is its path, as in AddressSpace::add_variable.
 [[nodiscard]] Result<model::NewNode> new_node_of(const model::AddressSpace& space,

@@ -122,7 +122,7 @@ using namespace busbar;
 busbar_status busbar_server_add_source(busbar_server* server, const busbar_source* source,
                                        uint32_t* number)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (source == nullptr || source->size != sizeof *source || source->read == nullptr ||
             number == nullptr) {
             return status::Bad_InvalidArgument;

@@ -128,7 +128,7 @@ busbar_status busbar_server_add_structure(busbar_server* server, const busbar_no
                                           const busbar_field* fields, size_t count,
                                           busbar_structure** structure)
 {
-    return c::enter(server, [&]() -> StatusCode {
+    return c::change(server, [&]() -> StatusCode {
         if (node == nullptr || fields == nullptr || structure == nullptr ||
             count > server::ImageStructure::max_members) {
             return status::Bad_InvalidArgument;

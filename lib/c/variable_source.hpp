@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <string>
-#include <vector>
 
 #include <busbar/busbar.h>
 #include <busbar/core/clock.hpp>
@@ -46,7 +46,8 @@ private:
     [[nodiscard]] StatusCode write_one(Entry& entry, const DataValue& value);
 
     const WallClock* clock_;
-    std::vector<Entry> entries_;
+    /// Entries stay where they are: a callback may be running, and slots point at values.
+    std::deque<Entry> entries_;
     Scratch scratch_;
 };
 

@@ -132,7 +132,7 @@ using PutVariable = StatusCode (*)(busbar_server&, const busbar_variable&, std::
 busbar_status put(busbar_server* server, const busbar_variable* variable, std::uint64_t* handle,
                   PutVariable how)
 {
-    return enter(server, [&]() -> StatusCode {
+    return change(server, [&]() -> StatusCode {
         if (!is_complete(variable)) {
             return status::Bad_InvalidArgument;
         }

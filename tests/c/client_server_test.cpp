@@ -2,7 +2,10 @@
 
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <vector>
+
+#include "support/temporary_folder.hpp"
 
 namespace c_client_server_test {
 
@@ -353,6 +356,134 @@ TEST_CASE("a server in C is stopped from another thread, and polled to its end",
     std::thread{[&] { busbar_server_stop(machine.server); }}.join();
     CHECK(busbar_server_run(machine.server, false) == good);
     CHECK(busbar_server_poll(machine.server, 0) == BUSBAR_BAD_SHUTDOWN);
+}
+
+namespace {
+
+/// Does what a callback must not do, and then what it may.
+busbar_status meddle(void* context, busbar_call* /*call*/, const busbar_value* /*inputs*/,
+                     std::size_t /*input_count*/, busbar_value* outputs,
+                     std::size_t /*output_count*/)
+{
+    auto* const server = static_cast<busbar_server*>(context);
+    busbar_node node{};
+    node.name = "Late";
+    outputs[0].as.uint32 =
+        (busbar_server_poll(server, 0) == BUSBAR_BAD_INVALID_STATE ? 1U : 0U) +
+        (busbar_server_run(server, false) == BUSBAR_BAD_INVALID_STATE ? 1U : 0U) +
+        (busbar_server_add_object(server, &node, nullptr) == BUSBAR_BAD_INVALID_STATE ? 1U : 0U) +
+        (busbar_server_remove_node(server, "ns=2;s=Meddle") == BUSBAR_BAD_INVALID_STATE ? 1U : 0U);
+    const busbar_value seven = busbar_value_uint32(7);
+    return busbar_server_set_value(server, 1, &seven, BUSBAR_GOOD, 0);
+}
+
+} // namespace
+
+TEST_CASE("a callback in C cannot serve or change nodes, and can set values", "[c]")
+{
+    ServerInC machine;
+    const busbar_variable parts = machine.variable("Parts", busbar_value_uint32(1));
+    std::uint64_t handle = 0;
+    REQUIRE(busbar_server_add_variable(machine.server, &parts, &handle) == good);
+    REQUIRE(handle == 1);
+    const busbar_argument refused{"Refused", BUSBAR_UINT32, false, nullptr};
+    const busbar_node node = machine.node("Meddle");
+    REQUIRE(busbar_server_add_method(machine.server, &node, nullptr, 0, &refused, 1, meddle,
+                                     machine.server) == good);
+    machine.run();
+    ClientInC client{machine.url()};
+    client.connect();
+    const busbar_value* outputs = nullptr;
+    std::size_t count = 0;
+    REQUIRE(busbar_client_call(client.client, "/Objects", "ns=2;s=Meddle", nullptr, 0, &outputs,
+                               &count) == good);
+    REQUIRE(count == 1);
+    CHECK(outputs[0].as.uint32 == 4);
+    CHECK(client.read("ns=2;s=Parts").value.as.uint32 == 7);
+}
+
+namespace {
+
+busbar_status only_fitter(void* /*context*/, busbar_text user, busbar_text password)
+{
+    return text_of(user) == "fitter" && text_of(password) == "open sesame!"
+               ? BUSBAR_GOOD
+               : BUSBAR_BAD_USER_ACCESS_DENIED;
+}
+
+} // namespace
+
+TEST_CASE("a folder, users with hashes and a callback for others secure a server in C", "[c]")
+{
+    const test::TemporaryFolder folder;
+    const std::string of_server = (folder.path / "server").string();
+    const std::string of_client = (folder.path / "client").string();
+    std::array<char, 160> hash{};
+    REQUIRE(busbar_hash_password("Press the button", 1'000, hash.data(), hash.size()) == good);
+    const busbar_user user{"guest", hash.data(), true};
+    busbar_server_config config;
+    busbar_server_config_init(&config);
+    config.application.uri = "urn:test:secured";
+    config.application.folder = of_server.c_str();
+    config.takes_free_port = true;
+    config.users = &user;
+    config.user_count = 1;
+    config.login = only_fitter;
+    config.limits = BUSBAR_LIMITS_SMALL;
+    busbar_server* server = nullptr;
+    REQUIRE(busbar_server_create(&config, &server) == good);
+    busbar_variable variable;
+    busbar_variable_init(&variable);
+    variable.node.name = "Speed";
+    variable.node.namespace_index = 1;
+    variable.value = busbar_value_double(1);
+    variable.is_writable = true;
+    REQUIRE(busbar_server_add_variable(server, &variable, nullptr) == good);
+    REQUIRE(busbar_server_start(server) == good);
+    std::thread thread{[&] { busbar_server_run(server, false); }};
+
+    const std::string url = "opc.tcp://localhost:" + std::to_string(busbar_server_port(server));
+    const auto write_as = [&](const char* name, const char* password,
+                              std::uint32_t timeout_ms = 10'000) {
+        busbar_client_config of;
+        busbar_client_config_init(&of);
+        of.application.uri = "urn:test:client";
+        of.application.folder = of_client.c_str();
+        of.url = url.c_str();
+        of.user_name = name;
+        of.password = password;
+        busbar_client* client = nullptr;
+        busbar_status status = busbar_client_create(&of, &client);
+        if (status == good) {
+            status = busbar_client_connect(client, timeout_ms);
+        }
+        const char* const node = "ns=1;s=Speed";
+        const busbar_value value = busbar_value_double(2);
+        busbar_status result = status;
+        if (status == good) {
+            status = busbar_client_write(client, &node, &value, 1, &result);
+        }
+        busbar_client_destroy(client);
+        return status == good ? result : status;
+    };
+    const busbar_status stranger = write_as("fitter", "open sesame!");
+    test::trust_all(folder.path / "client");
+    // Refused by the server, the client would try again.
+    const busbar_status unknown = write_as("fitter", "open sesame!", 300);
+    test::trust_all(folder.path / "server");
+    const busbar_status fitter = write_as("fitter", "open sesame!");
+    const busbar_status guest = write_as("guest", "Press the button");
+    const busbar_status wrong = write_as("guest", "Press the buttons");
+    const busbar_status nobody = write_as(nullptr, nullptr);
+    busbar_server_stop(server);
+    thread.join();
+    busbar_server_destroy(server);
+    CHECK(std::string{busbar_status_name(stranger)} == "Bad_CertificateUntrusted");
+    CHECK(unknown != good);
+    CHECK(fitter == good);
+    CHECK(std::string{busbar_status_name(guest)} == "Bad_UserAccessDenied");
+    CHECK(wrong != good);
+    CHECK(nobody != good);
 }
 
 } // namespace c_client_server_test

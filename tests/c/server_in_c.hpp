@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <filesystem>
 #include <string>
 #include <thread>
 
@@ -122,6 +123,15 @@ public:
 
     busbar_client* client{nullptr};
 };
+
+/// Moves what a folder has rejected to what it trusts.
+inline void trust_all(const std::filesystem::path& folder)
+{
+    for (const auto& entry : std::filesystem::directory_iterator{folder / "rejected" / "certs"}) {
+        std::filesystem::rename(entry.path(),
+                                folder / "trusted" / "certs" / entry.path().filename());
+    }
+}
 
 inline std::string text_of(const busbar_text& text)
 {

@@ -35,15 +35,16 @@ typedef struct busbar_allocator {
  * all other functions and before anything else has used C++ or OpenSSL; once.
  *
  * Busbar takes its memory by operator new, which C++ lets a program replace, and nothing else can. A
- * program that links this library, static or shared, has an operator new of Busbar's in place of the
- * C++ library's, unless it has one of its own. It counts, and uses malloc until this call. So the
+ * program that links the static library has an operator new of Busbar's in place of the C++
+ * library's, unless it has one of its own. It counts, and uses malloc until this call. So the
  * allocator gets what any C++ code of the process asks for. Not taken from it: what the C library
  * allocates itself (getaddrinfo, stdio, the stacks of threads), and the C++ library's exceptions,
  * which are thrown when memory runs out.
  *
  * Bad_InvalidState if memory of operator new or of OpenSSL is in use already, as in most programs
- * with C++ of their own; Bad_NotSupported if the program has an operator new of its own, which then
- * is what to change; Bad_InvalidArgument. */
+ * with C++ of their own; Bad_InvalidArgument. Bad_NotSupported if the program has an operator new of
+ * its own, which then is what to change, and with the shared library, whose program has to have its
+ * own in any case. */
 BUSBAR_C_API busbar_status busbar_set_allocator(const busbar_allocator* allocator);
 
 /* The memory that the process's C++ code uses. */
@@ -56,8 +57,7 @@ typedef struct busbar_memory {
     uint64_t failed;          /* allocations that failed */
 } busbar_memory;
 
-/* Stores the memory in use. Bad_NotSupported if the program has an operator new of its own. Any
- * thread. */
+/* Stores the memory in use. Bad_NotSupported as above. Any thread. */
 BUSBAR_C_API busbar_status busbar_memory_in_use(busbar_memory* memory);
 
 /* Makes the hash of a password (scrypt, or PBKDF2 with `iterations` of 1,000 to 10,000,000 if that

@@ -117,10 +117,10 @@ BUSBAR_C_API busbar_status busbar_server_count(const busbar_server* server,
 
 /* ---- Servers: nodes ------------------------------------------------------------------------ */
 
-/* NodeIds are texts: "i=85", "ns=1;s=Speed". Nodes may be added and removed at any time. Errors of
- * all functions here are those of AddNodes (Part 4, 5.8.2): Bad_NodeIdExists, Bad_NodeIdInvalid,
- * Bad_ParentNodeIdInvalid, Bad_BrowseNameInvalid, Bad_BrowseNameDuplicated,
- * Bad_TypeDefinitionInvalid, Bad_NodeAttributesInvalid. */
+/* NodeIds are texts: "i=85", "ns=1;s=Speed". Nodes may be added and removed at any time, but not in
+ * a callback, where these functions return Bad_InvalidState. Other errors are those of AddNodes (Part
+ * 4, 5.8.2): Bad_NodeIdExists, Bad_NodeIdInvalid, Bad_ParentNodeIdInvalid, Bad_BrowseNameInvalid,
+ * Bad_BrowseNameDuplicated, Bad_TypeDefinitionInvalid, Bad_NodeAttributesInvalid. */
 
 /* What every new node has (Part 3, 5.2). */
 typedef struct busbar_node {
