@@ -16,9 +16,9 @@ function(busbar_add_pkg_config layer)
       message(FATAL_ERROR "busbar-${layer}.pc: how does pkg-config find ${library}?")
     endif()
   endforeach()
-  # What a C compiler does not link by itself.
+  # What a C compiler does not link by itself; the layers that need it come later.
   if(layer STREQUAL "c")
-    string(APPEND flags " -lstdc++ -lm")
+    string(APPEND flags " -Wl,--push-state,--no-as-needed -lstdc++ -lm -Wl,--pop-state")
   endif()
   # Shared layers bring with them what they need themselves.
   set(requires_private "")

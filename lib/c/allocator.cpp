@@ -88,15 +88,6 @@ void* allocate_block(std::size_t size, std::size_t alignment = plain_alignment) 
     return block;
 }
 
-void* allocate_or_throw(std::size_t size, std::size_t alignment = plain_alignment)
-{
-    void* const block = allocate_block(size, alignment);
-    if (block == nullptr) {
-        throw std::bad_alloc{};
-    }
-    return block;
-}
-
 void release_block(void* block) noexcept
 {
     if (block == nullptr) {
@@ -193,6 +184,19 @@ busbar_status busbar_memory_in_use(busbar_memory* memory)
 }
 
 #ifdef BUSBAR_C_HAS_OPERATOR_NEW
+namespace {
+
+void* allocate_or_throw(std::size_t size, std::size_t alignment = plain_alignment)
+{
+    void* const block = allocate_block(size, alignment);
+    if (block == nullptr) {
+        throw std::bad_alloc{};
+    }
+    return block;
+}
+
+} // namespace
+
 // All replaceable forms: none may take from, or give back to, another allocator than this one.
 // Weak: a program's own one takes their place.
 #define BUSBAR_REPLACEABLE __attribute__((weak))
