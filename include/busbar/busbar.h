@@ -2,8 +2,8 @@
  *
  * Link busbar::c (CMake) or busbar-c (pkg-config). Part and section are those of OPC 10000.
  *
- * Status. Functions return a StatusCode (Part 4, 7.39; busbar_status_name names it): BUSBAR_GOOD, or
- * why nothing was changed. A null pointer that is required, a structure with the wrong `size`, a
+ * Status. Functions return a StatusCode (Part 4, 7.39; busbar_status_name names it): BUSBAR_GOOD,
+ * or why nothing was changed. A null pointer that is required, a structure with the wrong `size`, a
  * text or number out of range is Bad_InvalidArgument; a failed allocation Bad_OutOfMemory; no
  * exception leaves a function, what was not expected is Bad_InternalError. For people there is a
  * text as well, in the handle (busbar_server_last_error, busbar_client_last_error) and not in the
@@ -20,10 +20,10 @@
  * out through a pointer belongs to the handle, and stays until the event that the comment names.
  *
  * Growth. Structures with a member `size` are filled by their ..._init function, which sets `size`
- * and the defaults, or have `size` set by the caller; later versions add members at the end, and use
- * `size` to know what a program that was compiled earlier has. Each is cleared before it is filled:
- * a member that is 0 or null has its default. The shared library's
- * symbols have the version BUSBAR_1; a function never changes its meaning within it.
+ * and the defaults, or have `size` set by the caller; later versions add members at the end, and
+ * use `size` to know what a program that was compiled earlier has. Each is cleared before it is
+ * filled: a member that is 0 or null has its default. The shared library's symbols have the version
+ * BUSBAR_1; a function never changes its meaning within it.
  *
  * Memory. Everything below is C++ and takes its memory from operator new, and from OpenSSL's and
  * pugixml's allocators; see busbar_set_allocator. */

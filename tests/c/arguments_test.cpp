@@ -426,7 +426,9 @@ TEST_CASE("an allocator in C comes before everything else", "[c]")
     CHECK(busbar_memory_in_use(nullptr) == bad);
     CHECK(busbar_memory_in_use(&memory) == bad);
     memory.size = sizeof memory;
-#ifdef BUSBAR_IS_SHARED
+#if defined(BUSBAR_IS_SANITIZED)
+    CHECK(busbar_set_allocator(&allocator) != good);
+#elif defined(BUSBAR_IS_SHARED)
     CHECK(busbar_set_allocator(&allocator) == BUSBAR_BAD_NOT_SUPPORTED);
     CHECK(busbar_memory_in_use(&memory) == BUSBAR_BAD_NOT_SUPPORTED);
 #else

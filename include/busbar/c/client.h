@@ -30,9 +30,9 @@ typedef void (*busbar_state_callback)(void* context, int state, busbar_status wh
 typedef struct busbar_client_config {
     size_t size;
     busbar_application application;
-    const char* url;    /* "opc.tcp://host:port/path"; required */
-    const char* policy; /* null: the best that both sides have, none of the deprecated */
-    int least_mode;     /* BUSBAR_MODE_...; NONE also allows no security at all */
+    const char* url;       /* "opc.tcp://host:port/path"; required */
+    const char* policy;    /* null: the best that both sides have, none of the deprecated */
+    int least_mode;        /* BUSBAR_MODE_...; NONE also allows no security at all */
     const char* user_name; /* null: anonymous */
     const char* password;
     busbar_state_callback state; /* null: none */
@@ -50,7 +50,7 @@ BUSBAR_C_API busbar_status busbar_client_create(const busbar_client_config* conf
                                                 busbar_client** client);
 /* Drops the connection at once and frees the client. Null is allowed. */
 BUSBAR_C_API void busbar_client_destroy(busbar_client* client);
-/* As busbar_server_last_error. */
+/* Returns the text of the last failure, as busbar_server_last_error does. */
 BUSBAR_C_API const char* busbar_client_last_error(const busbar_client* client);
 
 /* Waits for a session (Part 4, 5.7), at most `timeout_ms`: Bad_Timeout, Bad_RequestInterrupted, or
@@ -79,8 +79,8 @@ BUSBAR_C_API busbar_status busbar_client_read(busbar_client* client, const char*
 BUSBAR_C_API busbar_status busbar_client_write(busbar_client* client, const char* const* nodes,
                                                const busbar_value* values, size_t count,
                                                busbar_status* results);
-/* Calls a Method (Part 4, 5.12.2) once, and returns its status. Stores where its outputs are and how
- * many in `outputs` and `output_count`, which may both be null. */
+/* Calls a Method (Part 4, 5.12.2) once, and returns its status. Stores where its outputs are and
+ * how many in `outputs` and `output_count`, which may both be null. */
 BUSBAR_C_API busbar_status busbar_client_call(busbar_client* client, const char* object,
                                               const char* method, const busbar_value* inputs,
                                               size_t input_count, const busbar_value** outputs,
@@ -98,8 +98,7 @@ typedef struct busbar_reference {
 /* Browses the hierarchical references of a node forward (Part 4, 5.9.2), all of them. Stores where
  * they are and how many. Uncertain_NotAllNodesAvailable if there are too many. */
 BUSBAR_C_API busbar_status busbar_client_browse(busbar_client* client, const char* node,
-                                                const busbar_reference** references,
-                                                size_t* count);
+                                                const busbar_reference** references, size_t* count);
 
 /* Gets a value of a monitored item, in a function that waits; valid during the call. */
 typedef void (*busbar_data_callback)(void* context, uint32_t item, const busbar_data_value* value);

@@ -1,4 +1,5 @@
-/* Servers of the C interface: their life, nodes and variables. See busbar/busbar.h for what holds for all functions. */
+/* Servers of the C interface: their life, nodes and variables. See busbar/busbar.h for what holds
+ * for all functions. */
 #ifndef BUSBAR_C_SERVER_H
 #define BUSBAR_C_SERVER_H
 
@@ -36,15 +37,15 @@ enum {
     BUSBAR_LIMITS_SMALL = 1  /* a handful of clients with a thousand items; below 16 MiB */
 };
 
-/* What a server is made of. */
+/* Describes a server. */
 typedef struct busbar_server_config {
     size_t size;
     busbar_application application;
-    const char* product_uri;      /* "urn:busbar" if null */
+    const char* product_uri; /* "urn:busbar" if null */
     const char* manufacturer_name;
     const char* software_version;
-    const char* address; /* that it listens on; every one of the machine if null */
-    uint16_t port;       /* 0: 4840 */
+    const char* address;  /* that it listens on; every one of the machine if null */
+    uint16_t port;        /* 0: 4840 */
     bool takes_free_port; /* any free port instead; see busbar_server_port */
     /* Null: Basic256Sha256 with Sign and with SignAndEncrypt, user names only. */
     const busbar_endpoint* endpoints;
@@ -69,8 +70,8 @@ BUSBAR_C_API void busbar_server_config_init(busbar_server_config* config);
 BUSBAR_C_API uint64_t busbar_memory_needed(int limits);
 
 /* Creates a server and takes its port, at which it listens after busbar_server_start. Stores a
- * handle in `server` also when it fails, for busbar_server_last_error and busbar_server_destroy; all
- * other functions then return the same failure. It is null only after Bad_OutOfMemory and
+ * handle in `server` also when it fails, for busbar_server_last_error and busbar_server_destroy;
+ * all other functions then return the same failure. It is null only after Bad_OutOfMemory and
  * Bad_InvalidArgument. Bad_ConfigurationError for what cannot be; Bad_CommunicationError for a port
  * that cannot be had; and what Part 6, 6.2 has for certificates. */
 BUSBAR_C_API busbar_status busbar_server_create(const busbar_server_config* config,
@@ -80,8 +81,8 @@ BUSBAR_C_API busbar_status busbar_server_create(const busbar_server_config* conf
  * too. Null is allowed. Threads that use what it owns must have ended. */
 BUSBAR_C_API void busbar_server_destroy(busbar_server* server);
 
-/* Why the last function that failed with this handle did; "" if none did. Terminated, at most 255
- * bytes, valid until the next call with the handle. */
+/* Returns why the last function that failed with this handle did; "" if none did. Terminated, at
+ * most 255 bytes, valid until the next call with the handle. */
 BUSBAR_C_API const char* busbar_server_last_error(const busbar_server* server);
 
 /* Listens. Bad_CommunicationError if another program was faster, Bad_InvalidState if it listens. */
@@ -90,9 +91,9 @@ BUSBAR_C_API busbar_status busbar_server_start(busbar_server* server);
 /* The port of the server; 0 for null, and if it has none. */
 BUSBAR_C_API uint16_t busbar_server_port(const busbar_server* server);
 
-/* Serves for `timeout_ms`, also if there is nothing to do; with 0 does what is due. Bad_Shutdown once
- * the server has stopped, Bad_InvalidState before it was started and within a callback. If the first
- * call finds no memory, it is Bad_OutOfMemory, and the server has stopped. */
+/* Serves for `timeout_ms`, also if there is nothing to do; with 0 does what is due. Bad_Shutdown
+ * once the server has stopped, Bad_InvalidState before it was started and within a callback. If the
+ * first call finds no memory, it is Bad_OutOfMemory, and the server has stopped. */
 BUSBAR_C_API busbar_status busbar_server_poll(busbar_server* server, uint32_t timeout_ms);
 
 /* Serves until busbar_server_stop; if `ends_on_signals`, also until SIGINT or SIGTERM. Returns
@@ -103,7 +104,7 @@ BUSBAR_C_API busbar_status busbar_server_run(busbar_server* server, bool ends_on
  * client is connected. Any thread. */
 BUSBAR_C_API busbar_status busbar_server_stop(busbar_server* server);
 
-/* What a server has at present. */
+/* Counts what a server has at present. */
 typedef struct busbar_server_counts {
     size_t size; /* sizeof(busbar_server_counts), set by the caller */
     uint64_t connections;
@@ -118,11 +119,12 @@ BUSBAR_C_API busbar_status busbar_server_count(const busbar_server* server,
 /* ---- Servers: nodes ------------------------------------------------------------------------ */
 
 /* NodeIds are texts: "i=85", "ns=1;s=Speed". Nodes may be added and removed at any time, but not in
- * a callback, where these functions return Bad_InvalidState. Other errors are those of AddNodes (Part
- * 4, 5.8.2): Bad_NodeIdExists, Bad_NodeIdInvalid, Bad_ParentNodeIdInvalid, Bad_BrowseNameInvalid,
- * Bad_BrowseNameDuplicated, Bad_TypeDefinitionInvalid, Bad_NodeAttributesInvalid. */
+ * a callback, where these functions return Bad_InvalidState. Other errors are those of AddNodes
+ * (Part 4, 5.8.2): Bad_NodeIdExists, Bad_NodeIdInvalid, Bad_ParentNodeIdInvalid,
+ * Bad_BrowseNameInvalid, Bad_BrowseNameDuplicated, Bad_TypeDefinitionInvalid,
+ * Bad_NodeAttributesInvalid. */
 
-/* What every new node has (Part 3, 5.2). */
+/* Has the attributes of every new node (Part 3, 5.2). */
 typedef struct busbar_node {
     /* Null: the name, after that of the parent and '/' if that is a text of the same namespace. */
     const char* id;
@@ -142,8 +144,8 @@ BUSBAR_C_API busbar_status busbar_server_add_object(busbar_server* server, const
                                                     const char* type);
 
 /* Adds an ObjectType below `node->parent`, its supertype, which may be an event type
- * (Part 3, 5.5.2; Part 5, 6.4). Its `property_count` Properties have a value each, of which only the
- * type matters, and are the fields of an event. */
+ * (Part 3, 5.5.2; Part 5, 6.4). Its `property_count` Properties have a value each, of which only
+ * the type matters, and are the fields of an event. */
 typedef struct busbar_property {
     const char* name;
     uint8_t type;
@@ -181,8 +183,8 @@ typedef busbar_status (*busbar_write_callback)(void* context, const char* node,
 typedef struct busbar_variable {
     size_t size;
     busbar_node node;
-    /* Gives the DataType, ValueRank and ArrayDimensions, and the value unless there is a callback or
-     * a source. An array may become shorter, not longer, unless it is empty. */
+    /* Gives the DataType, ValueRank and ArrayDimensions, and the value unless there is a callback
+     * or a source. An array may become shorter, not longer, unless it is empty. */
     busbar_value value;
     const char* data_type; /* instead of the value's, such as that of an enumeration; may be null */
     bool is_writable;
@@ -206,9 +208,9 @@ BUSBAR_C_API busbar_status busbar_server_add_variable(busbar_server* server,
                                                       const busbar_variable* variable,
                                                       uint64_t* handle);
 
-/* Gives a variable that exists, such as one of a NodeSet, the callbacks or the source of `variable`,
- * of which `node.id` names it and the rest of `node` is ignored. With neither, the value that it has
- * is kept in memory, unless there is one here. `handle` as above. */
+/* Gives a variable that exists, such as one of a NodeSet, the callbacks or the source of
+ * `variable`, of which `node.id` names it and the rest of `node` is ignored. With neither, the
+ * value that it has is kept in memory, unless there is one here. `handle` as above. */
 BUSBAR_C_API busbar_status busbar_server_bind_variable(busbar_server* server,
                                                        const busbar_variable* variable,
                                                        uint64_t* handle);

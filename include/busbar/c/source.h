@@ -21,7 +21,8 @@ typedef struct busbar_read_item {
     busbar_data_value result;
 } busbar_read_item;
 
-/* One value to write, of the variable's type, and what came of it; begins as Bad_NoCommunication. */
+/* One value to write, of the variable's type, and what came of it; begins as Bad_NoCommunication.
+ */
 typedef struct busbar_write_item {
     uint64_t handle;
     busbar_data_value value;
@@ -48,9 +49,9 @@ typedef struct busbar_source {
 BUSBAR_C_API busbar_status busbar_server_add_source(busbar_server* server,
                                                     const busbar_source* source, uint32_t* number);
 
-/* Ends a batch whose callback returned BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY, which must be done once
- * for each, even after its timeout and the end of the server. With a bad `status` all items have it.
- * Frees the batch with its items. Any thread, not within the callback. */
+/* Ends a batch whose callback returned BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY, which must be done
+ * once for each, even after its timeout and the end of the server. With a bad `status` all items
+ * have it. Frees the batch with its items. Any thread, not within the callback. */
 BUSBAR_C_API busbar_status busbar_batch_complete(busbar_batch* batch, busbar_status status);
 
 /* ---- Servers: structures and process image ------------------------------------------------- */
@@ -58,12 +59,12 @@ BUSBAR_C_API busbar_status busbar_batch_complete(busbar_batch* batch, busbar_sta
 /* A structure of the server: its DataType, and its form in memory. */
 typedef struct busbar_structure busbar_structure;
 
-/* A text in the memory of a structure or an image: its length, or 2^32-1 if it is null, and room for
- * `capacity` bytes, which are not terminated. Declares a member. */
-#define BUSBAR_TEXT_MEMBER(name, capacity) \
-    struct {                               \
-        uint32_t size;                     \
-        char data[capacity];               \
+/* A text in the memory of a structure or an image: its length, or 2^32-1 if it is null, and room
+ * for `capacity` bytes, which are not terminated. Declares a member. */
+#define BUSBAR_TEXT_MEMBER(name, capacity)                                                         \
+    struct {                                                                                       \
+        uint32_t size;                                                                             \
+        char data[capacity];                                                                       \
     } name
 
 /* A member of a structure, or a variable of an image: Boolean to Double, String, DateTime, Guid,
@@ -111,7 +112,7 @@ typedef struct busbar_image_variable {
 } busbar_image_variable;
 
 typedef struct busbar_image_config {
-    size_t size; /* sizeof(busbar_image_config), set by the caller */
+    size_t size;  /* sizeof(busbar_image_config), set by the caller */
     void* memory; /* must stay while the server and the task use the image */
     size_t memory_size;
     const busbar_image_variable* variables;
@@ -152,20 +153,22 @@ typedef struct busbar_argument {
     const char* description;
 } busbar_argument;
 
-/* Carries out a Method (Part 4, 5.12.2). Inputs have the types of the arguments, and are valid until
- * the call is finished; ranges are to be checked. Outputs, which begin as null values of their
- * types, are to be set if it returns BUSBAR_GOOD, and what they point at must stay until it returns.
- * Others answer later by busbar_call_finish and return BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY. */
+/* Carries out a Method (Part 4, 5.12.2). Inputs have the types of the arguments, and are valid
+ * until the call is finished; ranges are to be checked. Outputs, which begin as null values of
+ * their types, are to be set if it returns BUSBAR_GOOD, and what they point at must stay until it
+ * returns. Others answer later by busbar_call_finish and return
+ * BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY. */
 typedef busbar_status (*busbar_method_callback)(void* context, busbar_call* call,
                                                 const busbar_value* inputs, size_t input_count,
                                                 busbar_value* outputs, size_t output_count);
 
 /* Adds a Method (Part 3, 5.7). */
-BUSBAR_C_API busbar_status
-busbar_server_add_method(busbar_server* server, const busbar_node* node,
-                         const busbar_argument* inputs, size_t input_count,
-                         const busbar_argument* outputs, size_t output_count,
-                         busbar_method_callback callback, void* context);
+BUSBAR_C_API busbar_status busbar_server_add_method(busbar_server* server, const busbar_node* node,
+                                                    const busbar_argument* inputs,
+                                                    size_t input_count,
+                                                    const busbar_argument* outputs,
+                                                    size_t output_count,
+                                                    busbar_method_callback callback, void* context);
 
 /* Answers a call whose callback returned BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY, which must be done
  * once for each, even after the end of the server, and frees it. `outputs` may be null with a bad
@@ -182,7 +185,7 @@ typedef struct busbar_event_field {
 
 /* An event (Part 5, 6.4.2). */
 typedef struct busbar_event {
-    size_t size; /* sizeof(busbar_event), set by the caller */
+    size_t size;             /* sizeof(busbar_event), set by the caller */
     const char* type;        /* null: BaseEventType */
     const char* source_node; /* null: the Server */
     const char* source_name;

@@ -20,7 +20,7 @@ extern "C" {
 typedef uint32_t busbar_status;
 
 #define BUSBAR_GOOD 0x00000000U
-/* What a callback returns that answers later. */
+/* A callback that answers later returns this. */
 #define BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY 0x002E0000U
 #define BUSBAR_BAD_INTERNAL_ERROR 0x80020000U
 #define BUSBAR_BAD_OUT_OF_MEMORY 0x80030000U
@@ -101,8 +101,8 @@ typedef struct busbar_extension {
     busbar_text body;
 } busbar_extension;
 
-/* A value of a built-in type, an array or a matrix. Owns nothing: whoever fills it keeps what it
- * points at, as long as the function says that takes it.
+/* Holds a value of a built-in type, an array or a matrix. It owns nothing: the code that fills it
+ * keeps what it points at, for as long as the function says that takes it.
  *
  * `as` has the member of the type. NodeIds and ExpandedNodeIds are texts (Part 6, 5.3.1.10):
  * "i=2258", "ns=2;s=Pump". For arrays `array` points at `count` elements of the member's type, in
@@ -146,8 +146,8 @@ typedef struct busbar_data_value {
     busbar_time server_time;
 } busbar_data_value;
 
-/* The number of bytes that a scalar of the type, or an element of an array, takes in a busbar_value;
- * 0 for a type that it cannot have. Any thread. */
+/* The number of bytes that a scalar of the type, or an element of an array, takes in a
+ * busbar_value; 0 for a type that it cannot have. Any thread. */
 BUSBAR_C_API size_t busbar_type_size(uint8_t type);
 
 /* Make values of what most programs have. A null text is the null String. Any thread. */
