@@ -1,5 +1,6 @@
 #include "value.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <climits>
@@ -412,7 +413,7 @@ void give_value(const Variant& from, Scratch& scratch, busbar_value& to)
 busbar_text Scratch::keep(std::string_view text)
 {
     char* const copy = take<char>(text.size() + 1);
-    std::memcpy(copy, text.data(), text.size());
+    std::copy_n(text.data(), text.size(), copy);
     copy[text.size()] = '\0';
     return {copy, text.size()};
 }
