@@ -196,11 +196,13 @@ bool take(const busbar_extension& from, ExtensionObject& to)
     if (!take(from.encoding_id, encoding) || !take(from.body, body)) {
         return false;
     }
-    if (!encoding.is_null()) {
-        to = body.is_null() ? ExtensionObject::from_id(std::move(encoding))
-                            : ExtensionObject::from_binary(std::move(encoding), std::move(body));
+    const bool has_body = !body.is_null();
+    if (encoding.is_null()) {
+        return !has_body;
     }
-    return body.is_null() || !to.is_null();
+    to = has_body ? ExtensionObject::from_binary(std::move(encoding), std::move(body))
+                  : ExtensionObject::from_id(std::move(encoding));
+    return true;
 }
 
 // To C.
