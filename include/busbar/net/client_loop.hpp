@@ -11,8 +11,8 @@
 namespace busbar::net {
 
 /// One client connection over TCP, driven by the code that waits for its events: for programs that
-/// do one thing after the other. One thread. Creating one sets M_TRIM_THRESHOLD and M_MMAP_THRESHOLD
-/// of glibc's malloc, as a BlockingClient does.
+/// do one thing after the other. One thread. Creating one sets M_TRIM_THRESHOLD and
+/// M_MMAP_THRESHOLD of glibc's malloc, as a BlockingClient does.
 class BUSBAR_API ClientLoop {
 public:
     ClientLoop();
