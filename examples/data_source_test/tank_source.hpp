@@ -7,7 +7,7 @@
 
 #include <busbar/server/data_source.hpp>
 
-/// A tank behind a field bus. Its level can be read, its set point written within 0 to 100. Reads
+/// A tank on a field bus. Its level can be read, its set point written within 0 to 100. Reads
 /// wait while the bus is down.
 class TankSource final : public busbar::server::DataSource {
 public:

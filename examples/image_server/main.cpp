@@ -14,7 +14,7 @@ using namespace busbar;
 
 namespace {
 
-/// Which variables the task has, and where they lie.
+/// Names the variables of the task, and says where they lie.
 struct Layout {
     server::ImageLayout layout;
     std::uint32_t parts = add({BuiltInType::UInt32});

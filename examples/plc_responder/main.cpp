@@ -150,7 +150,7 @@ void add_options(CLI::App& app, Options& options)
         ->type_name("FRAME")
         ->check(CLI::IsMember({"3e", "4e"}));
     app.add_option("--units", options.units,
-                   "units behind a Modbus gateway, 1,2; by itself every unit is this PLC")
+                   "units that a Modbus gateway serves, 1,2; without it every unit is this PLC")
         ->type_name("UNIT")
         ->delimiter(',')
         ->allow_extra_args(false)

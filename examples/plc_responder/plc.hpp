@@ -49,7 +49,7 @@ public:
                            std::span<const std::byte> value) = 0;
 };
 
-/// A Modbus TCP device with all tables; behind a gateway if it has units.
+/// A Modbus TCP device with all tables, or a gateway to several if it has units.
 [[nodiscard]] std::unique_ptr<Plc> modbus_plc(std::vector<std::uint8_t> units);
 
 /// The families of PLCs with SLMP, which differ in what they take.

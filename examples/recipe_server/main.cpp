@@ -14,7 +14,7 @@ using namespace busbar;
 
 namespace {
 
-/// From the file: `recipe::nodes()` has its DataTypes, `recipe::Recipe` is the structure.
+/// The file gives both: `recipe::nodes()` has its DataTypes, `recipe::Recipe` is the structure.
 Result<model::BoundValue> first_recipe(server::Server& server)
 {
     model::AddressSpace& space = server.address_space();

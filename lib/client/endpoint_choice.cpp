@@ -23,7 +23,7 @@ constexpr std::size_t max_endpoints = 500;
 /// Maximum number of a server's endpoints in a log line.
 constexpr std::size_t max_logged_endpoints = 20;
 
-/// How far an endpoint gets in the selection; the farthest one determines the error.
+/// Says how far an endpoint gets in the selection; the farthest one determines the error.
 enum class Step : std::uint8_t { Transport, Policy, Mode, Token, Fit };
 
 struct Candidate {

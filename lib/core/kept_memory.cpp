@@ -45,7 +45,7 @@ public:
     struct alignas(std::max_align_t) Header {
         /// The size of the memory after it.
         std::size_t size;
-        /// Where the memory returns; null for memory that nobody keeps.
+        /// The keeper to which the memory returns; null for memory that is not kept.
         Pool* pool;
     };
 

@@ -53,9 +53,9 @@ std::size_t count_others(const std::string& text, const std::regex& pattern)
     return count;
 }
 
-constexpr std::array<std::string_view, 11> stack_layers = {"core",    "binary", "storage", "crypto",
-                                                           "channel", "model",  "server",  "client",
-                                                           "net",     "c",      "harness"};
+constexpr std::array<std::string_view, 13> stack_layers = {
+    "core",   "binary",  "storage", "crypto", "channel", "model",      "server",
+    "client", "backend", "net",     "c",      "harness", "harness_net"};
 
 } // namespace
 
@@ -133,6 +133,15 @@ std::string_view prose_area(std::string_view path)
 {
     if (path.substr(0, 8) == "include/") {
         return "include";
+    }
+    // These files quote what they look for.
+    if (path.substr(0, 11) == "tests/tidy/") {
+        return "";
+    }
+    for (const std::string_view area : {"tests", "examples"}) {
+        if (path.substr(0, path.find('/')) == area) {
+            return area;
+        }
     }
     if (path.substr(0, 4) != "lib/") {
         return "";

@@ -29,7 +29,8 @@ struct Prose {
 [[nodiscard]] std::map<std::string, std::size_t> count_phrases(const Prose& prose);
 
 /// The area that texts of this path are counted in: "include", "stack" for the layers that firmware
-/// links, "controller" for those above it; empty for other paths.
+/// links, "controller" for those above it, "tests" and "examples"; empty for other paths, and for
+/// tests/tidy.
 [[nodiscard]] std::string_view prose_area(std::string_view path);
 
 /// Counts by area and phrase, with the places. Literals count as "<area>-messages".

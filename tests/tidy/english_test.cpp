@@ -43,7 +43,7 @@ TEST_CASE("prose that has to be read twice becomes less", "[tidy]")
 {
     const std::filesystem::path root{BUSBAR_SOURCE_DIR};
     tidy::PhraseCounts counts;
-    for (const char* folder : {"lib", "include"}) {
+    for (const char* folder : {"lib", "include", "examples", "tests"}) {
         for (const auto& entry : std::filesystem::recursive_directory_iterator{root / folder}) {
             if (entry.path().extension() == ".cpp" || entry.path().extension() == ".hpp") {
                 counts.add(read(entry.path(), root));
@@ -88,7 +88,11 @@ TEST_CASE("messages are counted apart from comments", "[tidy]")
     CHECK(counts.places[{"stack-messages", "behind"}].empty());
     CHECK(counts.places[{"stack", "is-no"}].size() == 1);
     CHECK(tidy::prose_area("lib/product/x.cpp") == "controller");
-    CHECK(tidy::prose_area("tests/x.cpp").empty());
+    CHECK(tidy::prose_area("lib/backend/x.cpp") == "stack");
+    CHECK(tidy::prose_area("tests/x/y.cpp") == "tests");
+    CHECK(tidy::prose_area("examples/x/main.cpp") == "examples");
+    CHECK(tidy::prose_area("tests/tidy/x.cpp").empty());
+    CHECK(tidy::prose_area("fuzz/x.cpp").empty());
 }
 
 TEST_CASE("a ceiling holds counts down and falls with them", "[tidy]")

@@ -144,7 +144,7 @@ bool may_join_write(const PlanPart& part)
     return part.mask == 0xFFFF && !part.is_piece;
 }
 
-/// Which of two writes of one place counts is not left to the PLC.
+/// Returns whether the address overlaps a range: the PLC must not decide which of two writes wins.
 bool overlaps(const std::vector<PlanAddress>& ranges, const PlanAddress& address)
 {
     return std::ranges::any_of(ranges, [&](const PlanAddress& range) {

@@ -103,7 +103,7 @@ std::size_t text_size(const ReferenceDescription& described)
 struct Walk {
     ReferenceCursor cursor;
     NodeIndex type;
-    /// As in BrowseState::instances.
+    /// The same as BrowseState::instances.
     NodeIndex instances;
 };
 
