@@ -278,7 +278,13 @@ std::string completion_script(const std::string& program, const std::string& she
                              "}\n"
                              "complete -o default -F " +
                              function + " " + program + "\n";
-    return shell == "zsh" ? "autoload -U +X bashcompinit && bashcompinit\n" + body : body;
+    if (shell != "zsh") {
+        return body;
+    }
+    // As a file of $fpath, the script is the body of the function, which has to complete at once.
+    return "#compdef " + program + "\nautoload -U +X bashcompinit && bashcompinit\n" + body +
+           "if [ \"${funcstack[1]}\" = " + function + " ]; then\n  _bash_complete -o default -F " +
+           function + "\nfi\n";
 }
 
 } // namespace busbar::command_line

@@ -1,7 +1,7 @@
-# busbar_install_program(<target> <component> [FISH] [COMPLETION <arguments>...]): installs a
+# busbar_install_program(<target> <component> [SHELLS] [COMPLETION <arguments>...]): installs a
 # program with its manual page and completions, which it prints itself: what --help says is written
-# once. COMPLETION are the words that have it print a script for bash, FISH that `completion fish` works,
-# too. A program that this machine cannot run has neither.
+# once. COMPLETION are the words that have it print a script for bash; SHELLS says that `completion
+# fish` and `completion zsh` work, too. A program that this machine cannot run has neither.
 find_program(GZIP_PROGRAM gzip)
 
 # A command that writes what `arguments` have the program print; compressed if `file` ends so.
@@ -16,7 +16,7 @@ function(busbar_print target file)
 endfunction()
 
 function(busbar_install_program target component)
-  cmake_parse_arguments(ARG "FISH" "" "COMPLETION" ${ARGN})
+  cmake_parse_arguments(ARG "SHELLS" "" "COMPLETION" ${ARGN})
   install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component})
   if(CMAKE_CROSSCOMPILING)
     return()
@@ -36,11 +36,15 @@ function(busbar_install_program target component)
     install(FILES ${folder}/${target}.bash RENAME ${target} COMPONENT ${component}
       DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   endif()
-  if(ARG_FISH)
-    busbar_print(${target} ${folder}/${target}.fish completion fish)
-    list(APPEND files ${folder}/${target}.fish)
+  if(ARG_SHELLS)
+    foreach(shell fish zsh)
+      busbar_print(${target} ${folder}/${target}.${shell} completion ${shell})
+      list(APPEND files ${folder}/${target}.${shell})
+    endforeach()
     install(FILES ${folder}/${target}.fish COMPONENT ${component}
       DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    install(FILES ${folder}/${target}.zsh RENAME _${target} COMPONENT ${component}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
   endif()
   add_custom_target(${target}-documents ALL DEPENDS ${files})
 endfunction()

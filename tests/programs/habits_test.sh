@@ -94,6 +94,25 @@ says '4:Pressure' # which is a source of events of Press 4 as well
 read_ "/Objects/Heat"
 says '21.5 kelvin'
 
+# A node that has no value is told by its NodeClass, with what to do instead.
+for command in read subscribe watch; do
+    run 1 --insecure $command "$vars"
+    says 'it is an Object, which has no value'
+    says '`busbar watch --below` shows the Variables below it'
+done
+run 1 --insecure read i=11492 # GetMonitoredItems
+says 'it is a Method, which has no value'
+run 5 --insecure read "$vars" "$vars/Mode"
+says 'GlobalVars: it is an Object, which has no value'
+run 5 --insecure subscribe "$vars" "$vars/Mode" -n 1
+says 'Bad_AttributeIdInvalid, it is an Object, which has no value'
+run 1 --insecure read -a Value "$vars"
+says 'it is an Object'
+run 1 --insecure read -a Historizing "$vars" # nothing is said of a value
+says_not 'which has no value'
+run 2 --insecure --policy "" read i=2258
+says '"" is not a security policy'
+
 # For scripts: values as write takes them, lines by a pattern, CSV.
 quiet read --value "$vars/SerialNumber" "$vars/Mode" "$vars/ShiftStart"
 out_is "BB-0001
@@ -211,6 +230,22 @@ END
     bash complete.bash "$busbar" > out 2> err < /dev/null
     out_is "read
 Press 4/"
+fi
+if command -v zsh > /dev/null; then # the script as a file of $fpath, and as text
+    mkdir zsh
+    "$busbar" completion zsh > zsh/_busbar
+    cat > complete.zsh << 'END'
+zmodload zsh/zpty
+zpty shell "PATH=$1:\$PATH zsh -f -i"
+zpty -w shell "$2"
+zpty -w -n shell $'busbar completion f\t'
+zpty -r shell out '*completion f*ish*'
+END
+    for load in 'fpath=(zsh $fpath); autoload -U compinit && compinit -u -D' \
+        'autoload -U compinit && compinit -u -D; eval "$(busbar completion zsh)"'; do
+        timeout 60 zsh complete.zsh "${busbar%/*}" "$load" > out 2>&1 < /dev/null ||
+            fail "zsh does not complete with: $load"
+    done
 fi
 
 # Mistakes in the file are told with their place; a password is refused.

@@ -121,6 +121,17 @@ void print_rows(Context& context, const std::vector<NamedNode>& nodes,
     }
 }
 
+/// Says of which nodes there is no value, and why.
+void print_reasons(Output& err, const std::vector<NamedNode>& nodes,
+                   const std::vector<ValueFacts>& facts)
+{
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (const std::string reason = reason_of_no_value(facts[i]); !reason.empty()) {
+            err.line("busbar: " + safe(nodes[i].text) + ": " + reason);
+        }
+    }
+}
+
 Exit read_values(Context& context, Connection& connection, const ReadArguments& arguments)
 {
     const auto attribute = find_attribute(arguments.attribute);
@@ -133,10 +144,10 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
     }
     const auto nodes = find_nodes(connection, arguments.nodes);
     const auto values = read_nodes(connection, nodes, *attribute, arguments.range);
-    if (nodes.size() == 1 && values.front().status.is_bad()) {
-        throw failure_of(nodes.front(), values.front().status);
-    }
     const auto facts = facts_for(connection, nodes, *attribute);
+    if (nodes.size() == 1 && values.front().status.is_bad()) {
+        throw value_failure(nodes.front(), values.front().status, facts.front());
+    }
     const Types types = connection.types_of(values, ids_of(nodes));
     if (context.options.is_json) {
         print_json(context.out, nodes, values, types, facts);
@@ -147,6 +158,7 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
     } else {
         print(context, connection, {nodes, values, types, facts}, *attribute, arguments.limits);
     }
+    print_reasons(context.err, nodes, facts);
     print_candidates(context.err, nodes);
     return exit_of_all(values);
 }
@@ -209,8 +221,9 @@ void add_read(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("read", "Reads values, or other attributes, of nodes.");
     const auto arguments = std::make_shared<ReadArguments>();
-    command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
-    command->add_option("-a,--attribute", arguments->attribute, "instead of Value")
+    command->add_option("NODE", arguments->nodes, "server (optional), then nodes")->required();
+    command
+        ->add_option("-a,--attribute", arguments->attribute, "attribute to read instead of Value")
         ->type_name("NAME");
     command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
     command->add_flag("--all", arguments->has_all, "all attributes of the nodes");

@@ -24,8 +24,9 @@ std::string unknown(const std::string& text, const std::string& thing,
                     const std::vector<std::string>& names)
 {
     const std::string meant = nearest(text, names);
-    return text + " is not a " + thing + (meant.empty() ? "" : ", perhaps " + meant + " is meant") +
-           "; there are " + joined(names);
+    return (text.empty() ? "\"\"" : text) + " is not a " + thing +
+           (meant.empty() ? "" : ", perhaps " + meant + " is meant") + "; there are " +
+           joined(names);
 }
 
 std::vector<std::string> policy_names()
@@ -66,7 +67,8 @@ void add_options(CLI::App& app, Options& options)
         ->type_name("NAME");
     app.add_option("--user", options.user, "log in by name")->type_name("NAME");
     app.add_option("--password", options.password,
-                   "visible to other users; better use one of these:")
+                   "password, visible to other users of this machine; prefer --password-file or "
+                   "BUSBAR_PASSWORD")
         ->type_name("TEXT");
     app.add_option("--password-file", options.password_file, "password; or set BUSBAR_PASSWORD")
         ->type_name("FILE");
@@ -81,7 +83,8 @@ void add_options(CLI::App& app, Options& options)
         ->delimiter(',')
         ->check(check_policy, "", command_line::values_name(policy_names()))
         ->expected(1);
-    app.add_option("--mode", options.mode, "least security: Sign, SignAndEncrypt")
+    app.add_option("--mode", options.mode,
+                   "lowest message security to accept: Sign or SignAndEncrypt")
         ->check(CLI::IsMember({"Sign", "SignAndEncrypt"}))
         ->type_name("MODE")
         ->capture_default_str();
@@ -94,7 +97,7 @@ void add_options(CLI::App& app, Options& options)
         ->type_name("STEP")
         ->expected(1)
         ->take_all();
-    app.add_option("--timeout", options.timeout, "wait so long for the server")
+    app.add_option("--timeout", options.timeout, "how long to wait for the server")
         ->check(CLI::Range(0.1, 86'400.0))
         ->type_name("SECONDS")
         ->capture_default_str();

@@ -2,9 +2,11 @@
 
 #include <unordered_map>
 
+#include <busbar/core/status_codes.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "names.hpp"
 #include "tool/printing/display_text.hpp"
 
 namespace busbar::tool {
@@ -37,6 +39,28 @@ std::vector<std::string> units_of(Connection& connection, const std::vector<Name
         }
     }
     return units;
+}
+
+/// Reads the NodeClasses of the nodes without a DataType: those are not Variables.
+void learn_classes(Connection& connection, const std::vector<NamedNode>& nodes,
+                   const std::vector<DataValue>& data_types, std::vector<ValueFacts>& facts)
+{
+    std::vector<NamedNode> others;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (data_types[i].status == status::Bad_AttributeIdInvalid) {
+            others.push_back(nodes[i]);
+            places.push_back(i);
+        }
+    }
+    if (others.empty()) {
+        return;
+    }
+    const auto classes = read_nodes(connection, others, AttributeId::NodeClass);
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        facts[places[i]].node_class =
+            static_cast<NodeClass>(classes[i].value.value_or<std::int32_t>(0));
+    }
 }
 
 bool has_names(const NodeId& data_type)
@@ -79,6 +103,7 @@ std::vector<ValueFacts> facts_of(Connection& connection, const std::vector<Named
             known.try_emplace(facts[i].data_type);
         }
     }
+    learn_classes(connection, nodes, values, facts);
     std::vector<NodeId> all;
     std::vector<NodeId> to_learn;
     for (const auto& [type, name] : known) {
@@ -105,6 +130,32 @@ std::vector<ValueFacts> facts_of(Connection& connection, const std::vector<Named
         facts[i].unit = units[i].empty() && is_duration ? "ms" : units[i];
     }
     return facts;
+}
+
+std::string reason_of_no_value(const ValueFacts& facts)
+{
+    const std::string_view what = name(facts.node_class);
+    if (facts.node_class == NodeClass::Unspecified || what == "?") {
+        return {};
+    }
+    const std::string article = what.starts_with('O') ? "an " : "a ";
+    return "it is " + article + std::string{what} + ", which has no value";
+}
+
+Failure value_failure(const NamedNode& node, StatusCode status, const ValueFacts& facts)
+{
+    Failure failure = failure_of(node, status);
+    const std::string reason = reason_of_no_value(facts);
+    if (status != status::Bad_AttributeIdInvalid || reason.empty()) {
+        return failure;
+    }
+    failure.reason = reason;
+    if (facts.node_class == NodeClass::Object) {
+        failure.hint = "`busbar watch --below` shows the Variables below it";
+    } else if (facts.node_class == NodeClass::Method) {
+        failure.hint = "`busbar call` calls it";
+    }
+    return failure;
 }
 
 } // namespace busbar::tool

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/status_codes.hpp>
+
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/value.hpp"
 
@@ -77,10 +79,14 @@ void WatchedValues::set_status(std::size_t node, StatusCode status)
     row.status = status;
     const auto is_bad = [](const ValueRow& one) { return one.status.is_bad(); };
     if (is_news && std::ranges::all_of(rows_, is_bad)) {
-        throw Failure{status, text};
+        throw value_failure({text, NodeId{}}, status, facts_[node]);
     }
     if (is_news && printing_ == Printing::Lines) {
-        context_->err.line("busbar: " + safe(text) + ": " + text_of(status));
+        const std::string reason = status == status::Bad_AttributeIdInvalid
+                                       ? reason_of_no_value(facts_[node])
+                                       : std::string{};
+        context_->err.line("busbar: " + safe(text) + ": " + text_of(status) +
+                           (reason.empty() ? "" : ", " + reason));
     }
 }
 
