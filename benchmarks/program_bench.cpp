@@ -1,6 +1,5 @@
 // Reads a program of many variables in each format, and prints the processor time and the memory
-// that this takes.
-// usage: busbar-program-bench [VARIABLES]; then declarations of up to 50 MB.
+// that this takes; then declarations of up to 50 MB.
 
 #include <cstdio>
 #include <cstdlib>
@@ -13,8 +12,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+
 #include <busbar/controller/checked_program.hpp>
 #include <busbar/controller/program_text.hpp>
+
+#include "command_line/program_options.hpp"
 
 namespace {
 
@@ -122,7 +125,13 @@ void measure(const char* name, const std::string& text)
 
 int main(int argc, char** argv)
 {
-    const std::size_t variables = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 100'000;
+    std::size_t variables = 100'000;
+    CLI::App app{
+        "Reads a program of many variables in each format, and declarations of up to 50 MB, "
+        "and prints the processor time and the memory that this takes."};
+    app.add_option("variables", variables, "of the program")->capture_default_str();
+    busbar::command_line::add_program_options(app, "busbar-program-bench");
+    CLI11_PARSE(app, argc, argv);
     for (const Format& format : formats) {
         measure(format.name, text_of(format, variables));
     }

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/version.hpp>
+
 #include "target.hpp"
 
 /// All fuzz targets are one program, which is linked once. A link to it, fuzz_<name>, runs the
@@ -34,14 +36,27 @@ const Target* chosen = nullptr;
     return false;
 }
 
+/// Answers --version, as all programs do.
+bool has_told_version(int argc, const char* const* argv)
+{
+    if (argc != 2 || std::string_view{argv[1]} != "--version") {
+        return false;
+    }
+    std::printf("busbar-fuzz %s\n", busbar::version());
+    return true;
+}
+
 } // namespace
 
 #ifdef BUSBAR_LIBFUZZER
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
-extern "C" int LLVMFuzzerInitialize(int*, char*** argv)
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
 {
+    if (has_told_version(*argc, *argv)) {
+        std::exit(0);
+    }
     if (!choose((*argv)[0])) {
         std::exit(2);
     }
@@ -103,6 +118,9 @@ std::vector<std::uint8_t> read(const std::filesystem::path& path)
 /// Gives every file of the folder to the target; the target ends the program if it fails.
 int main(int argc, char** argv)
 {
+    if (has_told_version(argc, argv)) {
+        return 0;
+    }
     if (!choose(argv[0])) {
         return 2;
     }
