@@ -69,8 +69,9 @@ int run(int argc, char** argv, Runtime& runtime)
     bool forgets_changes = false;
     Prints prints;
     CLI::App app{
-        "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
-        "endpoints and limits again, and take over another program of [machine]; SIGTERM ends it."};
+        "An OPC UA server in front of a PLC: a simulated one, or PLCs with Modbus TCP or SLMP. On "
+        "SIGHUP it reads users, trust lists, endpoints and limits again, and takes over a changed "
+        "program of [machine]. SIGTERM ends it."};
     app.add_option("--config", configuration.file, "configuration; the built-in one by default");
     app.add_option("--port", configuration.port,
                    "instead of the configuration's; 0 is any that is free");

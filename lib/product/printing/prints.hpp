@@ -31,7 +31,7 @@ struct Prints {
                          "print how much it can do at most, of a configuration if it is given");
         conformance = add("--print-conformance", conformance_file,
                           "print which profiles of OPC UA are claimed, of a configuration if it is "
-                          "given, and what the others lack");
+                          "given, and what is missing for the others");
         app.add_option("--print-preset", preset,
                        "print the limits of a product as JSON: nj501, nx102 or rd81opc96")
             ->type_name("NAME");

@@ -48,7 +48,7 @@ CLI::App* Group::add(const char* name, const char* text, const char* word_names,
     auto* command = app_->add_subcommand(name, text);
     command->fallthrough();
     command->add_option(word_names, arguments_->words,
-                        words == 0 ? "[URL]" : "[URL] before the others");
+                        words == 0 ? "server (optional)" : "server (optional), before the others");
     command->callback([run = run_, arguments = arguments_, words, action, endurance,
                        names = std::string{word_names}] {
         *run = [arguments, words, action, endurance, names](Context& context) {

@@ -361,7 +361,7 @@ void add_program(CLI::App& admin, Run& run)
     };
     const auto takes_file = [](CLI::App* command) {
         command->get_option("FILE")->description(
-            "[URL] before a file with declarations, a folder or a .plcproj of such");
+            "server (optional), before a file with declarations, a folder or a .plcproj of such");
         return command;
     };
     asks(group.add("show", "Shows what runs, and where it is from.", 0, "URL", program::show))

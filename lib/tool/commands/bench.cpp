@@ -213,9 +213,10 @@ Exit measure(Context& context, Connection& connection, const BenchArguments& arg
 
 void add_bench(CLI::App& app, Run& run)
 {
-    auto* command = app.add_subcommand("bench", "Measures shortly how fast a server answers.");
+    auto* command = app.add_subcommand("bench", "Measures briefly how fast a server answers.");
     const auto arguments = std::make_shared<BenchArguments>();
-    command->add_option("NODE", arguments->nodes, "[URL] and nodes; the server's time by default");
+    command->add_option("NODE", arguments->nodes,
+                        "server (optional), then nodes; the server's time by default");
     command->add_option("-s,--seconds", arguments->seconds, "for each of the three measurements")
         ->check(CLI::Range(0.1, 3'600.0))
         ->type_name("SECONDS")

@@ -222,7 +222,8 @@ void add_browse(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("browse", "Shows the tree of nodes below a node.");
     const auto arguments = std::make_shared<BrowseArguments>();
-    command->add_option("NODE", arguments->node, "[URL] and a node; /Objects by default");
+    command->add_option("NODE", arguments->node,
+                        "server (optional), then a node; /Objects by default");
     command->add_option("-d,--depth", arguments->depth, "levels below the node")
         ->check(CLI::Range(0, 100))
         ->type_name("N")

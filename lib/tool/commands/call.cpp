@@ -160,7 +160,7 @@ void add_call(CLI::App& app, Run& run)
     const auto arguments = std::make_shared<CallArguments>();
     command
         ->add_option("OBJECT METHOD VALUE", arguments->words,
-                     "[URL], an object, a method of it by node or name, its arguments")
+                     "server (optional), an object, a method of it by node or name, its arguments")
         ->required();
     add_limit_option(*command, arguments->limits);
     command->callback([&run, arguments] {

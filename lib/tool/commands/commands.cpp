@@ -9,7 +9,7 @@ constexpr const char* footer =
     "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840, host:4840, or @NAME\n"
     "of a profile. Profiles are tables in ~/.config/busbar/profiles.toml, [NAME] with\n"
     "url, user, password-file, policy, mode, pki and other options of connections;\n"
-    "what the command line says counts before them.\n"
+    "options on the command line override them.\n"
     "`busbar COMMAND --help` has the options of a command; those above may also\n"
     "follow it. Values that begin with - must come after --.\n"
     "\n"

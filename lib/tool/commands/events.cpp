@@ -54,7 +54,7 @@ void add_events(CLI::App& app, Run& run)
     auto* command = app.add_subcommand("events", "Shows events as they come, until Ctrl+C.");
     const auto arguments = std::make_shared<EventsArguments>();
     command->add_option("NODE", arguments->node,
-                        "[URL] and the node that notifies; the Server by default");
+                        "server (optional), then the node that notifies; the Server by default");
     command->add_option("-f,--field", arguments->choice.fields, "show one more: 2:Press/Force")
         ->type_name("PATH")
         ->expected(1)

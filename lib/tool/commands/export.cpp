@@ -136,7 +136,9 @@ void add_export(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("export", "Writes a namespace's nodes as NodeSet2 file.");
     const auto arguments = std::make_shared<ExportArguments>();
-    command->add_option("NAMESPACE", arguments->name_space, "[URL] and a namespace: index or URI")
+    command
+        ->add_option("NAMESPACE", arguments->name_space,
+                     "server (optional), then a namespace: index or URI")
         ->required();
     command->add_option("-o,--output", arguments->file, "instead of standard output")
         ->type_name("FILE");

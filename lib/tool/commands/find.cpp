@@ -203,8 +203,9 @@ void add_find(CLI::App& app, Run& run)
     auto* command = app.add_subcommand("find", "Finds nodes by their name or their type.");
     const auto arguments = std::make_shared<FindArguments>();
     command
-        ->add_option("TEXT", arguments->words,
-                     "[URL] and part of a name, or the name of a type; * for any text")
+        ->add_option(
+            "TEXT", arguments->words,
+            "server (optional), then part of a name, or the name of a type; * for any text")
         ->required();
     command->add_option("--below", arguments->below, "where to look")
         ->type_name("NODE")

@@ -102,7 +102,7 @@ void add_subscribe(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("subscribe", "Shows values as they change, until Ctrl+C.");
     const auto arguments = std::make_shared<SubscribeArguments>();
-    command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
+    command->add_option("NODE", arguments->nodes, "server (optional), then nodes")->required();
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);
     add_format_options(*command, arguments->format);

@@ -169,8 +169,9 @@ void add_watch(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("watch", "Shows values and events live, in a table.");
     const auto arguments = std::make_shared<WatchArguments>();
-    command->add_option("NODE", arguments->nodes,
-                        "[URL] and Variables; all that the server has of its own by default");
+    command->add_option(
+        "NODE", arguments->nodes,
+        "server (optional), then Variables; all that the server has of its own by default");
     command->add_option("--below", arguments->below, "the Variables below a node")
         ->type_name("NODE")
         ->expected(1)

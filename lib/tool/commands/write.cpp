@@ -167,7 +167,9 @@ void add_write(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("write", "Writes values of nodes.");
     const auto arguments = std::make_shared<WriteArguments>();
-    command->add_option("NODE VALUE", arguments->nodes_and_values, "[URL] and nodes with values")
+    command
+        ->add_option("NODE VALUE", arguments->nodes_and_values,
+                     "server (optional), then nodes with values")
         ->required();
     command->add_option("--type", arguments->type, "instead of the node's DataType: Int16, ...")
         ->type_name("NAME");

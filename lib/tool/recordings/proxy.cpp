@@ -209,7 +209,7 @@ void add_proxy(CLI::App& app, Run& run)
     auto* command = app.add_subcommand(
         "proxy", "Lets clients reach a server through it; shows, records and disturbs messages.");
     const auto arguments = std::make_shared<ProxyArguments>();
-    command->add_option("URL", arguments->url, "of the server");
+    command->add_option("URL", arguments->url, "the server to forward to");
     command->add_flag("--pass", arguments->passes,
                       "passes secured channels on as they are, which it cannot read");
     command->add_flag("--any-client", arguments->has_any_client,

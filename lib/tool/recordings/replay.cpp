@@ -79,7 +79,8 @@ void add_replay(CLI::App& app, Run& run)
     auto* command = app.add_subcommand(
         "replay", "Sends a recording's requests again and says what differs, or serves it.");
     const auto arguments = std::make_shared<ReplayArguments>();
-    command->add_option("FILE", arguments->places, "[URL] and a recording")->required();
+    command->add_option("FILE", arguments->places, "server (optional), then a recording")
+        ->required();
     command->add_option("--serve", arguments->serve, "answers clients instead, as was recorded")
         ->type_name("[ADDRESS:]PORT");
     command->add_option("--for", arguments->seconds, "with --serve: ends after so many seconds");

@@ -278,7 +278,7 @@ void add_simulate(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand(
         "simulate",
-        "Is a server with the variables, methods and events of files; for tests of clients.");
+        "Runs a server with the variables, methods and events of files, for testing clients.");
     const auto arguments = std::make_shared<SimulateArguments>();
     command
         ->add_option("FILE", arguments->files,
