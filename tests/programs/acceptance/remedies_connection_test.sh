@@ -38,7 +38,7 @@ entry variables 9-3: remedies
 one_step # what is to be there after a power cut is in other scripts
 
 remedy 9-3.1 9-3.2
-told 'nobody answers | another address or port'
+told 'no answer | another address or port'
 reads 3 "opc.tcp://127.0.0.1:$((port + 1))"
 says 'hint: nothing listens at this port'
 reads 3 "opc.tcp://127.0.0.9:$port"
@@ -59,7 +59,7 @@ says 'uatcp-uasc-uabinary'
 reads 0
 
 remedy 9-3.6 9-3.46 9-3.51
-told 'nobody answers | the cable'
+told 'no answer | the cable'
 follows op i=2258
 await has_followed 20
 kill -STOP "$pid"
@@ -151,7 +151,7 @@ done
 
 # It is not to be used: the file, or what was changed online, says so.
 remedy 9-3.8
-told 'nobody answers, and the start says'
+told 'no answer, and the start says'
 power_cut
 configure 'use = false'
 "$controller" --config controller.toml > log 2>&1 < /dev/null &
