@@ -261,23 +261,23 @@ std::string completion_script(const std::string& program, const std::string& she
     std::replace(function.begin(), function.end(), '-', '_');
     const std::string call = "\"${COMP_WORDS[0]}\" --complete \"${COMP_LINE:0:$COMP_POINT}\" "
                              "--complete-breaks \"$COMP_WORDBREAKS\" 2>/dev/null </dev/null";
-    const std::string body = function +
-                             "() {\n"
-                             "  local IFS=$'\\n'\n"
-                             "  COMPREPLY=()\n"
-                             "  local candidate\n"
-                             "  while IFS= read -r candidate; do\n"
-                             "    COMPREPLY+=(\"$candidate\")\n"
-                             "  done < <(" +
-                             call +
-                             ")\n"
-                             "  case \"${COMPREPLY[*]}\" in */* | *' '*) compopt -o filenames "
-                             "2>/dev/null ;; esac\n"
-                             "  case \"${COMPREPLY[*]}\" in */ | *=) compopt -o nospace "
-                             "2>/dev/null ;; esac\n"
-                             "}\n"
-                             "complete -o default -F " +
-                             function + " " + program + "\n";
+    std::string body = function +
+                       "() {\n"
+                       "  local IFS=$'\\n'\n"
+                       "  COMPREPLY=()\n"
+                       "  local candidate\n"
+                       "  while IFS= read -r candidate; do\n"
+                       "    COMPREPLY+=(\"$candidate\")\n"
+                       "  done < <(" +
+                       call +
+                       ")\n"
+                       "  case \"${COMPREPLY[*]}\" in */* | *' '*) compopt -o filenames "
+                       "2>/dev/null ;; esac\n"
+                       "  case \"${COMPREPLY[*]}\" in */ | *=) compopt -o nospace "
+                       "2>/dev/null ;; esac\n"
+                       "}\n"
+                       "complete -o default -F " +
+                       function + " " + program + "\n";
     if (shell != "zsh") {
         return body;
     }
