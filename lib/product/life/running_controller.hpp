@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <busbar/core/function_ref.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
 #include <busbar/net/worker_thread.hpp>
@@ -22,7 +23,6 @@
 
 #include "generation.hpp"
 #include "listening.hpp"
-#include "product/access/current_validator.hpp"
 #include "product/configuration/reading.hpp"
 #include "product/machine/machine.hpp"
 #include "product/machine/ticker.hpp"
@@ -42,6 +42,23 @@ public:
 
 private:
     Runtime& runtime_;
+};
+
+/// Forwards to the present validator, for objects whose validator cannot be replaced.
+class CurrentValidator final : public crypto::CertificateValidator {
+public:
+    /// Sets the validator; must be called before the first validate(). `validator` must outlive
+    /// this object or the next call.
+    void use(crypto::CertificateValidator& validator) { validator_ = &validator; }
+
+    [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
+                                         const crypto::ValidationContext& context) override
+    {
+        return validator_->validate(chain, context);
+    }
+
+private:
+    crypto::CertificateValidator* validator_{nullptr};
 };
 
 /// Parts of a configuration that stay, besides the machine, when servers are replaced.

@@ -8,19 +8,44 @@
 #include <span>
 #include <string>
 
+#include <busbar/controller/machine_error_nodes.hpp>
 #include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/machine_event_raiser.hpp>
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/published_program.hpp>
 #include <busbar/server/server.hpp>
 
-#include "machine_view.hpp"
 #include "product/configuration/config.hpp"
 
 namespace busbar::product {
 
 /// The name of a machine's folder.
 [[nodiscard]] const std::string& controller_name(const ControllerConfig& config);
+
+/// Shows a machine's event log to the clients of one server: events when they happen, and the
+/// present errors. Thread-safe.
+class MachineView final : public controller::MachineEventListener {
+public:
+    /// Connects it, once, on the server's thread; see MachineEventRaiser and MachineErrorNodes.
+    [[nodiscard]] Result<void> attach(server::Server& server, const controller::MachineNodes& nodes,
+                                      const controller::MachineEventLog& log)
+    {
+        model::AddressSpace& space = server.address_space();
+        const model::NodeIndex folder = space.resolve(nodes.folder());
+        if (auto attached = raiser_.attach(space, folder, server.event_queue()); !attached) {
+            return attached;
+        }
+        return errors_.publish(server, nodes, log);
+    }
+
+    void happened(const controller::MachineEvent& event) override { raiser_.happened(event); }
+    void errors_changed() override { errors_.refresh(); }
+
+private:
+    controller::MachineEventRaiser raiser_;
+    controller::MachineErrorNodes errors_;
+};
 
 /// The program of a machine as one server publishes it (W588, 6-2). Outlives that server and is
 /// used on its thread.

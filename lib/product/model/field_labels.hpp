@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -15,7 +16,16 @@ namespace busbar::product {
 class FieldLabels {
 public:
     /// Both must outlive the object.
-    FieldLabels(const backend::SlmpLabelsOptions& options, const WallClock& clock, LogSink& log);
+    FieldLabels(const backend::SlmpLabelsOptions& options, const WallClock& clock, LogSink& log)
+        : log_{log}, labels_{std::make_shared<backend::SlmpLabels>(
+                         options, clock,
+                         [] {
+                             return std::chrono::time_point_cast<Duration>(
+                                 std::chrono::steady_clock::now());
+                         },
+                         log)}
+    {
+    }
     FieldLabels(const FieldLabels&) = delete;
     FieldLabels& operator=(const FieldLabels&) = delete;
     ~FieldLabels() = default;

@@ -6,7 +6,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "server/rights/nodes_ahead.hpp"
-#include "view_walk.hpp"
 
 namespace busbar::server::detail {
 

@@ -4,11 +4,9 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "browse_work.hpp"
 #include "server/rights/hierarchy.hpp"
 #include "server/rights/live_values.hpp"
-#include "view_context.hpp"
-#include "view_part.hpp"
-#include "view_walk.hpp"
 
 namespace busbar::server::detail {
 
