@@ -128,8 +128,8 @@ void ClientDriver::await_deadline()
     const TimePoint memory = link_ ? memory_return_.next_deadline() : no_deadline;
     timer_.await(std::min(client_.next_deadline(), memory), [self = shared_from_this()] {
         if (!self->has_stopped_) {
-            self->memory_return_.look(now());
             self->client_.handle_deadline(now());
+            self->memory_return_.look(now());
             self->step();
         }
     });
@@ -276,7 +276,6 @@ void ClientDriver::stop()
     for (const auto& link : std::exchange(leaving_, {})) {
         link->end();
     }
-    memory_return_.finish();
 }
 
 void ClientDriver::log(const std::string& text)

@@ -1,5 +1,7 @@
 #include <busbar/net/client_loop.hpp>
 
+#include <algorithm>
+
 #include <asio/connect.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -35,7 +37,6 @@ ClientLoop::~ClientLoop()
     if (impl_->link) {
         impl_->link->end();
     }
-    impl_->memory_return.finish();
 }
 
 Result<void> ClientLoop::connect(client::ConnectionConfig config,
@@ -96,7 +97,8 @@ std::optional<client::ConnectionEvent> ClientLoop::Impl::wait(TimePoint until)
         link->pump();
         context.restart();
         memory_return.look(detail::now());
-        if (context.run_one_until(until) == 0 && detail::now() >= until) {
+        const TimePoint next = std::min(until, memory_return.next_deadline());
+        if (context.run_one_until(next) == 0 && detail::now() >= until) {
             return std::nullopt;
         }
     }

@@ -15,7 +15,7 @@ struct ProcessMemory {
     std::size_t free{0};
 };
 /// Returns zeros if the C library or the system does not provide them.
-[[nodiscard]] ProcessMemory process_memory();
+[[nodiscard]] ProcessMemory process_memory() noexcept;
 /// Makes malloc keep what is freed, up to 32 MB, instead of returning and taking the same pages
 /// with each large request: the 10,000 lists of a Browse took 2,000 page faults, and a client's
 /// Read of 1,000 values spent nearly half of its time on them. The caller must also call
@@ -23,7 +23,7 @@ struct ProcessMemory {
 void keep_free_memory();
 /// Makes malloc return all unused pages to the system; does nothing if it cannot. Takes some
 /// milliseconds for many pages.
-void return_free_memory();
+void return_free_memory() noexcept;
 
 /// Decides when the memory that a flood took is returned. malloc keeps memory below something that
 /// is still used, and what is freed in pieces. A state machine, polled by its owner.
@@ -49,9 +49,7 @@ public:
     void returned(const ProcessMemory& memory) { left_ = memory; }
     /// Checks the memory of the process, and returns what is free. Does nothing before the
     /// deadline.
-    void look(TimePoint now);
-    /// Does so now if there was an activity since the last time: there will be no other call.
-    void finish() { look(deadline_); }
+    void look(TimePoint now) noexcept;
 
 private:
     TimePoint deadline_{no_deadline};

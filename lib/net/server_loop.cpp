@@ -121,8 +121,8 @@ void ServerLoop::stop_on_signals(std::function<void()> first)
 
 void ServerLoop::on_hangup(std::function<void()> handler)
 {
-    impl_->on_hangup = std::move(handler);
     impl_->hangup.emplace(impl_->context, SIGHUP);
+    impl_->on_hangup = std::move(handler);
     impl_->await_hangup();
 }
 
@@ -217,7 +217,10 @@ bool ServerLoop::run_for(server::Server& server, Duration time)
         impl_->begin(server);
         undo.keep();
     } else {
-        impl_->after_activity(); // of what the program did meanwhile
+        // What the program did meanwhile.
+        const StatusCode thrown = busbar::detail::guarded(impl_->log, "network handler",
+                                                          [this] { impl_->after_activity(); });
+        impl_->is_behind = impl_->is_behind || thrown.is_bad();
     }
     impl_->run(detail::after(time));
     if (impl_->context.stopped()) {

@@ -165,7 +165,7 @@ void ServerLoop::Impl::await_wake()
 /// Clients of replaced servers were notified; they get no more time than those of this one.
 bool ServerLoop::Impl::has_stopped() const
 {
-    return is_stopping && served.back()->is_over() &&
+    return is_stopping && (served.empty() || served.back()->is_over()) &&
            std::ranges::all_of(registrations, [](const auto& one) { return one->is_stopped(); });
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 const auto encrypt = setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
 
-/// What a peer does wrong and what the log has to say of it.
+/// Lists what a peer does wrong and what the log has to say of it.
 struct Row {
     std::string what;
     std::function<void(ScriptedClient&)> act;

@@ -43,7 +43,7 @@ Bytes hello(std::uint32_t version, std::uint32_t receive, std::uint32_t send, st
 
 /// A client that has said nothing yet.
 struct Stranger : ChannelPair {
-    /// What the Error message says that the bytes are answered with; Good if there is none.
+    /// Returns what the Error message says that the bytes are answered with; Good if there is none.
     StatusCode told(std::span<const std::byte> bytes)
     {
         static_cast<void>(server.feed(bytes, now));

@@ -47,7 +47,7 @@ struct OpenServer : ScriptedClient {
     }
 };
 
-/// Those of several connections, which share their buffers.
+/// Returns those of several connections, which share their buffers.
 struct SharingServers {
     SharingServers()
     {

@@ -274,7 +274,7 @@ private:
     }
 };
 
-/// How far a subject's channel is.
+/// Tells how far a subject's channel is.
 enum class Stage { Greeted, Open, Renewing };
 
 /// A channel that was opened once; with the same bytes any number of subjects can be opened.
@@ -327,7 +327,7 @@ struct Recording {
     RememberedRsa rsa; // of all that is opened with this
 };
 
-/// What a server answers; nothing else than the status can be told from it.
+/// Tells what a server answers; nothing else than the status can be told from it.
 [[nodiscard]] inline Bytes answer_with(StatusCode status)
 {
     channel::detail::OutputBuffer out;

@@ -25,7 +25,7 @@ struct Watch final : NodeWatch {
             call();
         }
     }
-    /// How often it was told since the last time.
+    /// Returns how often it was told since the last time.
     int take() { return std::exchange(told, 0); }
 
     int told{0};

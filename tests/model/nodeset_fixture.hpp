@@ -116,7 +116,7 @@ struct NodeSetFixture {
     [[nodiscard]] Variant value(const std::string& id) const { return space.value(find(id)); }
 
 private:
-    /// Of every AddressSpace that nothing was added to.
+    /// The facts of every AddressSpace that nothing was added to.
     [[nodiscard]] static std::uint64_t hash_of_namespace0()
     {
         static const std::uint64_t hash = detail::space_hash(AddressSpace{});

@@ -27,7 +27,7 @@ std::string of_type(const std::string& id, const std::string& body)
 }
 
 struct FaultyValue : NodeSetFixture {
-    /// What is wrong with a <Value>, after the name of the file and of the node.
+    /// Says what is wrong with a <Value>, after the name of the file and of the node.
     std::string fault(const std::string& xml, const NodeSetLimits& limits = {})
     {
         const std::string where = "t.xml:3: ns=1;s=V: found ";

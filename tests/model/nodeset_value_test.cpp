@@ -332,6 +332,25 @@ TEST_CASE_METHOD(ValueFixture, "Elements of XML have the SymbolicNames of types"
     CHECK(sides.get_if<ExtensionObject>()->encoding_id().numeric() == 91);
 }
 
+TEST_CASE_METHOD(ValueFixture, "A BrowseName goes before the SymbolicName of another type")
+{
+    const auto type = [](int id, const std::string& names) {
+        const std::string number = std::to_string(id);
+        return "<UADataType NodeId=\"ns=1;i=" + number + "\" " + names +
+               "><References><Reference ReferenceType=\"HasSubtype\" IsForward=\"false\">i=22"
+               "</Reference></References><Definition Name=\"1:D\">" +
+               field_text("Left", "i=6") + "</Definition></UADataType>\n" +
+               encoding_text("i=" + std::to_string(id + 1), "i=" + number);
+    };
+    load(type(90, "BrowseName=\"1:First\" SymbolicName=\"Sides\"") +
+         type(92, "BrowseName=\"1:Sides\"") +
+         variable_text("s=Sides", "DataType=\"i=22\"",
+                       object("ns=1;i=999", "<Sides><Left>7</Left></Sides>")));
+    const Variant sides = value("s=Sides");
+    REQUIRE(sides.get_if<ExtensionObject>() != nullptr);
+    CHECK(sides.get_if<ExtensionObject>()->encoding_id().numeric() == 93);
+}
+
 TEST_CASE_METHOD(ValueFixture, "What is not known is kept as it is")
 {
     const Variant xml = read(object("ns=1;i=999", "<What xmlns=\"urn:w\"><Ever>1</Ever></What>"));

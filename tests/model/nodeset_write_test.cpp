@@ -15,7 +15,7 @@ bool has(const std::string& text, const std::string& part)
 }
 
 struct WriteFixture : NodeSetFixture {
-    /// What is loaded must re-read equal; gives the file.
+    /// Whatever is loaded must re-read equal; gives the file.
     std::string rewritten(const std::string& content)
     {
         summary = load(content);

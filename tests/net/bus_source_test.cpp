@@ -252,9 +252,11 @@ TEST_CASE("a value of a bus has the time of its last change", "[net]")
     CHECK(time() == written);
     // Its status changes twice.
     station.cells.disturb(Cells::Fault::Timeout);
-    CHECK(station.caller.read({0})[0].status == StatusCode{status::Bad_Timeout});
+    const DataValue bad = station.caller.read({0})[0];
+    CHECK(bad.status == StatusCode{status::Bad_Timeout});
+    CHECK(bad.source_timestamp > written);
     const DateTime back = time();
-    CHECK(back > written);
+    CHECK(back > bad.source_timestamp);
     CHECK(time() == back);
 }
 

@@ -158,21 +158,6 @@ TEST_CASE("a client has the memory of the last response for the next one", "[mem
     }
 }
 
-TEST_CASE("a client that ends returns the memory that it took", "[memory_return]")
-{
-    net::detail::keep_free_memory();
-    test::Machine machine;
-    test::ClientSurroundings surroundings;
-    std::size_t kept = 0;
-    {
-        net::BlockingClient client{test::client_config(machine.url()), surroundings.environment};
-        REQUIRE(client.connect());
-        static_cast<void>(faults_of_request());
-        kept = net::detail::process_memory().resident;
-        client.close();
-    }
-    CHECK(net::detail::process_memory().resident + 4 * mega < kept);
-}
 #endif
 
 } // namespace memory_return_test

@@ -61,7 +61,7 @@ write_point(const DevicePoint& point, const Variant& value, std::span<std::uint1
 
 /// The answer of a Variable while its PLC does not answer.
 enum class WhenAway : std::uint8_t {
-    /// Bad_NoCommunication, with the time of the last value and without the value.
+    /// Bad_NoCommunication, with the time when this was found and without the value.
     Bad,
     /// The last value with its time and Uncertain_NoCommunicationLastUsableValue, once there was
     /// one.

@@ -17,8 +17,8 @@ namespace busbar::net {
 /// A client::Client for programs that do one thing after the other. The connection is served only
 /// while a call of this class waits. One thread. Handlers must not make calls that wait: these end
 /// as if interrupted. Exceptions of handlers are logged. Creating one sets M_TRIM_THRESHOLD and
-/// M_MMAP_THRESHOLD of glibc's malloc, as a ServerLoop does; memory that is free returns to the
-/// system ten seconds after it was needed, or with the object.
+/// M_MMAP_THRESHOLD of glibc's malloc, as a ServerLoop does: free memory, up to 32 MB, returns to
+/// the system in a call that waits, from ten seconds on after it was needed.
 class BUSBAR_API BlockingClient {
 public:
     /// `environment`, which must have a log, must outlive the object.

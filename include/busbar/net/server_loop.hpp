@@ -122,6 +122,7 @@ public:
     /// not wait for that calls end_at_once() before the server is destroyed.
     [[nodiscard]] bool run_for(server::Server& server, Duration time);
     /// Closes the ports and drops all connections of run_for(), which returns false from now on.
+    /// Call it between calls of run_for(), not during one.
     void end_at_once();
     /// Begins the server's shutdown. Servers that were replaced before are given no more time than
     /// it takes. Called from any thread.

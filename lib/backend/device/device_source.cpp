@@ -46,20 +46,30 @@ struct DeviceSource::Impl {
         bool is_known{false};
         /// It was read, and nothing has been written or has failed since.
         bool is_fresh{false};
-        /// There was another answer than the value since.
-        bool has_failed{false};
+        /// The bad status that it has, Good if it has none, and since when.
+        StatusCode failure{};
+        DateTime failed{};
 
-        /// Takes what was read at `time`. The time of a value that stays is that of its last change
-        /// (Part 4, 7.11.3).
+        /// Takes what was read at `time`. The time of a value that stays is that of its last
+        /// change, and that of a bad status when it was found (Part 4, 7.11.3).
         void take(Variant read_value, StatusCode status, DateTime time)
         {
-            if (!is_known || has_failed || value.status != status || value.value != read_value) {
+            if (!is_known || failure.is_bad() || value.status != status ||
+                value.value != read_value) {
                 value.source_timestamp = time;
             }
             value.value = std::move(read_value);
             value.status = status;
             is_known = is_fresh = true;
-            has_failed = false;
+            failure = {};
+        }
+        void fail(StatusCode status, DateTime time)
+        {
+            is_fresh = false;
+            if (failure != status) {
+                failure = status;
+                failed = time;
+            }
         }
     };
 
@@ -127,8 +137,7 @@ void DeviceSource::Impl::answer(const server::ReadItem& item, server::ReadSlot& 
 void DeviceSource::Impl::answer_away(std::size_t point, StatusCode status, server::ReadSlot& slot)
 {
     Last& before = last[point];
-    before.is_fresh = false;
-    before.has_failed = true;
+    before.fail(status, clock->now());
     if (before.is_known && options.when_away == WhenAway::LastValue &&
         status == StatusCode{status::Bad_NoCommunication}) {
         slot = DataValue{before.value};
@@ -136,7 +145,7 @@ void DeviceSource::Impl::answer_away(std::size_t point, StatusCode status, serve
         return;
     }
     slot = DataValue{status};
-    slot.source_timestamp = before.value.source_timestamp;
+    slot.source_timestamp = before.failed;
 }
 
 void DeviceSource::Impl::take_mode(const Waiting& waiting, const PlanResult& result)
@@ -177,12 +186,13 @@ void DeviceSource::Impl::finish(server::ReadBatch& batch, const Waiting& waiting
             answer_away(point, value.error(), slot);
             continue;
         }
+        if (is_stopped() && options.when_stopped == WhenStopped::Bad) {
+            answer_away(point, status::Bad_OutOfService, slot);
+            continue;
+        }
         now_last.take(*std::move(value), status, time);
         now_last.read = moment;
         slot = DataValue{now_last.value};
-        if (is_stopped() && options.when_stopped == WhenStopped::Bad) {
-            answer_away(point, status::Bad_OutOfService, slot);
-        }
     }
     batch.complete();
 }

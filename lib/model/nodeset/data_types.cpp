@@ -50,23 +50,32 @@ DataTypeTable::DataTypeTable(const Document& document)
 {
     for (const Node& node : document.nodes()) {
         if (node.node_class == NodeClass::DataType) {
-            if (!node.symbolic_name.empty()) {
-                names_.emplace(name_key(node.browse_namespace, node.symbolic_name), node.id);
-            }
-            add({node.id,
-                 node.browse_namespace,
-                 node.browse_name,
-                 {},
-                 {},
-                 {},
-                 node.is_abstract,
-                 false,
-                 node.definition});
+            insert({node.id,
+                    node.browse_namespace,
+                    node.browse_name,
+                    {},
+                    {},
+                    {},
+                    node.is_abstract,
+                    false,
+                    node.definition});
         }
     }
+    // A BrowseName goes before another type's SymbolicName.
     for (const Node& node : document.nodes()) {
+        if (node.node_class == NodeClass::DataType) {
+            add_xml_names(node);
+        }
         add_references(document, node);
     }
+}
+
+void DataTypeTable::add_xml_names(const Node& node)
+{
+    if (!node.symbolic_name.empty()) {
+        names_.emplace(name_key(node.browse_namespace, node.symbolic_name), node.id);
+    }
+    names_.emplace(name_key(node.browse_namespace, xml_name(node.browse_name)), node.id);
 }
 
 void DataTypeTable::add_references(const Document& document, const Node& node)
@@ -96,8 +105,13 @@ void DataTypeTable::add_references(const Document& document, const Node& node)
 
 void DataTypeTable::add(DataType type)
 {
-    names_.emplace(name_key(type.name_space, type.name), type.id);
     names_.emplace(name_key(type.name_space, xml_name(type.name)), type.id);
+    insert(std::move(type));
+}
+
+void DataTypeTable::insert(DataType type)
+{
+    names_.emplace(name_key(type.name_space, type.name), type.id);
     if (!type.binary_encoding.is_null()) {
         add_encoding(type.id, type.binary_encoding);
     }

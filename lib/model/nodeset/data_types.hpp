@@ -93,7 +93,9 @@ public:
     static constexpr unsigned max_levels = 100;
 
 private:
+    void insert(DataType type);
     void add_references(const Document& document, const Node& node);
+    void add_xml_names(const Node& node);
 
     std::unordered_map<NodeId, DataType> types_;
     std::unordered_map<NodeId, NodeId> encoded_;

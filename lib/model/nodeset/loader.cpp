@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <unordered_map>
+#include <vector>
 
 #include <busbar/core/text.hpp>
 #include <busbar/model/nodeset.hpp>
@@ -331,12 +332,11 @@ void Loader::fit_value(const Node& node, NodeIndex index, const Variant& value)
         fail(node, "found " + found + ", expected one of " + expected, node.value->line);
         return;
     }
-    if (space_.check_value(value, attributes.data_type, attributes.value_rank, {}).is_good()) {
-        for (std::uint32_t& length : graft_.record(index).make_extra().array_dimensions) {
-            length = 0;
-        }
+    const std::vector<std::uint32_t> any(value.is_matrix() ? value.dimensions().size() : 1);
+    if (space_.check_value(value, attributes.data_type, attributes.value_rank, any).is_good()) {
+        graft_.record(index).make_extra().array_dimensions = Array<std::uint32_t>{any};
         repair(model::NodeSetRule::ArrayDimensions, node,
-               "set ArrayDimensions to 0, which " + found + " exceeds", node.value->line);
+               "set ArrayDimensions to 0, which " + found + " does not fit", node.value->line);
         return;
     }
     kept = converted(space_, types_, value, attributes);

@@ -238,7 +238,7 @@ TEST_CASE("9.4 Import: a new model comes to what is loaded, as if all were loade
     CHECK(in_turn.models.export_texts() == anew.models.export_texts());
 }
 
-TEST_CASE("9.4 Import: what is required must not come to stand behind", "[9.4]")
+TEST_CASE("9.4 Import: what is required must not come to stand last", "[9.4]")
 {
     ModelFixture project;
     project.import(file("urn:t", cell()));

@@ -105,7 +105,7 @@ TEST_CASE("Variables that are added online join the others (6-2-2, online editin
     Publication& publication = machine.published.publication;
     publication.add(types);
 
-    SECTION("with handles behind theirs")
+    SECTION("with handles after theirs")
     {
         REQUIRE(machine.nodes.add_variables(machine.space, publication));
         CHECK(machine.space.variable(machine.find("Added")).handle == 6);

@@ -132,7 +132,7 @@ TEST_CASE("What comes first ends the list, however small the rest is (6-2-2, ste
     program.types = {union_of("Either", {an_int})};
     program.variables = {variable("A", array_of(an_int, {{0, 7}})),
                          variable("B", array_of(an_int, {{0, 2}})), variable("C")};
-    SECTION("a smaller variable behind it is not published either")
+    SECTION("a smaller variable after it is not published either")
     {
         const Published published{program, limits};
         CHECK(published.names() == std::vector<std::string>{"A"});
