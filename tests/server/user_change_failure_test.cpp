@@ -1,10 +1,15 @@
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "failure_cases.hpp"
 #include "server/rights/role_permissions.hpp"
 #include "support/failing_worlds.hpp"
 
 namespace user_change_failure_test {
 
-/// A session that changes to another user while there is no memory.
+/// Logins, and sessions that change to another user, while there is no memory.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -87,6 +92,79 @@ bool fail_expiry(std::size_t k, std::size_t most)
     return has_failed;
 }
 
+/// A worker that is full of logins, of which one client has the most, when another one comes.
+struct FullWorker {
+    FullWorker()
+    {
+        worker.most = 4;
+        fixture.users.used_worker = &worker;
+        for (int i = 0; i < 3; ++i) {
+            clients.push_back(
+                fixture.connect({}, client_identity(), "192.0.2." + std::to_string(i)));
+            REQUIRE(clients.back().create_session());
+        }
+        for (const int i : {0, 0, 0, 1}) {
+            sent.emplace_back(i, log_in(clients[static_cast<std::size_t>(i)]));
+        }
+    }
+    std::uint32_t log_in(TestClient& client)
+    {
+        const std::string name = "user" + std::to_string(sent.size());
+        return client.send_activate(client.user(name, name + "-secret"));
+    }
+    /// The attempts that wait for the worker, over connections that have survived; those that have
+    /// their answer are forgotten.
+    [[nodiscard]] int waiting()
+    {
+        std::erase_if(sent, [&](const auto& attempt) {
+            TestClient& client = clients[static_cast<std::size_t>(attempt.first)];
+            return client.take_activate(attempt.second) != status::Bad_WouldBlock ||
+                   client.is_closed();
+        });
+        return static_cast<int>(sent.size());
+    }
+
+    SilentWaker waker;
+    JobList worker;
+    ServerFixture fixture{waker};
+    std::deque<TestClient> clients;
+    std::vector<std::pair<int, std::uint32_t>> sent;
+};
+
+bool fail_displacing(std::size_t k, std::size_t most)
+{
+    FullWorker world;
+    TestClient& late = world.clients[2];
+    ActivateSessionRequest request;
+    request.client_signature = late.signature();
+    request.user_identity_token = late.user("late", "late-secret");
+    const FailureCase asked = asking<ActivateSessionResponse>(request);
+    const std::uint32_t id = asked.send(late);
+    world.sent.emplace_back(2, id);
+    const auto bytes = take_output(late.channel);
+    fail_allocation(k, most);
+    const bool has_survived = survives_counted(
+        [&] { static_cast<void>(late.connection.feed(bytes, world.fixture.now)); });
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    CHECK(has_survived);
+    for (TestClient& client : world.clients) {
+        client.run();
+    }
+    const int waiting = world.waiting();
+    INFO("allocation " << k << "\n" << world.fixture.log.text);
+    CHECK(waiting >= 3);
+    while (world.worker.work_once()) {
+    }
+    CHECK(world.fixture.users.asked == waiting); // and none whose client has its answer
+    world.fixture.server.handle_completions(world.fixture.now);
+    for (TestClient& client : world.clients) {
+        client.run();
+    }
+    CHECK(world.waiting() == 0);
+    return has_failed;
+}
+
 } // namespace
 
 TEST_CASE("who a session was given to in the end reads by that user's rights only")
@@ -99,6 +177,13 @@ TEST_CASE("nothing is read any more by the rights of a user whose time is over")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("the end of a user", [&](std::size_t k) { return fail_expiry(k, most); });
+}
+
+TEST_CASE("a login that takes another one's place at the worker ends, or waits, for lack of memory")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    check_failing_worlds("a login at a full worker",
+                         [&](std::size_t k) { return fail_displacing(k, most); });
 }
 
 } // namespace user_change_failure_test

@@ -288,8 +288,13 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
         return end_user(end_log_in(*check), now);
     }
     const LoginAttempt attempt = login_attempt();
-    delay_ = check->begin(needs_.logins, attempt, now);
     check_ = std::move(check);
+    busbar::detail::Undo undo{[this] {
+        const std::shared_ptr<PasswordCheck> begun = std::exchange(check_, nullptr);
+        needs_.password_checks.forget(*begun); // it may wait there without this object
+        begun->end(LoginGuard::End::NotLookedAt);
+    }};
+    delay_ = check_->begin(needs_.logins, attempt, now);
     check_->owner = this;
     check_->source = LoginGuard::source_of(attempt);
     check_->rank = needs_.logins.knows(check_->source) ? 1 : 0;
@@ -299,8 +304,6 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
         return needs_.guards.report().guard("Worker::run", false,
                                             [&] { return worker->run(std::move(job)); });
     };
-    busbar::detail::Undo undo{
-        [this] { std::exchange(check_, nullptr)->end(LoginGuard::End::NotLookedAt); }};
     if (!needs_.password_checks.start(check_, run, now)) {
         return fault(status::Bad_ServerTooBusy);
     }
@@ -350,16 +353,20 @@ void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
 
 void ActivateSession::work_displaced(TimePoint now)
 {
-    std::exchange(check_, nullptr)->end(LoginGuard::End::NotLookedAt);
+    const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
+    busbar::detail::attempt([&] { check->end(LoginGuard::End::NotLookedAt); });
     if (is_finished()) {
         return;
     }
-    busbar::detail::Undo undo{[&] { fault(status::Bad_ServerTooBusy); }};
-    refuse(refusal_of(status::Bad_ServerTooBusy, "place for a login",
-                      "no other client has as many logins waiting, and others wait too",
-                      "Let the client try again later"),
-           now);
-    undo.keep();
+    // An exception would end the login that took the place.
+    busbar::detail::attempt([&] {
+        busbar::detail::Undo undo{[&] { fault(status::Bad_ServerTooBusy); }};
+        refuse(refusal_of(status::Bad_ServerTooBusy, "place for a login",
+                          "no other client has as many logins waiting, and others wait too",
+                          "Let the client try again later"),
+               now);
+        undo.keep();
+    });
 }
 
 void ActivateSession::end_user(Login user, TimePoint now)

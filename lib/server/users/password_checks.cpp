@@ -25,9 +25,8 @@ Duration PasswordCheck::begin(LoginGuard& guard, const LoginAttempt& attempt, Ti
     certificate_ = attempt.certificate;
     has_code_ = attempt.has_code;
     since_ = now;
-    const Duration delay = guard.begun(attempt, now);
-    guard_ = &guard;
-    return delay;
+    guard_ = &guard; // begun() may throw when it has counted a part of it
+    return guard.begun(attempt, now);
 }
 
 void PasswordCheck::end(LoginGuard::End how)

@@ -45,7 +45,7 @@ struct PasswordCheck final : WorkItem, private WorkOwner {
     // The following members are called on the server's thread.
 
     /// The guard, which must outlive the check, counts it from now on. Returns the delay of the
-    /// answer if the password is wrong.
+    /// answer if the password is wrong. Call end() also if it throws.
     [[nodiscard]] Duration begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now);
     /// Tells the guard how it ended, if it was begun and has not ended before.
     void end(LoginGuard::End how);
@@ -55,8 +55,14 @@ struct PasswordCheck final : WorkItem, private WorkOwner {
     void leave();
 
 private:
-    void work_done(TimePoint /*now*/) override { end_by_result(); }
-    void work_displaced(TimePoint /*now*/) override { end(LoginGuard::End::NotLookedAt); }
+    void work_done(TimePoint /*now*/) override
+    {
+        busbar::detail::attempt([&] { end_by_result(); });
+    }
+    void work_displaced(TimePoint /*now*/) override
+    {
+        busbar::detail::attempt([&] { end(LoginGuard::End::NotLookedAt); });
+    }
 
     std::atomic<bool> is_wanted_{true};
     bool was_compared_{false};

@@ -23,7 +23,8 @@ public:
     WorkOwner& operator=(const WorkOwner&) = delete;
 
     virtual void work_done(TimePoint now) = 0;
-    /// It will not be done: other work, whose source has less, took its place.
+    /// It will not be done: other work, whose source has less, took its place. Must not throw,
+    /// since that would end the other work.
     virtual void work_displaced(TimePoint now) = 0;
 
 protected:
@@ -69,6 +70,7 @@ public:
     [[nodiscard]] bool start(const std::shared_ptr<WorkItem>& item,
                              FunctionRef<bool(std::function<void()>)> run, TimePoint now);
     /// Drops work whose owner no longer waits: it is not begun, and its owner not notified.
+    /// Allocates nothing and does not throw.
     void forget(WorkItem& item);
     /// Notifies the owners of finished work. False if there was none.
     bool drain(TimePoint now);
