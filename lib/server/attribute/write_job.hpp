@@ -71,7 +71,7 @@ public:
     /// The result of an item at any time, `otherwise` if it has none yet.
     [[nodiscard]] StatusCode result_or(std::size_t index, StatusCode otherwise) const
     {
-        const StatusCode* const result = index < planned_ ? call_.find_result(index) : nullptr;
+        const StatusCode* const result = call_.find_result(index);
         return result != nullptr ? *result : otherwise;
     }
     /// The reason why its source refused it; empty if unknown.
