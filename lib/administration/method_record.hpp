@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -14,19 +15,27 @@
 
 namespace busbar::administration::detail {
 
+/// Tells whether the answer of a Method has the status of its record. A refusal that is answered
+/// with Good and told in an output has an audit event of its own: its record does not name the
+/// Method, whose event shows a success.
+enum class Answer : std::uint8_t { HasStatus, IsGood };
+
 /// Records what a Method of the administration did or, with a `refusal`, why it did nothing. `more`
 /// are the fields of its event type. If there is no memory for the record it is lost, because the
 /// Method's effect cannot be undone.
 inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
                         StatusCode status, const Refusal* refusal,
                         std::span<const RecordField> more = {},
-                        std::span<const std::byte> certificate = {})
+                        std::span<const std::byte> certificate = {},
+                        Answer answer = Answer::HasStatus)
 {
     busbar::detail::attempt([&] {
         const server::MethodCaller& caller = call.caller();
         std::vector<RecordField> fields{more.begin(), more.end()};
         fields.push_back({"ObjectId", Variant{call.object_id()}});
-        fields.push_back({"MethodId", Variant{call.method_id()}});
+        if (refusal == nullptr || answer == Answer::HasStatus) {
+            fields.push_back({"MethodId", Variant{call.method_id()}});
+        }
         Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning,
                       "administration"};
         record.text = std::string{name(kind)} + " by user \"" + printable(caller.user.name) +

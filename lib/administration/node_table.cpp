@@ -101,13 +101,28 @@ void NodeTable::post(std::unique_ptr<Task> task) noexcept
 void NodeTable::post(server::MethodCall call, std::function<void(server::MethodCall& call)> method)
 {
     const auto kept = std::make_shared<server::MethodCall>(std::move(call));
-    post([log = log_, kept, method = std::move(method)] {
-        const StatusCode thrown =
-            busbar::detail::guarded(*log, "a Method of administration", [&] { method(*kept); });
-        if (thrown.is_bad()) {
-            kept->fail(thrown);
+    post([this, kept, holder = server_ != nullptr ? holder_of(*server_, *kept) : Holder{},
+          method = std::move(method)] {
+        StatusCode refused;
+        const StatusCode thrown = busbar::detail::guarded(*log_, "a Method of administration", [&] {
+            refused = check_posted(*kept, holder);
+            if (!refused.is_bad()) {
+                method(*kept);
+            }
+        });
+        if (thrown.is_bad() || refused.is_bad()) {
+            kept->fail(thrown.is_bad() ? thrown : refused);
         }
     });
+}
+
+StatusCode NodeTable::check_posted(const server::MethodCall& call, const Holder& holder) const
+{
+    if (call.is_abandoned()) {
+        return status::Bad_Timeout;
+    }
+    return server_ != nullptr ? check_still(*server_, holder, call.object_id(), call.method_id())
+                              : StatusCode{status::Good};
 }
 
 NodeTable::Signal& NodeTable::add_signal(std::function<void()> function)

@@ -18,6 +18,7 @@
 #include <busbar/server/worker.hpp>
 
 #include "call_turns.hpp"
+#include "permissions.hpp"
 
 namespace busbar::administration::detail {
 
@@ -64,7 +65,11 @@ public:
     NodeTable& operator=(const NodeTable&) = delete;
     ~NodeTable() override;
     /// Sets the server that the nodes belong to; must be called before it calls this source.
-    void set_server(server::Server& server) { turns_.set_server(server); }
+    void set_server(server::Server& server)
+    {
+        server_ = &server;
+        turns_.set_server(server);
+    }
 
     /// Lets `value` provide the Variable's value from now on. False if the node does not exist.
     bool bind_value(model::AddressSpace& space, model::NodeIndex node, Value value,
@@ -84,8 +89,9 @@ public:
     {
         post(std::make_unique<Task>(Task{std::move(function)}));
     }
-    /// Calls the Method in the next round, outside of the server's callbacks. If it throws, it
-    /// answers like Methods that are served at once.
+    /// Calls the Method in the next round, outside of the server's callbacks, if the client still
+    /// waits then and its user still has the right. If it throws, it answers like Methods that are
+    /// served at once.
     void post(server::MethodCall call, std::function<void(server::MethodCall& call)> method);
     /// Returns a signal that lives as long as the table; call this before other threads raise it.
     [[nodiscard]] Signal& add_signal(std::function<void()> function);
@@ -118,6 +124,9 @@ private:
     struct Job;
 
     std::uint64_t add(Entry entry);
+    /// Returns Good, or why a Method that was posted is not called.
+    [[nodiscard]] StatusCode check_posted(const server::MethodCall& call,
+                                          const Holder& holder) const;
     void do_task(std::unique_ptr<Task> task);
     void do_signal(Signal& signal);
     void serve(const std::shared_ptr<server::CallBatch>& batch, std::size_t index);
@@ -128,6 +137,7 @@ private:
 
     const WallClock* clock_;
     LogSink* log_;
+    server::Server* server_{nullptr};
     std::function<bool(const server::UserIdentity&)> may_administer_;
     /// Indexed by handle.
     std::vector<Entry> entries_;

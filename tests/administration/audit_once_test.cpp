@@ -202,4 +202,49 @@ TEST_CASE_METHOD(Audited, "audit once: a Write whose client leaves before it is 
     CHECK_FALSE(owner.applied.contains("limits.sessions"));
 }
 
+TEST_CASE_METHOD(Audited, "audit once: a Method that is posted, whose client leaves before it",
+                 "[attack][unit:Auditing Method]")
+{
+    auto admin = log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    CallMethodRequest& call = request.methods_to_call[0];
+    SECTION("Set")
+    {
+        call.object_id = NodeId{1, "Settings"};
+        call.method_id = NodeId{1, "Settings.Set"};
+        call.input_arguments = {Variant{Array<String>{"limits.sessions"}},
+                                Variant{Array<Variant>{Variant{std::int64_t{12}}}}};
+    }
+    SECTION("ResetToServerDefaults")
+    {
+        call.object_id = NodeId{0, id::ServerConfiguration};
+        call.method_id = NodeId{0, id::ServerConfiguration_ResetToServerDefaults};
+    }
+    static_cast<void>(admin.send(request));
+    CHECK(admin.close_session() == status::Good);
+    CHECK(events() == Lines{"Method admin Bad_SessionClosed"});
+    complete();
+    CHECK(events() == Lines{});
+    CHECK_FALSE(owner.applied.contains("limits.sessions"));
+    CHECK(storage.entry("users.json"));
+    CHECK(restarts == 0);
+}
+
+TEST_CASE_METHOD(Audited, "audit once: Set answers Good to a refusal, which another event tells",
+                 "[unit:Auditing Method]")
+{
+    auto admin = log_in();
+    for (const std::int64_t sessions : {12, 0}) {
+        const auto result = call(admin, NodeId{1, "Settings"}, NodeId{1, "Settings.Set"},
+                                 {Variant{Array<String>{"limits.sessions"}},
+                                  Variant{Array<Variant>{Variant{sessions}}}});
+        REQUIRE(result.status_code == status::Good);
+        CHECK(result.output_arguments[0] == Variant{sessions == 12});
+        CHECK(events() == (sessions == 12
+                               ? Lines{"Method admin Good"}
+                               : Lines{"Security admin Bad_OutOfRange", "Method admin Good"}));
+    }
+}
+
 } // namespace audit_once_test
