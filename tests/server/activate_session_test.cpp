@@ -559,6 +559,38 @@ TEST_CASE_METHOD(Working, "guesses whose answers are not awaited lock out like o
     CHECK(fixture.users.asked == 5);
 }
 
+TEST_CASE_METHOD(Working, "a guess whose answer is not awaited has a record all the same")
+{
+    auto guesser = fixture.connect(encrypt);
+    REQUIRE(guesser.create_session());
+    fixture.log.keeps_records = true;
+    static_cast<void>(send(guesser, "guess"));
+    std::string status;
+    SECTION("its connection ends")
+    {
+        guesser.channel.close();
+        guesser.run();
+        status = "Bad_ConnectionClosed";
+    }
+    SECTION("its session is closed")
+    {
+        REQUIRE(guesser.close_session() == status::Good);
+        status = "Bad_SessionClosed";
+    }
+    SECTION("it is awaited")
+    {
+        finish(guesser);
+        status = "Bad_UserAccessDenied";
+    }
+    work();
+    fixture.server.handle_completions(fixture.now);
+    std::erase_if(fixture.log.records,
+                  [](const std::string& line) { return line.find("LoginRefused") != 0; });
+    CHECK(fixture.log.records == std::vector<std::string>{"LoginRefused " + status +
+                                                          " test/operator 192.0.2.1 "
+                                                          "UserIdentityToken"});
+}
+
 TEST_CASE_METHOD(Working, "a client that is cut off again and again at a right login may log in")
 {
     const bool is_looked_at = GENERATE(true, false);

@@ -102,6 +102,8 @@ private:
     [[nodiscard]] LoginAttempt login_attempt() const;
     void refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now);
     void refuse(Refusal refusal, TimePoint now);
+    void tell_refused(StatusCode answer, Refusal refusal);
+    void ends_with(StatusCode status) override;
     [[nodiscard]] std::vector<std::string> chosen_locales() const;
     void accept(UserIdentity user, TimePoint now);
 
@@ -118,6 +120,8 @@ private:
     Duration delay_{};
     /// The answer at the end of the wait; good if that is not decided.
     StatusCode answer_;
+    /// True once there is a record of its result.
+    bool is_told_{false};
 };
 
 const EndpointConfig* find_endpoint(const ServerConfig& config, const Session& session)
@@ -396,6 +400,25 @@ void ActivateSession::refuse(Refusal refusal, TimePoint now)
 
 void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now)
 {
+    tell_refused(answer, std::move(refusal));
+    if (delay == Duration::zero()) {
+        return fault(answer);
+    }
+    answer_ = answer;
+    wait_until_ = now + delay;
+    deadline_changed();
+}
+
+/// A guess must not be without a record because its client does not await the answer.
+void ActivateSession::ends_with(StatusCode status)
+{
+    if (!is_told_ && peer_ != nullptr && session() != nullptr) {
+        tell_refused(status, refusal_of(status, "login", "it ended before it was decided"));
+    }
+}
+
+void ActivateSession::tell_refused(StatusCode answer, Refusal refusal)
+{
     refusal.found +=
         ", in session \"" + printable(session()->name) + "\" from " + std::string{peer_->address()};
     Record record{RecordKind::LoginRefused, LogLevel::Warning, "session"};
@@ -410,13 +433,8 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
     const std::array fields{
         RecordField{"UserIdentityToken", Variant{without_secret(request().user_identity_token)}}};
     record.fields = fields;
+    is_told_ = true;
     tell(needs_.log, record);
-    if (delay == Duration::zero()) {
-        return fault(answer);
-    }
-    answer_ = answer;
-    wait_until_ = now + delay;
-    deadline_changed();
 }
 
 std::vector<std::string> ActivateSession::chosen_locales() const
@@ -461,6 +479,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     undo.keep();
     session.have_all_memory();
     session.locale_ids = std::move(locales);
+    is_told_ = true;
     busbar::detail::attempt([&] {
         tell_activated(needs_, session, is_first, mark_,
                        without_secret(request().user_identity_token));
