@@ -294,8 +294,10 @@ bool UserManagement::may_start(Job& job)
         answer_with(job.call, *refusal);
         return false;
     }
-    if (job.tries_password &&
-        !server::RunningServer{server_}.may_try_password(job.holder.session)) {
+    if (job.tries_password) {
+        job.trial = server::RunningServer{server_}.begin_password_trial(job.holder.session);
+    }
+    if (job.tries_password && !job.trial) {
         const Refusal refusal{status::Bad_UserAccessDenied, "login lock-out",
                               "user \"" + printable(last_user_) + "\" has failed too often",
                               "Part 4, 5.7.3.1", "Wait, or restart the server"};
@@ -317,10 +319,10 @@ void UserManagement::finish(Job& job, const Checked<UserList::Prepared>& prepare
 {
     MethodCall& call = job.call;
     const server::RunningServer running{server_};
-    const bool is_wrong = job.tries_password && !prepared &&
-                          prepared.error().status == status::Bad_IdentityTokenInvalid;
+    const bool is_wrong =
+        job.trial && !prepared && prepared.error().status == status::Bad_IdentityTokenInvalid;
     if (is_wrong) { // also if the client has not waited for that
-        running.password_tried(job.holder.session, false);
+        running.password_tried(*job.trial, false);
     }
     if (const StatusCode refused = check_wanted(job); refused.is_bad()) {
         return call.fail(refused);
@@ -330,8 +332,8 @@ void UserManagement::finish(Job& job, const Checked<UserList::Prepared>& prepare
         tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
         return answer_with(call, done.error());
     }
-    if (job.tries_password) {
-        busbar::detail::attempt([&] { running.password_tried(job.holder.session, true); });
+    if (job.trial) {
+        busbar::detail::attempt([&] { running.password_tried(*job.trial, true); });
     }
     tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
     call.succeed();

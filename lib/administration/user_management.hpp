@@ -3,10 +3,12 @@
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <busbar/administration/user_list.hpp>
 #include <busbar/core/record.hpp>
+#include <busbar/server/running_server.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/server/worker.hpp>
 
@@ -57,6 +59,8 @@ private:
         /// Ends the sessions of a user whose rights are gone (Part 18, 5.2.6 and 5.2.7); may be
         /// null.
         std::unique_ptr<NodeTable::Task> end_sessions{};
+        /// The password that is tried, once the job runs.
+        std::optional<server::PasswordTrial> trial{};
     };
 
     void bind_values();

@@ -27,6 +27,15 @@ protected:
     ~CountdownHeir() = default;
 };
 
+/// An attempt of a session's user to prove a password, see RunningServer::begin_password_trial. It
+/// outlives the session.
+struct PasswordTrial {
+    std::string user;
+    /// Thumbprint of the client's certificate; empty without security.
+    std::string certificate;
+    std::string address;
+};
+
 /// Changes a server while it runs. Refers to the server, on its thread.
 ///
 /// Must not be used in a callback of the server; Methods that need it use it in
@@ -86,11 +95,11 @@ public:
     [[nodiscard]] ServerState state() const;
     /// The latest time that was passed to the server.
     [[nodiscard]] TimePoint latest_time() const;
-    /// Returns whether the session's user may be asked for a password again: the login guard has
-    /// not locked this user at this client (Part 4, 5.7.3.1). False once the session is over.
-    [[nodiscard]] bool may_try_password(const NodeId& session_id) const;
-    /// Counts a tried password as one of a login.
-    void password_tried(const NodeId& session_id, bool was_right) const;
+    /// Returns a trial if the session's user may be asked for a password again: the login guard has
+    /// not locked this user at this client (Part 4, 5.7.3.1). Nothing once the session is over.
+    [[nodiscard]] std::optional<PasswordTrial> begin_password_trial(const NodeId& session_id) const;
+    /// Counts the trial as one of a login, also if the session is over or has another user.
+    void password_tried(const PasswordTrial& trial, bool was_right) const;
     /// Checks a Call again that has waited: Good, or why the session's user may not make it any
     /// more. Good if Object or Method are gone, which the Method itself will report.
     [[nodiscard]] StatusCode check_call(const NodeId& session_id, const NodeId& object,

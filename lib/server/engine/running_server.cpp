@@ -235,23 +235,21 @@ StatusCode RunningServer::check_call(const NodeId& session_id, const NodeId& obj
                : StatusCode{status::Bad_UserAccessDenied};
 }
 
-bool RunningServer::may_try_password(const NodeId& session_id) const
-{
-    const detail::Session* const session = find_session(*impl_, session_id);
-    const std::string thumbprint = session != nullptr ? thumbprint_of(*session) : std::string{};
-    return session != nullptr &&
-           !impl_->logins.admit({session->user.name, thumbprint, session->address}, impl_->latest)
-                .is_locked;
-}
-
-void RunningServer::password_tried(const NodeId& session_id, bool was_right) const
+std::optional<PasswordTrial> RunningServer::begin_password_trial(const NodeId& session_id) const
 {
     const detail::Session* const session = find_session(*impl_, session_id);
     if (session == nullptr) {
-        return;
+        return std::nullopt;
     }
-    const std::string thumbprint = thumbprint_of(*session);
-    const detail::LoginAttempt attempt{session->user.name, thumbprint, session->address};
+    PasswordTrial trial{session->user.name, thumbprint_of(*session), session->address};
+    const detail::LoginAttempt attempt{trial.user, trial.certificate, trial.address};
+    return impl_->logins.admit(attempt, impl_->latest).is_locked ? std::nullopt
+                                                                 : std::optional{std::move(trial)};
+}
+
+void RunningServer::password_tried(const PasswordTrial& trial, bool was_right) const
+{
+    const detail::LoginAttempt attempt{trial.user, trial.certificate, trial.address};
     if (was_right) {
         impl_->logins.succeeded(attempt);
     } else {
