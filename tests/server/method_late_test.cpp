@@ -196,6 +196,24 @@ TEST_CASE_METHOD(Fixture, "each Method of a Call that ends early is recorded onc
     CHECK(recorded().empty());
 }
 
+TEST_CASE_METHOD(Fixture, "a Method that was done is recorded so, although its source is late",
+                 "[unit:Auditing Method]")
+{
+    auto client = log_in();
+    log.keeps_records = true;
+    const auto id =
+        client.send(request({to_call(slow, {Variant{1}}), to_call(slow, {Variant{2}})}));
+    REQUIRE(calls.size() == 2);
+    calls[0].succeed({Variant{8}});
+    advance(5s, client);
+    const auto response = take(client, id);
+    REQUIRE(response);
+    CHECK(response->results[0].status_code == status::Bad_Timeout);
+    REQUIRE(log.records.size() == 2);
+    CHECK(log.records[0].find("MethodCalled Good ") == 0);
+    CHECK(log.records[1].find("MethodCalled Bad_Timeout ") == 0);
+}
+
 TEST_CASE_METHOD(Fixture, "a Call ends with the client's patience, its session and the server")
 {
     auto client = log_in();

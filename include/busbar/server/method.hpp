@@ -61,8 +61,8 @@ struct CallResult {
     StatusCode status{status::Bad_InternalError};
     /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; otherwise not sent.
     Array<StatusCode> input_results;
-    /// The reason of a bad status, without secrets: additionalInfo for administrators, encrypted
-    /// (Part 4, 7.12).
+    /// The reason of a bad status, without secrets: additionalInfo for administrators (Part 4,
+    /// 7.12) and the Message of the audit event, both sent with encryption only.
     std::string reason{};
     /// The values of the Method's OutputArguments, in their order, unless `status` is bad. Others
     /// than these answer Bad_InternalError and are logged. They must own their memory.

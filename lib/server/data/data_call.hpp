@@ -208,6 +208,9 @@ public:
     {
         return block_->answers[place_[index]];
     }
+    /// True if the whole batch of operation `index` failed, or is late: its result is not that of
+    /// the operation.
+    [[nodiscard]] bool has_failed(std::size_t index) const { return place_[index] >= size(); }
     /// The batch of operation `index`, once its source has completed it; null for one that was
     /// answered here, or whose source is late.
     [[nodiscard]] const Part* part_of(std::size_t index) const

@@ -225,6 +225,9 @@ void CallJob::record(const Session& session, const RequestMark& mark, const Call
         Record one{RecordKind::MethodCalled, LogLevel::Debug, "method"};
         const CallResult* const result = find_result(i);
         one.status = result != nullptr ? result->status : status;
+        if (const ResultMark& own = memory_->marks[i]; call_.has_failed(i) && own.is_set) {
+            one.status = own.status; // it was done, although the client is told something else
+        }
         one.text = result != nullptr ? result->reason : std::string{};
         one.actor = actor_of(session, mark);
         // The last field may contain a password.

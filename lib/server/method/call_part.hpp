@@ -12,6 +12,8 @@ namespace busbar::server::detail {
 
 /// Says that the result of a Method will not change any more; set on any thread.
 struct ResultMark {
+    /// The result's status, written before `is_set`.
+    StatusCode status;
     std::atomic<bool> is_set{false};
 };
 

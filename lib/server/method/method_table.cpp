@@ -31,8 +31,10 @@ void MethodCall::refuse(Array<StatusCode> input_results, std::string reason)
 void MethodCall::finish(CallResult result)
 {
     if (const auto batch = std::move(batch_)) {
+        const StatusCode status = result.status;
         batch->results()[index_] = std::move(result);
         if (detail::ResultMark* const mark = batch->items()[index_].mark) {
+            mark->status = status;
             mark->is_set = true;
         }
     }
