@@ -418,4 +418,42 @@ TEST_CASE_METHOD(AnalogFixture,
     CHECK(reported(3).empty());
 }
 
+TEST_CASE_METHOD(AnalogFixture, "what a value means is told although the client that wrote it left",
+                 "[unit:Data Access Semantic Changes]")
+{
+    struct HeldWrites final : server::DataSource {
+        void read(server::ReadBatch) override {}
+        void write(server::WriteBatch batch) override { kept.push_back(std::move(batch)); }
+        std::vector<server::WriteBatch> kept;
+    };
+    static HeldWrites held;
+    const auto add = [&](const char* name, std::uint32_t of) {
+        model::NewNode node;
+        node.id = NodeId{1, name};
+        node.browse_name = QualifiedName{0, name};
+        node.parent = server.address_space().find(level);
+        model::NewVariable variable;
+        variable.value = Variant{1};
+        variable.data_type = NodeId{0, id::Int32};
+        variable.access_level = model::Access::ReadWrite;
+        variable.source = of;
+        REQUIRE(server.address_space().add_property(node, variable));
+        WriteValue written;
+        written.node_id = node.id;
+        written.attribute_id = 13;
+        written.value = DataValue{Variant{2}};
+        return written;
+    };
+    WriteRequest request;
+    request.nodes_to_write = {add("Title", model::no_source), add("Slow", server.add_source(held))};
+    CHECK(reported(1).size() == 1);
+    static_cast<void>(operator_client.send(request));
+    REQUIRE(held.kept.size() == 1);
+    CHECK(operator_client.close_session() == status::Good);
+    const auto told = reported(1);
+    REQUIRE(told.size() == 1);
+    CHECK(told[0] == DataValue{Variant{1}, StatusCode{0x4000}}); // SemanticsChanged
+    held.kept.clear();
+}
+
 } // namespace sampling_test

@@ -38,10 +38,12 @@ public:
                          const WriteRequest& request, std::span<const model::NodeHandle> nodes,
                          FunctionRef<StatusCode(std::size_t)> result) = 0;
 
-    /// The client gets no results: the request ended before it was carried out. `result` returns
-    /// the result of each item that was carried out, else why the request ended.
+    /// The client gets no results: the request ended before it was carried out, although values in
+    /// the address space may have been replaced. `nodes` is as for written(), no_node also for
+    /// items that were not looked at, and `result` returns the result of each item that was carried
+    /// out, else why the request ended.
     virtual void given_up(const Session& session, const RequestMark& mark,
-                          const WriteRequest& request,
+                          const WriteRequest& request, std::span<const model::NodeHandle> nodes,
                           FunctionRef<StatusCode(std::size_t)> result) = 0;
 
 protected:

@@ -78,7 +78,7 @@ void WriteOperation::handle_deadline(TimePoint now)
 void WriteOperation::ends_with(StatusCode status)
 {
     if (job_ && session() != nullptr && !std::exchange(is_observed_, true)) {
-        needs_.observer.given_up(*session(), mark_, request(),
+        needs_.observer.given_up(*session(), mark_, request(), job_->nodes(),
                                  [&](std::size_t index) { return job_->result_or(index, status); });
     }
 }

@@ -80,7 +80,7 @@ public:
         const WritePart* const part = call_.part_of(index);
         return part != nullptr ? std::string_view{part->reason} : std::string_view{};
     }
-    /// The nodes of the items, no_node if there was none; once everything is planned.
+    /// The nodes of the items, no_node if there was none, or it is not planned yet.
     [[nodiscard]] std::span<const model::NodeHandle> nodes() const { return nodes_; }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.
     void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {}) const;

@@ -218,6 +218,12 @@ void Core::written(const Session* session, const RequestMark& mark, const WriteR
                    FunctionRef<StatusCode(std::size_t)> result)
 {
     record_write(rationed_log, session, mark, request, result);
+    announce_semantics(request, nodes, result);
+}
+
+void Core::announce_semantics(const WriteRequest& request, std::span<const model::NodeHandle> nodes,
+                              FunctionRef<StatusCode(std::size_t)> result)
+{
     if (subscriptions.item_count() == 0) {
         return;
     }
@@ -232,9 +238,11 @@ void Core::written(const Session* session, const RequestMark& mark, const WriteR
 }
 
 void Core::given_up(const Session& session, const RequestMark& mark, const WriteRequest& request,
+                    std::span<const model::NodeHandle> nodes,
                     FunctionRef<StatusCode(std::size_t)> result)
 {
     record_write(rationed_log, &session, mark, request, result);
+    announce_semantics(request, nodes, result);
 }
 
 void Core::model_changed()

@@ -175,7 +175,10 @@ private:
                  std::span<const model::NodeHandle> nodes,
                  FunctionRef<StatusCode(std::size_t)> result) override;
     void given_up(const Session& session, const RequestMark& mark, const WriteRequest& request,
+                  std::span<const model::NodeHandle> nodes,
                   FunctionRef<StatusCode(std::size_t)> result) override;
+    void announce_semantics(const WriteRequest& request, std::span<const model::NodeHandle> nodes,
+                            FunctionRef<StatusCode(std::size_t)> result);
     void model_changed() override;
 
     std::int64_t log_minute_{0};
