@@ -153,7 +153,8 @@ struct ServerSession {
 template <typename Session>
 class KeptServer {
 public:
-    /// With a connection that is new, and no session yet.
+    /// Returns a server with a connection, without a session. The connection is new, unless the one
+    /// of the input before may be used again, see ServerSession::keeps_connection.
     [[nodiscard]] Session& begin()
     {
         session_ = &kept_.next();
