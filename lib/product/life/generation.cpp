@@ -238,7 +238,8 @@ void Generation::attach(const Requests& requests)
              [this, changed = requests.settings_changed](const ControllerConfig& next) {
                  // The changes are stored: what fails now is told, and takes effect at a start.
                  LogSink& log = log_of(around_);
-                 administered_.audit().set_changing_settings(settings_->is_applying());
+                 administered_.audit().set_changing_settings(settings_->is_applying() &&
+                                                             !is_switching_mode_);
                  busbar::detail::guarded(log, "settings", [&] { apply(next); });
                  administered_.audit().set_changing_settings(false);
                  busbar::detail::guarded(log, "settings", changed);

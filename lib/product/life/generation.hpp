@@ -164,8 +164,9 @@ public:
     [[nodiscard]] std::shared_ptr<const KeptProject> project() const { return project_; }
     /// The files that are in use.
     [[nodiscard]] const SourceFiles& sources() const { return settings_->sources(); }
-    /// Sets a machine's mode as an online change. Fails if the change cannot be stored.
-    [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
+    /// Sets a machine's mode as an online change, which its switch was used for: the audit has an
+    /// event of it, as no Write or Method has one. Fails if the change cannot be stored.
+    [[nodiscard]] Configured<void> switch_mode(controller::MachineMode mode);
     /// Prints, for people, how to reach the server and what is left to do.
     void print_welcome();
     /// Prints, for people, statistics of the PLC.
@@ -180,6 +181,8 @@ private:
     void security_changed();
     void tell_found_certificates();
     void attach(const Requests& requests);
+    /// Sets a machine's mode as an online change. Fails if the change cannot be stored.
+    [[nodiscard]] Configured<void> set_mode(controller::MachineMode mode);
     /// Checks whether information models can change as `next` says.
     [[nodiscard]] Configured<void> check_models(const ControllerConfig& next) const;
     /// The transfer of a machine's backups (W588, 8-2 and 8-3).
@@ -228,6 +231,8 @@ private:
     };
     /// Remembered by is_program_file_other().
     std::optional<OtherFile> other_file_;
+    /// True while switch_mode() runs.
+    bool is_switching_mode_{false};
 };
 
 } // namespace busbar::product

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <busbar/controller/opcua_shutdown.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "product/machine/machine_items.hpp"
 #include "product/machine/program_change.hpp"
@@ -95,6 +96,13 @@ Configured<void> Generation::set_mode(controller::MachineMode mode)
     const administration::SettingChange change{name, is_of_file ? Variant{} : wanted};
     const administration::SettingAuthor author{.time = around_.environment.wall_clock->now()};
     return settings_->list().change({&change, 1}, *settings_, author);
+}
+
+Configured<void> Generation::switch_mode(controller::MachineMode mode)
+{
+    is_switching_mode_ = true;
+    const busbar::detail::Undo switched{[this] { is_switching_mode_ = false; }};
+    return set_mode(mode);
 }
 
 ProgramInForce Generation::program() const

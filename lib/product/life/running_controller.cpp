@@ -71,7 +71,7 @@ void RunningController::switch_mode(controller::MachineMode mode)
 {
     loop_.post([this, mode] {
         if (machine_) {
-            try_to([&] { expect(current_->set_mode(mode)); });
+            try_to([&] { expect(current_->switch_mode(mode)); });
         }
     });
 }
