@@ -18,7 +18,7 @@ namespace busbar::administration::detail {
 /// Tells whether the answer of a Method has the status of its record. A refusal that is answered
 /// with Good and told in an output has an audit event of its own: its record does not name the
 /// Method, whose event shows a success.
-enum class Answer : std::uint8_t { HasStatus, IsGood };
+enum class MethodAnswer : std::uint8_t { HasStatus, IsGood };
 
 /// Records what a Method of the administration did or, with a `refusal`, why it did nothing. `more`
 /// are the fields of its event type. If there is no memory for the record it is lost, because the
@@ -27,13 +27,13 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
                         StatusCode status, const Refusal* refusal,
                         std::span<const RecordField> more = {},
                         std::span<const std::byte> certificate = {},
-                        Answer answer = Answer::HasStatus)
+                        MethodAnswer answer = MethodAnswer::HasStatus)
 {
     busbar::detail::attempt([&] {
         const server::MethodCaller& caller = call.caller();
         std::vector<RecordField> fields{more.begin(), more.end()};
         fields.push_back({"ObjectId", Variant{call.object_id()}});
-        if (refusal == nullptr || answer == Answer::HasStatus) {
+        if (refusal == nullptr || answer == MethodAnswer::HasStatus) {
             fields.push_back({"MethodId", Variant{call.method_id()}});
         }
         Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning,

@@ -355,7 +355,7 @@ void SettingNodes::set(MethodCall& call)
     }
     tell_method(needs_.log, RecordKind::SettingsChanged, call,
                 done ? StatusCode{status::Good} : done.error().status,
-                refusal ? &*refusal : nullptr, {}, {}, Answer::IsGood);
+                refusal ? &*refusal : nullptr, {}, {}, MethodAnswer::IsGood);
     Array<Variant> outputs;
     outputs.push_back(Variant{done.has_value()});
     outputs.push_back(Variant{String{done ? std::string{} : text(done.error())}});

@@ -210,6 +210,38 @@ TEST_CASE("right taken: while a Call waits for the worker", "[attack]")
     CHECK_FALSE(taken.user_list.find("bob"));
 }
 
+TEST_CASE("right taken: a guess at a password counts that its session does not outlive", "[attack]")
+{
+    ManualWorker worker;
+    Taken taken{&worker};
+    const auto change = [](const char* from) {
+        CallMethodRequest call;
+        call.object_id = NodeId{0, id::UserManagement};
+        call.method_id = NodeId{0, id::UserManagement_ChangePassword};
+        call.input_arguments = {Variant{String{from}}, Variant{String{"my own choice"}}};
+        return call;
+    };
+    const std::size_t most = taken.server.config().limits.max_login_failures;
+    std::vector<TestClient> sessions;
+    for (std::size_t i = 0; i <= most; ++i) {
+        sessions.push_back(taken.log_in("pat", patience));
+    }
+    for (std::size_t i = 0; i < most; ++i) {
+        CallRequest request;
+        request.methods_to_call = {change("a guess that is wrong")};
+        static_cast<void>(sessions[i].send(request));
+        worker.work();
+        CHECK(sessions[i].close_session() == status::Good);
+        taken.complete();
+    }
+    const CallMethodRequest right = change(patience);
+    CHECK(name(taken
+                   .call(sessions.back(), right.object_id, right.method_id,
+                         {right.input_arguments.begin(), right.input_arguments.end()})
+                   .status_code) == "Bad_UserAccessDenied");
+    CHECK(worker.jobs.empty());
+}
+
 TEST_CASE("right taken: while a file that is sent is looked at by the worker", "[attack]")
 {
     ManualWorker worker;

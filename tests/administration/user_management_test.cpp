@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <deque>
 #include <fstream>
 #include <span>
 #include <string>
@@ -357,33 +356,6 @@ TEST_CASE_METHOD(Users, "user management: an old password cannot be guessed at")
     server.handle_deadline(now);
     pat = log_in("pat", patience);
     CHECK(change_password(pat, patience, "my own choice") == "Good");
-}
-
-TEST_CASE("user management: a guess counts that its session does not outlive", "[attack]")
-{
-    ManualWorker worker;
-    Users users{&worker};
-    REQUIRE(users.user_list.add({"pat", {}, 0, {}, {}}, patience, users.random));
-    const std::size_t most = users.server.config().limits.max_login_failures;
-    std::deque<TestClient> sessions;
-    for (std::size_t i = 0; i <= most; ++i) {
-        sessions.push_back(users.log_in("pat", patience));
-    }
-    for (std::size_t i = 0; i < most; ++i) {
-        CallRequest request;
-        CallMethodRequest& call = request.methods_to_call.emplace_back();
-        call.object_id = NodeId{0, id::UserManagement};
-        call.method_id = NodeId{0, id::UserManagement_ChangePassword};
-        call.input_arguments = {Variant{String{"a guess that is wrong"}},
-                                Variant{String{"my own choice"}}};
-        static_cast<void>(sessions[i].send(request));
-        worker.work();
-        CHECK(sessions[i].close_session() == status::Good);
-        users.complete();
-    }
-    CHECK(users.change_password(sessions.back(), patience, "my own choice") ==
-          "Bad_UserAccessDenied");
-    CHECK(worker.jobs.empty());
 }
 
 TEST_CASE("user management: changes are made one by one, and users take turns")
