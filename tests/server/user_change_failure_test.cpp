@@ -92,7 +92,7 @@ bool fail_expiry(std::size_t k, std::size_t most)
     return has_failed;
 }
 
-/// A worker that is full of logins, of which one client has the most, when another one comes.
+/// Fills a worker with logins, of which one client has the most, before another one comes.
 struct FullWorker {
     FullWorker()
     {
@@ -112,7 +112,7 @@ struct FullWorker {
         const std::string name = "user" + std::to_string(sent.size());
         return client.send_activate(client.user(name, name + "-secret"));
     }
-    /// The attempts that wait for the worker, over connections that have survived; those that have
+    /// Counts attempts that wait for the worker, over connections that have survived; those that have
     /// their answer are forgotten.
     [[nodiscard]] int waiting()
     {
