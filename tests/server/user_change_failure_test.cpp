@@ -9,7 +9,7 @@
 
 namespace user_change_failure_test {
 
-/// Logins, and sessions that change to another user, while there is no memory.
+/// Has logins come, and sessions change to another user, while there is no memory.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -112,8 +112,8 @@ struct FullWorker {
         const std::string name = "user" + std::to_string(sent.size());
         return client.send_activate(client.user(name, name + "-secret"));
     }
-    /// Counts attempts that wait for the worker, over connections that have survived; those that have
-    /// their answer are forgotten.
+    /// Counts attempts that wait for the worker, over connections that have survived; forgets those
+    /// that have their answer.
     [[nodiscard]] int waiting()
     {
         std::erase_if(sent, [&](const auto& attempt) {
