@@ -129,13 +129,29 @@ void* reallocate_for_openssl(void* block, std::size_t size, const char* /*file*/
     return larger;
 }
 
-/// False if the program has another operator new than the one below.
+/// True if operator new for this alignment is the one below; then it counts, also if it finds no
+/// memory.
+bool is_counted(std::size_t alignment)
+{
+    const auto count = [] {
+        return process_memory.allocations.load() + process_memory.failed.load();
+    };
+    const std::uint64_t before = count();
+    const std::align_val_t aligned{alignment};
+    if (alignment <= plain_alignment) {
+        void* volatile probe = ::operator new(1, std::nothrow);
+        ::operator delete(probe);
+    } else {
+        void* volatile probe = ::operator new(1, aligned, std::nothrow);
+        ::operator delete(probe, aligned);
+    }
+    return count() != before;
+}
+
+/// False if the program has another operator new than those below, plain or aligned.
 bool has_own_operator_new()
 {
-    const std::uint64_t before = process_memory.allocations.load();
-    void* volatile probe = ::operator new(1, std::nothrow);
-    ::operator delete(probe);
-    return process_memory.allocations.load() != before;
+    return is_counted(plain_alignment) && is_counted(2 * plain_alignment);
 }
 
 } // namespace
@@ -195,54 +211,31 @@ void* allocate_or_throw(std::size_t size, std::size_t alignment = plain_alignmen
     return block;
 }
 
+/// Calls an operator new that throws; null if it does.
+template <typename New>
+void* null_for_throw(New throwing) noexcept
+{
+    try {
+        return throwing();
+    } catch (...) {
+        return nullptr;
+    }
+}
+
 } // namespace
 
-// All replaceable forms: none may take from, or give back to, another allocator than this one.
-// Weak: a program's own one takes their place.
+// All replaceable forms, weak: a program's own ones take their places. Four of them do the work;
+// the others forward to these as the C++ library's do, so that a program may replace only some.
 #define BUSBAR_REPLACEABLE __attribute__((weak))
 BUSBAR_REPLACEABLE void* operator new(std::size_t size)
 {
     return allocate_or_throw(size);
 }
-BUSBAR_REPLACEABLE void* operator new(std::size_t size, const std::nothrow_t&) noexcept
-{
-    return allocate_block(size);
-}
 BUSBAR_REPLACEABLE void* operator new(std::size_t size, std::align_val_t alignment)
 {
     return allocate_or_throw(size, static_cast<std::size_t>(alignment));
 }
-BUSBAR_REPLACEABLE void* operator new(std::size_t size, std::align_val_t alignment,
-                                      const std::nothrow_t&) noexcept
-{
-    return allocate_block(size, static_cast<std::size_t>(alignment));
-}
-BUSBAR_REPLACEABLE void* operator new[](std::size_t size)
-{
-    return allocate_or_throw(size);
-}
-BUSBAR_REPLACEABLE void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
-{
-    return allocate_block(size);
-}
-BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment)
-{
-    return allocate_or_throw(size, static_cast<std::size_t>(alignment));
-}
-BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment,
-                                        const std::nothrow_t&) noexcept
-{
-    return allocate_block(size, static_cast<std::size_t>(alignment));
-}
 BUSBAR_REPLACEABLE void operator delete(void* block) noexcept
-{
-    release_block(block);
-}
-BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t) noexcept
-{
-    release_block(block);
-}
-BUSBAR_REPLACEABLE void operator delete(void* block, const std::nothrow_t&) noexcept
 {
     release_block(block);
 }
@@ -250,38 +243,75 @@ BUSBAR_REPLACEABLE void operator delete(void* block, std::align_val_t) noexcept
 {
     release_block(block);
 }
-BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t, std::align_val_t) noexcept
+
+BUSBAR_REPLACEABLE void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
-    release_block(block);
+    return null_for_throw([&] { return ::operator new(size); });
 }
-BUSBAR_REPLACEABLE void operator delete(void* block, std::align_val_t,
+BUSBAR_REPLACEABLE void* operator new(std::size_t size, std::align_val_t alignment,
+                                      const std::nothrow_t&) noexcept
+{
+    return null_for_throw([&] { return ::operator new(size, alignment); });
+}
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size)
+{
+    return ::operator new(size);
+}
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
+{
+    return null_for_throw([&] { return ::operator new[](size); });
+}
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment)
+{
+    return ::operator new(size, alignment);
+}
+BUSBAR_REPLACEABLE void* operator new[](std::size_t size, std::align_val_t alignment,
                                         const std::nothrow_t&) noexcept
 {
-    release_block(block);
+    return null_for_throw([&] { return ::operator new[](size, alignment); });
+}
+BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t) noexcept
+{
+    ::operator delete(block);
+}
+BUSBAR_REPLACEABLE void operator delete(void* block, const std::nothrow_t&) noexcept
+{
+    ::operator delete(block);
+}
+BUSBAR_REPLACEABLE void operator delete(void* block, std::size_t,
+                                        std::align_val_t alignment) noexcept
+{
+    ::operator delete(block, alignment);
+}
+BUSBAR_REPLACEABLE void operator delete(void* block, std::align_val_t alignment,
+                                        const std::nothrow_t&) noexcept
+{
+    ::operator delete(block, alignment);
 }
 BUSBAR_REPLACEABLE void operator delete[](void* block) noexcept
 {
-    release_block(block);
+    ::operator delete(block);
 }
 BUSBAR_REPLACEABLE void operator delete[](void* block, std::size_t) noexcept
 {
-    release_block(block);
+    ::operator delete[](block);
 }
 BUSBAR_REPLACEABLE void operator delete[](void* block, const std::nothrow_t&) noexcept
 {
-    release_block(block);
+    ::operator delete[](block);
 }
-BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t alignment) noexcept
 {
-    release_block(block);
+    ::operator delete(block, alignment);
 }
-BUSBAR_REPLACEABLE void operator delete[](void* block, std::size_t, std::align_val_t) noexcept
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::size_t,
+                                          std::align_val_t alignment) noexcept
 {
-    release_block(block);
+    ::operator delete[](block, alignment);
 }
-BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t,
+BUSBAR_REPLACEABLE void operator delete[](void* block, std::align_val_t alignment,
                                           const std::nothrow_t&) noexcept
 {
-    release_block(block);
+    ::operator delete[](block, alignment);
 }
 #endif
