@@ -12,9 +12,10 @@
  *
  * Threads. A server, a client, and all that was made of them belong to one thread at a time, except
  * for the functions that say "any thread". Different handles may be on different threads. Callbacks
- * are called on the thread that is in busbar_..._poll or busbar_..._run, except for the log's. They
- * must not block, nor add or remove nodes, nor poll, run or destroy the handle they are called for,
- * nor throw or longjmp.
+ * are called on the thread that serves the handle, except for the log's: a server's in
+ * busbar_server_poll and _run, a client's in each function that waits (client.h). They must not
+ * block, nor add or remove nodes, nor poll, run or destroy the handle they are called for, nor
+ * throw or longjmp.
  *
  * Ownership. What is passed in is copied, unless a comment says that it must stay. What is handed
  * out through a pointer belongs to the handle, and stays until the event that the comment names.

@@ -61,8 +61,9 @@ StatusCode create(const busbar_client_config& config, busbar_client& made)
     }
     made.client.emplace(std::move(to), made.environment);
     if (config.state != nullptr) {
-        made.client->client().on_state([call = config.state, context = config.state_context](
+        made.client->client().on_state([&made, call = config.state, context = config.state_context](
                                            client::ClientState state, StatusCode why) {
+            const InCallback running{made};
             call(context, static_cast<int>(state), why.value());
         });
     }
@@ -80,6 +81,15 @@ busbar_status enter(busbar_client* client, FunctionRef<StatusCode()> body) noexc
         return client->created.value(); // with the text of busbar_client_create
     }
     return run_guarded(&client->failure, body);
+}
+
+busbar_status wait(busbar_client* client, FunctionRef<StatusCode()> body) noexcept
+{
+    return enter(client, [&]() -> StatusCode {
+        return client->is_in_callback ? failed(client->failure, status::Bad_RequestInterrupted,
+                                               "a callback cannot wait")
+                                      : body();
+    });
 }
 
 } // namespace busbar::c
@@ -131,7 +141,7 @@ const char* busbar_client_last_error(const busbar_client* client)
 
 busbar_status busbar_client_connect(busbar_client* client, uint32_t timeout_ms)
 {
-    return c::enter(client, [&]() -> StatusCode {
+    return c::wait(client, [&]() -> StatusCode {
         const auto connected = client->client->connect(c::milliseconds{timeout_ms});
         if (connected) {
             return status::Good;
@@ -147,9 +157,8 @@ busbar_status busbar_client_connect(busbar_client* client, uint32_t timeout_ms)
 
 busbar_status busbar_client_disconnect(busbar_client* client)
 {
-    return c::enter(client, [&]() -> StatusCode {
-        client->client->close();
-        return status::Good;
+    return c::wait(client, [&]() -> StatusCode {
+        return client->client->close() ? status::Good : status::Bad_RequestInterrupted;
     });
 }
 
@@ -164,7 +173,7 @@ int busbar_client_state(const busbar_client* client)
 
 busbar_status busbar_client_poll(busbar_client* client, uint32_t timeout_ms)
 {
-    return c::enter(client, [&]() -> StatusCode {
+    return c::wait(client, [&]() -> StatusCode {
         return client->client->run_for(c::milliseconds{timeout_ms})
                    ? status::Good
                    : status::Bad_RequestInterrupted;
@@ -173,7 +182,7 @@ busbar_status busbar_client_poll(busbar_client* client, uint32_t timeout_ms)
 
 busbar_status busbar_client_run(busbar_client* client)
 {
-    return c::enter(client, [&]() -> StatusCode {
+    return c::wait(client, [&]() -> StatusCode {
         client->client->run_for(Duration::max());
         return status::Good;
     });

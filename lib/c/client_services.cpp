@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -62,7 +63,7 @@ StatusCode read(busbar_client& client, std::span<const char* const> texts,
         if (refused[i].is_bad()) {
             client.values[i] = DataValue{refused[i]};
         }
-        to_c(client.values[i], client.scratch, results[i]);
+        static_cast<void>(to_c(client.values[i], client.scratch, results[i]));
     }
     return status::Good;
 }
@@ -188,28 +189,39 @@ using namespace busbar;
 busbar_status busbar_client_read(busbar_client* client, const char* const* nodes, size_t count,
                                  busbar_data_value* results)
 {
-    return c::enter(client, [&]() -> StatusCode {
-        return nodes != nullptr && results != nullptr && c::is_count(count)
-                   ? c::read(*client, {nodes, count}, results)
-                   : status::Bad_InvalidArgument;
+    const bool has_room = results != nullptr && c::is_count(count);
+    const busbar_status read = c::wait(client, [&]() -> StatusCode {
+        return nodes != nullptr && has_room ? c::read(*client, {nodes, count}, results)
+                                            : status::Bad_InvalidArgument;
     });
+    if (read != BUSBAR_GOOD && has_room) {
+        busbar_data_value failed{};
+        failed.status = read;
+        std::fill_n(results, count, failed);
+    }
+    return read;
 }
 
 busbar_status busbar_client_write(busbar_client* client, const char* const* nodes,
                                   const busbar_value* values, size_t count, busbar_status* results)
 {
-    return c::enter(client, [&]() -> StatusCode {
-        return nodes != nullptr && values != nullptr && results != nullptr && c::is_count(count)
+    const bool has_room = results != nullptr && c::is_count(count);
+    const busbar_status written = c::wait(client, [&]() -> StatusCode {
+        return nodes != nullptr && values != nullptr && has_room
                    ? c::write(*client, {nodes, count}, values, results)
                    : status::Bad_InvalidArgument;
     });
+    if (written != BUSBAR_GOOD && has_room) {
+        std::fill_n(results, count, written);
+    }
+    return written;
 }
 
 busbar_status busbar_client_call(busbar_client* client, const char* object, const char* method,
                                  const busbar_value* inputs, size_t input_count,
                                  const busbar_value** outputs, size_t* output_count)
 {
-    return c::enter(client, [&]() -> StatusCode {
+    return c::wait(client, [&]() -> StatusCode {
         if (!c::has_all(inputs, input_count) || input_count > c::max_elements ||
             (outputs == nullptr) != (output_count == nullptr)) {
             return status::Bad_InvalidArgument;
@@ -228,7 +240,7 @@ busbar_status busbar_client_call(busbar_client* client, const char* object, cons
 busbar_status busbar_client_browse(busbar_client* client, const char* node,
                                    const busbar_reference** references, size_t* count)
 {
-    return c::enter(client, [&]() -> StatusCode {
+    return c::wait(client, [&]() -> StatusCode {
         if (references == nullptr || count == nullptr) {
             return status::Bad_InvalidArgument;
         }

@@ -1,7 +1,9 @@
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include <busbar/client/subscriptions.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "client.hpp"
 
@@ -9,27 +11,30 @@ namespace busbar::c {
 
 namespace {
 
-void deliver(busbar_data_callback callback, void* context, std::uint32_t item,
-             const DataValue& value)
+/// Calls the callback, unless an earlier call has ended its Subscription.
+void deliver(const Feed& feed, std::uint32_t item, const DataValue& value)
 {
+    if (feed.has_ended) {
+        return;
+    }
     Scratch scratch;
     busbar_data_value in_c;
-    to_c(value, scratch, in_c);
-    callback(context, item, &in_c);
+    static_cast<void>(to_c(value, scratch, in_c));
+    const InCallback running{*feed.client};
+    feed.callback(feed.context, item, &in_c);
 }
 
-client::SubscriptionHandlers handlers_of(busbar_data_callback callback, void* context)
+client::SubscriptionHandlers handlers_of(const std::shared_ptr<Feed>& feed)
 {
     client::SubscriptionHandlers handlers;
-    handlers.on_data = [callback, context](std::span<const client::DataChange> changes) {
+    handlers.on_data = [feed](std::span<const client::DataChange> changes) {
         for (const client::DataChange& change : changes) {
-            deliver(callback, context, change.item, change.value);
+            deliver(*feed, change.item, change.value);
         }
     };
-    handlers.on_item = [callback, context](client::ItemHandle item,
-                                           const client::ItemStatus& made) {
+    handlers.on_item = [feed](client::ItemHandle item, const client::ItemStatus& made) {
         if (made.status.is_bad()) {
-            deliver(callback, context, item, DataValue{made.status});
+            deliver(*feed, item, DataValue{made.status});
         }
     };
     return handlers;
@@ -57,10 +62,17 @@ busbar_status busbar_client_subscribe(busbar_client* client, double interval_ms,
         }
         client::SubscriptionSettings settings;
         settings.publishing_interval = std::chrono::duration<double, std::milli>{interval_ms};
-        const auto created = client->client->client().subscriptions().create(
-            settings, c::handlers_of(callback, context));
+        const auto feed = std::make_shared<c::Feed>(c::Feed{client, callback, context});
+        client::Subscriptions& subscriptions = client->client->client().subscriptions();
+        const auto created = subscriptions.create(settings, c::handlers_of(feed));
         *subscription = created.value_or(0);
-        return created ? status::Good : created.error();
+        if (!created) {
+            return created.error();
+        }
+        busbar::detail::Undo undo{[&] { static_cast<void>(subscriptions.remove(*created)); }};
+        client->feeds.emplace(*created, feed);
+        undo.keep();
+        return status::Good;
     });
 }
 
@@ -94,6 +106,13 @@ busbar_status busbar_client_unsubscribe(busbar_client* client, uint32_t subscrip
 {
     return c::enter(client, [&]() -> StatusCode {
         const auto removed = client->client->client().subscriptions().remove(subscription);
-        return removed ? status::Good : removed.error();
+        if (!removed) {
+            return removed.error();
+        }
+        if (const auto feed = client->feeds.find(subscription); feed != client->feeds.end()) {
+            feed->second->has_ended = true;
+            client->feeds.erase(feed);
+        }
+        return status::Good;
     });
 }

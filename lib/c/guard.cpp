@@ -19,9 +19,7 @@ void FailureText::set(std::string_view text) noexcept
 
 busbar_status run_guarded(FailureText* failure, FunctionRef<StatusCode()> body) noexcept
 {
-    if (failure != nullptr) {
-        failure->begin();
-    }
+    const bool was_set = failure != nullptr && failure->begin();
     busbar::detail::ThrownText what;
     StatusCode result;
     const StatusCode thrown = busbar::detail::caught(what, [&] { result = body(); });
@@ -30,6 +28,9 @@ busbar_status run_guarded(FailureText* failure, FunctionRef<StatusCode()> body) 
     }
     if (failure != nullptr && result.is_bad() && !failure->is_set()) {
         failure->set(thrown.is_bad() ? what.view() : name(result));
+    }
+    if (failure != nullptr) {
+        failure->end(was_set);
     }
     return result.value();
 }

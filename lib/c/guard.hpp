@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include <busbar/busbar.h>
 #include <busbar/core/function_ref.hpp>
@@ -19,8 +20,11 @@ public:
     /// Keeps as much of the text as fits.
     void set(std::string_view text) noexcept;
     [[nodiscard]] const char* c_str() const noexcept { return text_.data(); }
-    /// Begins a function: a failure without a text of its own gets the status's name.
-    void begin() noexcept { is_set_ = false; }
+    /// Begins a function: a failure without a text of its own gets the status's name. Returns
+    /// whether one that it is called in, by a callback, has set its text, for end().
+    [[nodiscard]] bool begin() noexcept { return std::exchange(is_set_, false); }
+    /// Goes back to the function around it.
+    void end(bool was_set) noexcept { is_set_ = was_set; }
     [[nodiscard]] bool is_set() const noexcept { return is_set_; }
 
 private:

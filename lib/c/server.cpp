@@ -135,11 +135,30 @@ StatusCode create(const busbar_server_config& config, busbar_server& made)
     return taken.is_bad() ? taken : create_server(std::move(to), made);
 }
 
+StatusCode check_serving(busbar_server& server)
+{
+    return server.is_serving
+               ? failed(server.failure, status::Bad_InvalidState, "a callback cannot serve")
+               : status::Good;
+}
+
+StatusCode start(busbar_server& server)
+{
+    if (server.is_started) {
+        return failed(server.failure, status::Bad_InvalidState, "the server has started");
+    }
+    if (const auto listening = server.loop.listen_on_reserved(); !listening) {
+        return failed(server.failure, listening.error(), "the port is used by another program");
+    }
+    server.is_started = true;
+    return status::Good;
+}
+
 /// Bad_Shutdown once the server has stopped.
 StatusCode serve(busbar_server& server, Duration time)
 {
-    if (server.is_serving) {
-        return failed(server.failure, status::Bad_InvalidState, "a callback cannot serve");
+    if (const StatusCode checked = check_serving(server); checked.is_bad()) {
+        return checked;
     }
     server.is_serving = true;
     const busbar::detail::Undo undo{[&] { server.is_serving = false; }};
@@ -257,17 +276,7 @@ const char* busbar_server_last_error(const busbar_server* server)
 
 busbar_status busbar_server_start(busbar_server* server)
 {
-    return c::enter(server, [&]() -> StatusCode {
-        if (server->is_started) {
-            return c::failed(server->failure, status::Bad_InvalidState, "the server has started");
-        }
-        if (const auto listening = server->loop.listen_on_reserved(); !listening) {
-            return c::failed(server->failure, listening.error(),
-                             "the port is used by another program");
-        }
-        server->is_started = true;
-        return status::Good;
-    });
+    return c::enter(server, [&] { return c::start(*server); });
 }
 
 uint16_t busbar_server_port(const busbar_server* server)
@@ -288,8 +297,15 @@ busbar_status busbar_server_poll(busbar_server* server, uint32_t timeout_ms)
 busbar_status busbar_server_run(busbar_server* server, bool ends_on_signals)
 {
     return c::enter(server, [&]() -> StatusCode {
+        // Before the signals are taken.
+        if (const StatusCode checked = c::check_serving(*server); checked.is_bad()) {
+            return checked;
+        }
+        if (server->is_over) {
+            return status::Good;
+        }
         if (!server->is_started) {
-            if (const StatusCode started{busbar_server_start(server)}; started.is_bad()) {
+            if (const StatusCode started = c::start(*server); started.is_bad()) {
                 return started;
             }
         }

@@ -198,14 +198,15 @@ void BlockingClient::interrupt()
     impl_->interrupter.interrupt();
 }
 
-void BlockingClient::close()
+bool BlockingClient::close()
 {
     detail::ClientDriver& driver = *impl_->driver;
     driver.client().close(detail::now());
     const auto is_over = [&] {
         return driver.client().state() == client::ClientState::Closed && !driver.has_connection();
     };
-    impl_->run_until(is_over, detail::after(std::chrono::seconds{2}));
+    return impl_->run_until(is_over, detail::after(std::chrono::seconds{2})) !=
+           Impl::End::Interrupted;
 }
 
 client::Client& BlockingClient::client()

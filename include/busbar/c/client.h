@@ -56,7 +56,8 @@ BUSBAR_C_API const char* busbar_client_last_error(const busbar_client* client);
 /* Waits for a session (Part 4, 5.7), at most `timeout_ms`: Bad_Timeout, Bad_RequestInterrupted, or
  * the first failure that another attempt cannot cure. It keeps trying in later calls that wait. */
 BUSBAR_C_API busbar_status busbar_client_connect(busbar_client* client, uint32_t timeout_ms);
-/* Closes session and channel; waits until that is sent, at most two seconds. */
+/* Closes session and channel; waits until that is sent, at most two seconds. After
+ * Bad_RequestInterrupted a later function that waits goes on with it. */
 BUSBAR_C_API busbar_status busbar_client_disconnect(busbar_client* client);
 /* BUSBAR_CLIENT_...; CLOSED for null. */
 BUSBAR_C_API int busbar_client_state(const busbar_client* client);
@@ -68,9 +69,14 @@ BUSBAR_C_API busbar_status busbar_client_run(busbar_client* client);
 BUSBAR_C_API busbar_status busbar_client_interrupt(busbar_client* client);
 
 /* Nodes are texts: a NodeId "ns=2;s=Pump", one with a namespace's URI "nsu=urn:x;s=Pump", or a path
- * "/Objects/2:Machine/2:Speed". The functions below return a bad status if the request as a whole
- * failed; otherwise each result has its own. What results point at is valid until the next of these
- * four functions with the same client. */
+ * "/Objects/2:Machine/2:Speed". What results point at is valid until the next of these four
+ * functions with the same client.
+ *
+ * Reads and writes have a status for each result. A request that fails, as without a connection,
+ * gives its status to each result, and the function returns BUSBAR_GOOD. It returns a bad status,
+ * which each result has as well, only if it was interrupted, for an invalid argument and without
+ * memory: Bad_RequestInterrupted, Bad_InvalidArgument, Bad_OutOfMemory. A write that was
+ * interrupted may have reached the server. */
 
 /* Reads values (Part 4, 5.11.2): `count` of 1 to 1,000,000 nodes into `results`. */
 BUSBAR_C_API busbar_status busbar_client_read(busbar_client* client, const char* const* nodes,
@@ -114,7 +120,8 @@ BUSBAR_C_API busbar_status busbar_client_subscribe(busbar_client* client, double
 BUSBAR_C_API busbar_status busbar_client_monitor(busbar_client* client, uint32_t subscription,
                                                  const char* node, double sampling_ms,
                                                  uint32_t queue_size, uint32_t* item);
-/* Removes a Subscription with its items. Bad_SubscriptionIdInvalid. */
+/* Removes a Subscription with its items, also in its callback, which is not called any more, so
+ * that its context may be freed then. Bad_SubscriptionIdInvalid. */
 BUSBAR_C_API busbar_status busbar_client_unsubscribe(busbar_client* client, uint32_t subscription);
 
 #ifdef __cplusplus

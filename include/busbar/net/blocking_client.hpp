@@ -83,8 +83,9 @@ public:
     Result<void> wake_on(int descriptor);
     /// Ends the call that waits now, or the next one. Called from any thread or a signal handler.
     void interrupt();
-    /// Closes session and channel and waits until that is sent, at most two seconds.
-    void close();
+    /// Closes session and channel and waits until that is sent, at most two seconds. False if it
+    /// was interrupted; later calls that wait go on with it then.
+    bool close();
 
     [[nodiscard]] client::Client& client();
 
