@@ -25,6 +25,9 @@ bool take_id(const char* text, NodeId& id)
 StatusCode raise(server::Server& server, const busbar_event& from)
 {
     server::Event event;
+    if (from.severity > 1'000) { // Part 5, 6.4.2
+        return status::Bad_InvalidArgument;
+    }
     if (!take_id(from.type, event.event_type) || !take_id(from.source_node, event.source_node)) {
         return status::Bad_NodeIdInvalid;
     }

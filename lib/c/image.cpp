@@ -106,7 +106,7 @@ StatusCode add_all(busbar_server& server, const busbar_image_config& config, bus
     options.cycle = std::chrono::microseconds{config.cycle_us};
     made.image = server::ProcessImage::create(std::move(layout), options);
     made.source = std::make_shared<server::ImageSource>(made.image);
-    server.server->add_source(made.source);
+    server.server->add_source(*made.source); // which detaches itself if something fails
     AddedVariables variables{server.server->address_space()};
     for (std::uint32_t handle = 0; handle < config.count; ++handle) {
         const busbar_image_variable& from = config.variables[handle];

@@ -26,7 +26,8 @@ namespace {
 struct MethodRoutine {
     busbar_method_callback callback;
     void* context;
-    std::vector<std::uint8_t> output_types;
+    /// Null values of the outputs' types.
+    std::vector<busbar_value> outputs;
 };
 
 StatusCode answer(server::MethodCall& call, StatusCode status,
@@ -61,10 +62,7 @@ void carry_out(const MethodRoutine& routine, server::MethodCall&& call)
         }
         made->inputs.push_back(in_c);
     }
-    made->outputs.resize(routine.output_types.size());
-    for (std::size_t i = 0; i < made->outputs.size(); ++i) {
-        made->outputs[i].type = routine.output_types[i];
-    }
+    made->outputs = routine.outputs;
     busbar_call* const in_c = made.release();
     const busbar_status status =
         routine.callback(routine.context, in_c, in_c->inputs.data(), in_c->inputs.size(),
@@ -122,7 +120,9 @@ busbar_status busbar_server_add_method(busbar_server* server, const busbar_node*
         }
         c::MethodRoutine routine{callback, context, {}};
         for (std::size_t i = 0; i < output_count; ++i) {
-            routine.output_types.push_back(outputs[i].type);
+            busbar_value& output = routine.outputs.emplace_back();
+            output.type = outputs[i].type;
+            output.is_array = outputs[i].is_array;
         }
         model::NewMethod method;
         method.input_arguments = *std::move(in);
@@ -132,8 +132,13 @@ busbar_status busbar_server_add_method(busbar_server* server, const busbar_node*
             server->methods->add([routine = std::move(routine)](server::MethodCall call) {
                 c::carry_out(routine, std::move(call));
             });
+        busbar::detail::Undo undo{[&] { server->methods->remove(method.handle); }};
         const auto added = space.add_method(*made, method);
-        return added ? status::Good : added.error();
+        if (!added) {
+            return added.error();
+        }
+        undo.keep();
+        return status::Good;
     });
 }
 
@@ -145,6 +150,9 @@ busbar_status busbar_call_finish(busbar_call* call, busbar_status status,
     }
     const std::unique_ptr<busbar_call> owned{call};
     return c::run_guarded(nullptr, [&]() -> StatusCode {
+        if (StatusCode{status}.is_bad()) {
+            output_count = 0; // a failure has none
+        }
         if (!c::has_all(outputs, output_count) || output_count > c::max_elements) {
             owned->call.fail(status::Bad_InternalError);
             return status::Bad_InvalidArgument;

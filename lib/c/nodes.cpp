@@ -1,9 +1,14 @@
+#include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include <busbar/server/method_table.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "core/utf8.hpp"
 #include "server.hpp"
+#include "variable_source.hpp"
 
 namespace busbar::c {
 
@@ -23,6 +28,69 @@ model::NodeIndex find_node(const model::AddressSpace& space, const char* text)
 {
     const auto id = node_id_of(text);
     return id ? space.find(*id) : model::no_node;
+}
+
+/// What serves nodes that are removed, so that it can be freed after them.
+class ServedNodes {
+public:
+    ServedNodes(busbar_server& server, model::NodeIndex node) : server_{&server}
+    {
+        server.server->address_space().for_each_below(node, [&](model::NodeIndex each) {
+            take(each);
+            return true;
+        });
+    }
+    void free() noexcept
+    {
+        for (const std::uint64_t handle : variables_) {
+            server_->variables->remove(handle);
+        }
+        for (const std::uint64_t handle : methods_) {
+            server_->methods->remove(handle);
+        }
+    }
+
+private:
+    void take(model::NodeIndex node)
+    {
+        const model::AddressSpace& space = server_->server->address_space();
+        const NodeClass node_class = space.node_class(node);
+        if (node_class == NodeClass::Variable) {
+            const model::VariableAttributes is = space.variable(node);
+            if (is.source == server_->variables->index()) {
+                variables_.push_back(is.handle);
+            }
+        } else if (node_class == NodeClass::Method) {
+            const model::MethodAttributes is = space.method(node);
+            if (is.source == server_->methods->index()) {
+                methods_.push_back(is.handle);
+            }
+        }
+    }
+
+    busbar_server* server_;
+    std::vector<std::uint64_t> variables_;
+    std::vector<std::uint64_t> methods_;
+};
+
+StatusCode check_properties(std::span<const busbar_property> properties)
+{
+    std::vector<std::string_view> names;
+    for (const busbar_property& each : properties) {
+        if (each.name == nullptr || built_in_type_id(each.type).is_null()) {
+            return status::Bad_InvalidArgument;
+        }
+        names.emplace_back(each.name);
+    }
+    std::ranges::sort(names);
+    const auto is_invalid = [](std::string_view name) {
+        return name.empty() || name.size() > busbar::detail::max_browse_name;
+    };
+    if (std::ranges::any_of(names, is_invalid)) {
+        return status::Bad_BrowseNameInvalid;
+    }
+    const bool is_double = std::ranges::adjacent_find(names) != names.end();
+    return is_double ? status::Bad_BrowseNameDuplicated : status::Good;
 }
 
 /// Adds the Properties of a type, each with the parent's NodeId in its own.
@@ -166,11 +234,9 @@ busbar_status busbar_server_add_object_type(busbar_server* server, const busbar_
             return made.error();
         }
         // Types cannot be removed: what would fail is found before.
-        for (std::size_t i = 0; i < property_count; ++i) {
-            if (properties[i].name == nullptr ||
-                c::built_in_type_id(properties[i].type).is_null()) {
-                return status::Bad_InvalidArgument;
-            }
+        if (const StatusCode checked = c::check_properties({properties, property_count});
+            checked.is_bad()) {
+            return checked;
         }
         const auto added = space.add_object_type(*made);
         return added ? c::add_properties(space, *added, node->namespace_index,
@@ -203,7 +269,12 @@ busbar_status busbar_server_remove_node(busbar_server* server, const char* id)
         if (node == model::no_node) {
             return status::Bad_NodeIdUnknown;
         }
+        c::ServedNodes served{*server, node};
         const auto removed = space.remove(node);
-        return removed ? status::Good : removed.error();
+        if (!removed) {
+            return removed.error();
+        }
+        served.free();
+        return status::Good;
     });
 }

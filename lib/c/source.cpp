@@ -16,6 +16,8 @@ struct busbar_batch {
     std::variant<busbar::server::ReadBatch, busbar::server::WriteBatch> batch;
     std::vector<busbar_read_item> reads;
     std::vector<busbar_write_item> writes;
+    /// The items of the batch that `writes` are: some have values that there is no form of in C.
+    std::vector<std::size_t> places;
     busbar::c::Scratch scratch;
 };
 
@@ -50,9 +52,14 @@ void complete(busbar_batch& of, StatusCode status)
     }
     auto& writes = std::get<server::WriteBatch>(of.batch);
     for (std::size_t i = 0; i < of.writes.size() && !status.is_bad(); ++i) {
-        writes.results()[i] = StatusCode{of.writes[i].result};
+        writes.results()[of.places[i]] = StatusCode{of.writes[i].result};
     }
-    status.is_bad() ? writes.finish(status) : writes.complete();
+    if (status.is_bad()) {
+        for (const std::size_t place : of.places) {
+            writes.results()[place] = status;
+        }
+    }
+    writes.complete();
 }
 
 class CallbackSource final : public server::DataSource {
@@ -102,12 +109,21 @@ void CallbackSource::write(server::WriteBatch batch)
         return batch.finish(status::Bad_NotWritable);
     }
     auto made = std::make_unique<busbar_batch>(std::move(batch));
-    for (const server::WriteItem& item : std::get<server::WriteBatch>(made->batch).items()) {
+    auto& writes = std::get<server::WriteBatch>(made->batch);
+    for (std::size_t i = 0; i < writes.size(); ++i) {
         busbar_write_item in_c{};
-        in_c.handle = item.handle;
+        in_c.handle = writes.items()[i].handle;
         in_c.result = BUSBAR_BAD_NO_COMMUNICATION;
-        to_c(*item.data, made->scratch, in_c.value);
+        if (to_c(*writes.items()[i].data, made->scratch, in_c.value).is_bad()) {
+            writes.results()[i] = status::Bad_NotSupported;
+            continue;
+        }
         made->writes.push_back(in_c);
+        made->places.push_back(i);
+    }
+    const bool is_partial = made->writes.size() < writes.size();
+    if (made->writes.empty() || (is_partial && of_.all_or_nothing)) {
+        return writes.finish(status::Bad_NotSupported);
     }
     busbar_batch* const in_c = made.release();
     answer(in_c, of_.write(of_.context, in_c, in_c->writes.data(), in_c->writes.size()));

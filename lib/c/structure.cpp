@@ -82,7 +82,9 @@ StatusCode add_type(busbar_server& server, const busbar_node& from,
     if (!node || !definition) {
         return node ? definition.error() : node.error();
     }
-    definition->default_encoding_id = space.free_id(from.namespace_index);
+    do { // each is given once
+        definition->default_encoding_id = space.free_id(from.namespace_index);
+    } while (definition->default_encoding_id == node->id);
     // Types cannot be removed: the form is made before.
     auto form = server::ImageStructure::create(definition->default_encoding_id, members);
     if (!form) {

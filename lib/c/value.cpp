@@ -257,9 +257,20 @@ void give(const ExtensionObject& from, Scratch& scratch, busbar_extension& to)
         to.body = scratch.keep({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     } else if (from.body() == ExtensionObject::Body::Binary) {
         give(from.binary(), scratch, to.body);
-    } else {
-        give(from.xml(), scratch, to.body);
     }
+}
+
+/// False for a body in XML, which a busbar_extension would show as binary.
+bool is_in_binary(const Variant& from)
+{
+    const auto is_good = [](const ExtensionObject& each) {
+        return each.body() != ExtensionObject::Body::Xml;
+    };
+    if (const auto* const value = from.get_if<ExtensionObject>()) {
+        return is_good(*value);
+    }
+    const auto* const values = from.array_if<ExtensionObject>();
+    return values == nullptr || std::all_of(values->begin(), values->end(), is_good);
 }
 
 template <typename T>
@@ -453,9 +464,10 @@ StatusCode to_c(const Variant& from, Scratch& scratch, busbar_value& to)
     if (from.is_null()) {
         return status::Good;
     }
-    const bool is_known = visit_type(static_cast<unsigned>(from.type()), [&](auto tag) {
-        give_value<typename decltype(tag)::type>(from, scratch, to);
-    });
+    const bool is_known =
+        is_in_binary(from) && visit_type(static_cast<unsigned>(from.type()), [&](auto tag) {
+            give_value<typename decltype(tag)::type>(from, scratch, to);
+        });
     if (!is_known) {
         return status::Bad_NotSupported;
     }
@@ -467,12 +479,13 @@ StatusCode to_c(const Variant& from, Scratch& scratch, busbar_value& to)
     return status::Good;
 }
 
-void to_c(const DataValue& from, Scratch& scratch, busbar_data_value& to)
+StatusCode to_c(const DataValue& from, Scratch& scratch, busbar_data_value& to)
 {
     const StatusCode converted = to_c(from.value, scratch, to.value);
     to.status = converted.is_bad() ? converted.value() : from.status.value();
     to.source_time = from.source_timestamp.ticks;
     to.server_time = from.server_timestamp.ticks;
+    return converted;
 }
 
 Result<NodeId> node_id_of(const char* text)

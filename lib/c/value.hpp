@@ -37,10 +37,11 @@ private:
 /// elements, NodeIds that are none.
 [[nodiscard]] Result<Variant> to_variant(const busbar_value& value);
 /// Stores a value that points into `from` and `scratch`. Bad_NotSupported for a Variant, DataValue
-/// or DiagnosticInfo in it, which leaves a null value.
+/// or DiagnosticInfo in it, or a structure in XML, which leaves a null value.
 StatusCode to_c(const Variant& from, Scratch& scratch, busbar_value& to);
-/// Stores a DataValue likewise; a value that has no form in C makes its status Bad_NotSupported.
-void to_c(const DataValue& from, Scratch& scratch, busbar_data_value& to);
+/// Stores a DataValue likewise; a value that has no form in C makes its status Bad_NotSupported,
+/// which is returned then.
+StatusCode to_c(const DataValue& from, Scratch& scratch, busbar_data_value& to);
 /// Reads a NodeId; Bad_NodeIdInvalid also for null.
 [[nodiscard]] Result<NodeId> node_id_of(const char* text);
 /// Returns the text of a string in C; null stays null.

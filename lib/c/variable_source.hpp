@@ -25,15 +25,23 @@ public:
         busbar_read_callback read{nullptr};
         busbar_write_callback write{nullptr};
         void* context{nullptr};
+        /// Counts how often the place was freed.
+        std::uint32_t generation{0};
+        bool is_used{true};
+        /// The next place that is free, by its number from 1 on; 0: none.
+        std::size_t next_free{0};
     };
 
     explicit VariableSource(const WallClock& clock) : clock_{&clock} {}
 
-    /// Returns its handle, from 1 on.
+    /// Returns its handle: the number of its place, from 1 on, and the place's generation above
+    /// that, so that the handle of a variable that was removed is not the next one's.
     [[nodiscard]] std::uint64_t add(Entry entry);
-    /// Removes the last one that was added.
-    void remove_last() { entries_.pop_back(); }
-    /// Returns null for a handle that none has, or one with callbacks.
+    /// Frees what the handle stands for, if it does for anything. Not within a callback.
+    void remove(std::uint64_t handle) noexcept;
+    /// Returns null for a handle that none has.
+    [[nodiscard]] Entry* find(std::uint64_t handle);
+    /// Returns null also for one with callbacks.
     [[nodiscard]] Entry* kept(std::uint64_t handle);
     /// Makes it the value from now on; a null time is now.
     void keep(Entry& entry, DataValue value) const;
@@ -49,6 +57,7 @@ private:
     /// Entries stay where they are: a callback may be running, and slots point at values.
     std::deque<Entry> entries_;
     Scratch scratch_;
+    std::size_t first_free_{0};
 };
 
 } // namespace busbar::c

@@ -81,7 +81,7 @@ StatusCode add_one(busbar_server& server, const busbar_variable& variable, std::
     }
     busbar::detail::Undo undo{[&] {
         if (binding->is_new) {
-            server.variables->remove_last();
+            server.variables->remove(binding->handle);
         }
     }};
     made.source = binding->source;
@@ -121,7 +121,16 @@ StatusCode bind_one(busbar_server& server, const busbar_variable& variable, std:
     if (!binding) {
         return binding.error();
     }
+    busbar::detail::Undo undo{[&] {
+        if (binding->is_new) {
+            server.variables->remove(binding->handle);
+        }
+    }};
     space.bind(node, binding->source, binding->handle);
+    undo.keep();
+    if (is.source == server.variables->index()) {
+        server.variables->remove(is.handle); // nothing asks for it any more
+    }
     space.set_access_level(node, access_of(variable));
     handle = binding->is_kept ? binding->handle : 0;
     return status::Good;
@@ -141,10 +150,27 @@ busbar_status put(busbar_server* server, const busbar_variable* variable, std::u
     });
 }
 
-/// Returns the variable that is kept in memory; null if there is none.
-VariableSource::Entry* kept(busbar_server& server, std::uint64_t handle)
+/// A variable that is kept in memory, with its node; without an entry if the handle has none.
+struct KeptVariable {
+    VariableSource::Entry* entry{nullptr};
+    model::NodeIndex node{model::no_node};
+};
+
+/// Finds what a handle stands for: the node has to be there still, and be bound to the entry.
+KeptVariable kept(busbar_server& server, std::uint64_t handle)
 {
-    return server.variables->kept(handle);
+    VariableSource::Entry* const entry = server.variables->kept(handle);
+    if (entry == nullptr) {
+        return {};
+    }
+    const model::AddressSpace& space = server.server->address_space();
+    const model::NodeIndex node = space.find(entry->id);
+    if (node == model::no_node || space.node_class(node) != NodeClass::Variable) {
+        return {};
+    }
+    const model::VariableAttributes is = space.variable(node);
+    return is.source == server.variables->index() && is.handle == handle ? KeptVariable{entry, node}
+                                                                         : KeptVariable{};
 }
 
 } // namespace
@@ -181,7 +207,7 @@ busbar_status busbar_server_set_value(busbar_server* server, uint64_t handle,
         if (value == nullptr) {
             return status::Bad_InvalidArgument;
         }
-        c::VariableSource::Entry* const entry = c::kept(*server, handle);
+        const auto [entry, node] = c::kept(*server, handle);
         if (entry == nullptr) {
             return status::Bad_NotFound;
         }
@@ -190,10 +216,6 @@ busbar_status busbar_server_set_value(busbar_server* server, uint64_t handle,
             return made.error();
         }
         const model::AddressSpace& space = server->server->address_space();
-        const model::NodeIndex node = space.find(entry->id);
-        if (node == model::no_node) {
-            return status::Bad_NotFound;
-        }
         const model::VariableAttributes is = space.variable(node);
         if (const StatusCode checked =
                 space.check_value(*made, is.data_type, is.value_rank, is.array_dimensions);
@@ -210,12 +232,12 @@ busbar_status busbar_server_get_value(busbar_server* server, uint64_t handle,
                                       busbar_data_value* value)
 {
     return c::enter(server, [&]() -> StatusCode {
-        const c::VariableSource::Entry* const entry = c::kept(*server, handle);
+        const c::VariableSource::Entry* const entry = c::kept(*server, handle).entry;
         if (value == nullptr || entry == nullptr) {
             return value == nullptr ? status::Bad_InvalidArgument : status::Bad_NotFound;
         }
         server->scratch.clear();
-        c::to_c(entry->kept, server->scratch, *value);
+        static_cast<void>(c::to_c(entry->kept, server->scratch, *value));
         return status::Good;
     });
 }

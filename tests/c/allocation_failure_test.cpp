@@ -71,6 +71,8 @@ struct Rounds {
 struct Entry {
     const char* name;
     std::function<busbar_status(Rounds&)> call;
+    /// It may leave a part of a type, which cannot be removed: the next call has another name.
+    bool leaves_part{false};
 };
 
 busbar_status create_server(Rounds& rounds)
@@ -173,7 +175,8 @@ std::vector<Entry> entries()
              const busbar_property property{"Property", BUSBAR_DOUBLE, false};
              const busbar_node node = rounds.node();
              return busbar_server_add_object_type(rounds.server, &node, &property, 1);
-         }},
+         },
+         true},
         {"add_variable", add_variable},
         {"set_value",
          [](Rounds& rounds) {
@@ -193,7 +196,7 @@ std::vector<Entry> entries()
              std::uint32_t number = 0;
              return busbar_server_add_source(rounds.server, &source, &number);
          }},
-        {"add_structure", add_structure},
+        {"add_structure", add_structure, true},
         {"pack and unpack", pack_and_unpack},
         {"add_image", add_image},
         {"add_method", add_method},
@@ -229,8 +232,9 @@ std::vector<Entry> entries()
 /// Calls the function until none of its allocations fails any more. Returns how many failed.
 std::size_t fail_each(const Entry& entry, Rounds& rounds)
 {
+    std::size_t number = 1;
     for (std::size_t k = 1; k < 20'000; ++k) {
-        rounds.name = std::string{entry.name} + " number " + std::to_string(k);
+        rounds.name = std::string{entry.name} + " number " + std::to_string(number);
         fail_allocation(k);
         busbar_status status = BUSBAR_GOOD;
         {
@@ -248,6 +252,7 @@ std::size_t fail_each(const Entry& entry, Rounds& rounds)
         // It did without, or it says so; a node that was begun is taken back.
         CHECK((status == BUSBAR_GOOD || status == BUSBAR_BAD_OUT_OF_MEMORY ||
                status == BUSBAR_BAD_TIMEOUT));
+        number += status == BUSBAR_GOOD || entry.leaves_part ? 1 : 0;
     }
     FAIL(entry.name << " does not end");
     return 0;

@@ -332,7 +332,9 @@ TEST_CASE("structures, images and events in C that cannot be are refused", "[c]"
     event.field_count = 1;
     CHECK(busbar_server_raise_event(server, &event) == bad);
     event.field_count = 0;
-    event.severity = 65'535;
+    event.severity = 1'001;
+    CHECK(busbar_server_raise_event(server, &event) == bad);
+    event.severity = 1'000;
     CHECK(busbar_server_raise_event(server, &event) == good);
 }
 

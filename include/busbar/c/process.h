@@ -33,7 +33,8 @@ typedef struct busbar_allocator {
 } busbar_allocator;
 
 /* Takes all memory of the process's C++ code, OpenSSL and pugixml from `allocator`. Call it before
- * all other functions and before anything else has used C++ or OpenSSL; once.
+ * all other functions and before anything else has used C++ or OpenSSL; once. Functions and
+ * `context` must work to the very end: OpenSSL and C++ free memory after main has returned.
  *
  * Busbar takes its memory by operator new, which C++ lets a program replace, and nothing else can.
  * A program that links the static library has an operator new of Busbar's in place of the C++

@@ -96,8 +96,9 @@ BUSBAR_C_API uint16_t busbar_server_port(const busbar_server* server);
  * first call finds no memory, it is Bad_OutOfMemory, and the server has stopped. */
 BUSBAR_C_API busbar_status busbar_server_poll(busbar_server* server, uint32_t timeout_ms);
 
-/* Serves until busbar_server_stop; if `ends_on_signals`, also until SIGINT or SIGTERM. Returns
- * BUSBAR_GOOD then, Bad_InvalidState within a callback. Starts the server if it was not. */
+/* Serves until busbar_server_stop; if `ends_on_signals`, also until SIGINT or SIGTERM, which stay
+ * caught until busbar_server_destroy. Returns BUSBAR_GOOD then, and at once for a server that has
+ * stopped; Bad_InvalidState within a callback. Starts the server if it was not. */
 BUSBAR_C_API busbar_status busbar_server_run(busbar_server* server, bool ends_on_signals);
 
 /* Begins the shutdown (Part 5, 12.6): poll and run end after shutdown_delay_ms, or earlier if no
@@ -145,7 +146,8 @@ BUSBAR_C_API busbar_status busbar_server_add_object(busbar_server* server, const
 
 /* Adds an ObjectType below `node->parent`, its supertype, which may be an event type
  * (Part 3, 5.5.2; Part 5, 6.4). Its `property_count` Properties have a value each, of which only
- * the type matters, and are the fields of an event. */
+ * the type matters, and are the fields of an event. Types are not removed: after Bad_OutOfMemory
+ * this one may be there, with some of its Properties or all. */
 typedef struct busbar_property {
     const char* name;
     uint8_t type;
@@ -161,7 +163,9 @@ BUSBAR_C_API busbar_status busbar_server_add_object_type(busbar_server* server,
 BUSBAR_C_API busbar_status busbar_server_add_reference(busbar_server* server, const char* source,
                                                        const char* type, const char* target);
 
-/* Removes a node, and those below it. */
+/* Removes a node, and those below it. What variables and Methods among them kept is freed, and the
+ * handles of the variables are not used again. Types cannot be removed; they, NodeSets, sources,
+ * structures and images stay until busbar_server_destroy. */
 BUSBAR_C_API busbar_status busbar_server_remove_node(busbar_server* server, const char* id);
 
 /* Adds the nodes of a NodeSet2 file (Part 6, Annex F) that is in memory, as linked constant data:
@@ -215,8 +219,9 @@ BUSBAR_C_API busbar_status busbar_server_bind_variable(busbar_server* server,
                                                        const busbar_variable* variable,
                                                        uint64_t* handle);
 
-/* Changes a value in memory, with the time of now if `time` is 0. Bad_NotFound for a handle that no
- * variable has, Bad_TypeMismatch for another type, Bad_InvalidArgument. */
+/* Changes a value in memory, with the time of now if `time` is 0; with a bad status too the value
+ * is one of the variable's type. Bad_NotFound for a handle that no variable has, such as that of
+ * one that was removed or bound again, Bad_TypeMismatch for another type, Bad_InvalidArgument. */
 BUSBAR_C_API busbar_status busbar_server_set_value(busbar_server* server, uint64_t handle,
                                                    const busbar_value* value, busbar_status status,
                                                    busbar_time time);

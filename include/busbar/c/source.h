@@ -22,7 +22,7 @@ typedef struct busbar_read_item {
 } busbar_read_item;
 
 /* One value to write, of the variable's type, and what came of it; begins as Bad_NoCommunication.
- */
+ * Values that a busbar_value cannot hold are answered with Bad_NotSupported and not passed on. */
 typedef struct busbar_write_item {
     uint64_t handle;
     busbar_data_value value;
@@ -32,7 +32,8 @@ typedef struct busbar_write_item {
 /* A bus, a PLC: serves the variables that name it, those of one service call together (Part 4,
  * 5.11). A callback returns BUSBAR_GOOD when all items are done, a bad status for all of them, or
  * BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY and calls busbar_batch_complete later. The items are valid
- * until then; what results point at must stay until the batch is complete. */
+ * until then; what results point at must stay until the batch is complete. While 256 batches are
+ * not complete, late ones included, further items answer Bad_TooManyOperations. */
 typedef struct busbar_source {
     size_t size; /* sizeof(busbar_source), set by the caller */
     void* context;
@@ -80,7 +81,8 @@ typedef struct busbar_field {
 
 /* Adds a structure (Part 3, 8.48) as a DataType below Structure: `node->parent` is ignored. In
  * memory its members lie one after the other as a C compiler lays out a struct of the same members.
- * Stores a handle, which belongs to the server. */
+ * Stores a handle, which belongs to the server. Types are not removed: after Bad_OutOfMemory the
+ * DataType may be there. */
 BUSBAR_C_API busbar_status busbar_server_add_structure(busbar_server* server,
                                                        const busbar_node* node,
                                                        const busbar_field* fields, size_t count,
@@ -155,9 +157,10 @@ typedef struct busbar_argument {
 
 /* Carries out a Method (Part 4, 5.12.2). Inputs have the types of the arguments, and are valid
  * until the call is finished; ranges are to be checked. Outputs, which begin as null values of
- * their types, are to be set if it returns BUSBAR_GOOD, and what they point at must stay until it
- * returns. Others answer later by busbar_call_finish and return
- * BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY. */
+ * their types, arrays without elements among them, are to be set if it returns BUSBAR_GOOD, and
+ * what they point at must stay until it returns. Others answer later by busbar_call_finish and
+ * return BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY. The client has Bad_Timeout if that takes more than
+ * 5 seconds, and Bad_TooManyOperations while 256 requests with such calls are unfinished. */
 typedef busbar_status (*busbar_method_callback)(void* context, busbar_call* call,
                                                 const busbar_value* inputs, size_t input_count,
                                                 busbar_value* outputs, size_t output_count);
@@ -171,8 +174,8 @@ BUSBAR_C_API busbar_status busbar_server_add_method(busbar_server* server, const
                                                     busbar_method_callback callback, void* context);
 
 /* Answers a call whose callback returned BUSBAR_GOOD_COMPLETES_ASYNCHRONOUSLY, which must be done
- * once for each, even after the end of the server, and frees it. `outputs` may be null with a bad
- * status. Any thread, not within the callback. */
+ * once for each, even after the end of the server, and frees it. With a bad status `outputs` and
+ * `output_count` are ignored. Any thread, not within the callback. */
 BUSBAR_C_API busbar_status busbar_call_finish(busbar_call* call, busbar_status status,
                                               const busbar_value* outputs, size_t output_count);
 
@@ -190,14 +193,15 @@ typedef struct busbar_event {
     const char* source_node; /* null: the Server */
     const char* source_name;
     const char* message;
-    uint16_t severity; /* 1 to 1,000 */
+    uint16_t severity; /* 1 to 1,000; 0: 1 */
     busbar_time time;  /* 0: now */
     const busbar_event_field* fields;
     size_t field_count;
 } busbar_event;
 
 /* Raises an event for the clients that monitor the Server or a notifier above its source. Never
- * blocks; Bad_ResourceUnavailable if too many wait. Any thread; leaves no text. */
+ * blocks; Bad_ResourceUnavailable if too many wait, Bad_InvalidArgument. Any thread; leaves no
+ * text. */
 BUSBAR_C_API busbar_status busbar_server_raise_event(busbar_server* server,
                                                      const busbar_event* event);
 

@@ -73,6 +73,9 @@ public:
 
     /// Returns the handle that the Method's node must have.
     [[nodiscard]] std::uint64_t add(Function function);
+    /// Frees a function, after its Method's node was removed; a later add() may return the same
+    /// handle. Does nothing for a handle that is not in use. Not within one of the functions.
+    void remove(std::uint64_t handle) noexcept;
 
     [[nodiscard]] DataSourceOptions options() const override { return options_; }
     void read(ReadBatch batch) override { batch.fail(status::Bad_NotReadable); }
@@ -82,6 +85,7 @@ private:
     DataSourceOptions options_;
     /// The handle is the index.
     std::vector<Function> functions_;
+    std::vector<std::uint64_t> free_;
 };
 
 } // namespace busbar::server

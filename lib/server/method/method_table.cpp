@@ -42,8 +42,23 @@ void MethodCall::finish(CallResult result)
 
 std::uint64_t MethodTable::add(Function function)
 {
+    if (!free_.empty()) {
+        const std::uint64_t handle = free_.back();
+        functions_[static_cast<std::size_t>(handle)] = std::move(function);
+        free_.pop_back();
+        return handle;
+    }
     functions_.push_back(std::move(function));
     return functions_.size() - 1;
+}
+
+void MethodTable::remove(std::uint64_t handle) noexcept
+{
+    if (handle < functions_.size() && functions_[static_cast<std::size_t>(handle)]) {
+        functions_[static_cast<std::size_t>(handle)] = nullptr;
+        // Without memory the place stays empty, which costs a few bytes.
+        busbar::detail::attempt([&] { free_.push_back(handle); });
+    }
 }
 
 void MethodTable::call(CallBatch batch)
