@@ -28,8 +28,7 @@ public:
     [[nodiscard]] const NodeId& object_id() const { return *item().object_id; }
     [[nodiscard]] const NodeId& method_id() const { return *item().method_id; }
     [[nodiscard]] std::span<const Variant> inputs() const { return item().inputs; }
-    /// Returns input `index` if it is a scalar of T, else `otherwise`. Only a Method that accepts
-    /// more than one type can find another one there.
+    /// Returns input `index` if it is a scalar of T, else `otherwise`: Methods may accept others.
     template <BuiltIn T>
     [[nodiscard]] T input(std::size_t index, T otherwise = {}) const
     {
@@ -50,8 +49,7 @@ private:
     [[nodiscard]] const CallItem& item() const { return batch_->items()[index_]; }
     void finish(CallResult result);
 
-    /// Shared by the calls of the batch; the last of them completes it.
-    std::shared_ptr<CallBatch> batch_;
+    std::shared_ptr<CallBatch> batch_; // of all its calls, the last of which completes it
     std::size_t index_;
 };
 
@@ -73,8 +71,7 @@ public:
 
     /// Returns the handle that the Method's node must have.
     [[nodiscard]] std::uint64_t add(Function function);
-    /// Frees a function, after its Method's node was removed; a later add() may return the same
-    /// handle. Does nothing for a handle that is not in use. Not within one of the functions.
+    /// Frees the function of a Method that was removed; not within one. The handle may come again.
     void remove(std::uint64_t handle) noexcept;
 
     [[nodiscard]] DataSourceOptions options() const override { return options_; }
@@ -83,8 +80,7 @@ public:
 
 private:
     DataSourceOptions options_;
-    /// The handle is the index.
-    std::vector<Function> functions_;
+    std::vector<Function> functions_; // by handle
     std::vector<std::uint64_t> free_;
 };
 
