@@ -3,6 +3,11 @@
 #include <array>
 #include <vector>
 
+#include <busbar/client/attributes.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/net/blocking_client.hpp>
+#include <busbar/net/system.hpp>
+
 namespace c_handles_test {
 
 // What a server keeps of nodes, and what it frees with them.
@@ -50,6 +55,50 @@ busbar_status get(const ServerInC& machine, std::uint64_t handle, std::int32_t& 
     const busbar_status got = busbar_server_get_value(machine.server, handle, &value);
     to = value.value.as.int32;
     return got;
+}
+
+busbar_status read_nothing(void*, busbar_batch*, busbar_read_item*, std::size_t)
+{
+    return good;
+}
+
+/// Keeps the handles of what it is to write.
+busbar_status take_handles(void* context, busbar_batch*, busbar_write_item* items,
+                           std::size_t count)
+{
+    for (std::size_t i = 0; i < count; ++i) {
+        static_cast<std::vector<std::uint64_t>*>(context)->push_back(items[i].handle);
+        items[i].result = good;
+    }
+    return good;
+}
+
+struct NoLog final : busbar::LogSink {
+    void write(busbar::LogLevel, std::string_view, std::string_view) override {}
+};
+
+/// Writes with a client that has values C has no form for.
+std::vector<busbar::StatusCode> write_all(const std::string& url,
+                                          std::vector<busbar::WriteValue> values)
+{
+    NoLog log;
+    busbar::crypto::SystemRandom random;
+    busbar::net::SystemWallClock clock;
+    busbar::channel::ChannelEnvironment environment;
+    environment.log = &log;
+    environment.random = &random;
+    environment.wall_clock = &clock;
+    busbar::client::ClientConfig config;
+    config.endpoint_url = url;
+    config.application_uri = "urn:test:writer";
+    config.security.allows_none = true;
+    busbar::net::BlockingClient client{config, environment};
+    REQUIRE(client.connect());
+    auto written = client.wait_for<std::vector<busbar::StatusCode>>([&](auto done) {
+        return busbar::client::write(client.client(), std::move(values), std::move(done));
+    });
+    REQUIRE(written);
+    return *written;
 }
 
 /// The bytes of operator new; 0 where it is not the library's.
@@ -172,6 +221,46 @@ TEST_CASE("a structure in C may have the NodeId that would be its encoding's", "
                   good);
         }
     }
+}
+
+TEST_CASE("a source in C gets no values that C has no form for", "[c]")
+{
+    ServerInC machine;
+    std::vector<std::uint64_t> handles;
+    busbar_source source{};
+    source.size = sizeof source;
+    source.context = &handles;
+    source.read = read_nothing;
+    source.write = take_handles;
+    busbar_variable variable = machine.variable("Xml", busbar_value_int32(0));
+    variable.data_type = "i=24"; // BaseDataType
+    variable.handle = 1;
+    REQUIRE(busbar_server_add_source(machine.server, &source, &variable.source) == good);
+    REQUIRE(busbar_server_add_variable(machine.server, &variable, nullptr) == good);
+    variable.node.name = "Variants";
+    variable.value = busbar_value_array(BUSBAR_INT32, nullptr, 0);
+    variable.handle = 2;
+    REQUIRE(busbar_server_add_variable(machine.server, &variable, nullptr) == good);
+    variable.node.name = "Number";
+    variable.value = busbar_value_int32(0);
+    variable.handle = 3;
+    REQUIRE(busbar_server_add_variable(machine.server, &variable, nullptr) == good);
+    machine.run();
+
+    using namespace busbar;
+    std::vector<WriteValue> values;
+    const auto put = [&](const char* name, Variant value) {
+        values.push_back(client::value_for(NodeId{2, String{name}}, DataValue{std::move(value)}));
+    };
+    Array<Variant> variants;
+    variants.push_back(Variant{std::int32_t{1}});
+    put("Xml", Variant{ExtensionObject::from_xml(NodeId{2, 99U}, XmlElement{String{"<A/>"}})});
+    put("Variants", Variant{std::move(variants)});
+    put("Number", Variant{std::int32_t{1}});
+    CHECK(write_all(machine.url(), values) ==
+          std::vector{status::Bad_NotSupported, status::Bad_NotSupported, status::Good});
+    machine.stop();
+    CHECK(handles == std::vector<std::uint64_t>{3});
 }
 
 TEST_CASE("Methods in C begin with arrays as outputs, and fail without outputs", "[c]")
