@@ -1,6 +1,7 @@
 // Structures of one's own: Recipe from a NodeSet2 file, as a C++ type, and Limits defined in code.
 // usage: EXAMPLE_PASSWORD=... recipe-server [PORT]
 #include <cstdlib>
+#include <utility>
 
 #include <recipe/nodes.hpp>
 #include <recipe/registry.hpp>
@@ -54,7 +55,8 @@ Result<model::BoundValue> first_limits(model::AddressSpace& space, std::uint16_t
     return limits.set("Least", Variant{1.0})
         .and_then([&] { return limits.set("Most", Variant{250.0}); })
         .and_then([&] { return binary::to_extension_object(limits); })
-        .transform([](ExtensionObject value) { return model::BoundValue{Variant{value}}; });
+        .transform(
+            [](ExtensionObject value) { return model::BoundValue{Variant{std::move(value)}}; });
 }
 
 } // namespace
