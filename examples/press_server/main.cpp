@@ -57,7 +57,7 @@ Result<Nodes> add_press(model::AddressSpace& space, std::uint16_t ns)
 }
 
 /// The stroke: half a second later the Call is answered and the event raised.
-void run_stroke(server::MethodCall call, std::shared_ptr<server::EventQueue> events,
+void run_stroke(server::MethodCall call, const std::shared_ptr<server::EventQueue>& events,
                 const Nodes& nodes, std::uint16_t ns)
 {
     const auto force = call.input<double>(0);

@@ -122,7 +122,8 @@ public:
     [[nodiscard]] std::span<const WriteItem> items() const { return items_; }
     /// One status for each item, in the same order.
     [[nodiscard]] std::span<StatusCode> results() { return {results_, items_.size()}; }
-    [[nodiscard]] bool is_abandoned() const; // see CallBatch
+    /// See CallBatch::is_abandoned.
+    [[nodiscard]] bool is_abandoned() const;
 
     void complete();
     /// Completes with `status` for each item; Good is allowed. `reason` is CallResult::reason.

@@ -30,9 +30,11 @@ protected:
 /// An attempt of a session's user to prove a password, see RunningServer::begin_password_trial. It
 /// outlives the session.
 struct PasswordTrial {
+    /// The name that it logged in with.
     std::string user;
     /// Thumbprint of the client's certificate; empty without security.
     std::string certificate;
+    /// The client's address without its port.
     std::string address;
 };
 
