@@ -110,7 +110,7 @@ StatusCode add_all(busbar_server& server, const busbar_image_config& config, bus
     AddedVariables variables{server.server->address_space()};
     for (std::uint32_t handle = 0; handle < config.count; ++handle) {
         const busbar_image_variable& from = config.variables[handle];
-        // Of an empty memory: the program's need not hold anything yet.
+        // The first values come from empty memory, as the program has perhaps written nothing yet.
         server::ImageLayout alone;
         auto like = image_variable_of(from.field);
         static_cast<void>(alone.add(*like));

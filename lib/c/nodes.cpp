@@ -110,7 +110,7 @@ StatusCode add_properties(model::AddressSpace& space, model::NodeIndex type,
         if (!property) {
             return property.error();
         }
-        // What instances have, which events are (Part 3, 6.4.4).
+        // Events are instances of the type, which have what is Mandatory (Part 3, 6.4.4).
         const auto rule = space.add_reference(*property, NodeId{0, id::HasModellingRule},
                                               space.find(id::ModellingRule_Mandatory));
         if (!rule && space.find(id::ModellingRule_Mandatory) != model::no_node) {

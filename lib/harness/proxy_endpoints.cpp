@@ -54,7 +54,7 @@ ProxyEndpoints::ProxyEndpoints(Config config)
             return is_of_server(endpoint.endpoint_url.view());
         });
     }
-    if (ours == all.end()) { // behind a port map the server does not know this port
+    if (ours == all.end()) { // a port map gave the server another port
         ours = all.begin();
         is_any_port_ours_ = true;
     }

@@ -43,7 +43,7 @@ public:
     [[nodiscard]] const crypto::SecurityPolicy*
     token_policy(const channel::SecuritySetting& security, const String& policy_id) const;
 
-    // What concerns another server stays as it is.
+    // Endpoints of other servers are passed on unchanged.
 
     void rewrite(ApplicationDescription& server) const;
     /// Leaves out endpoints of the server with a policy that this build does not know.

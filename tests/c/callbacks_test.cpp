@@ -6,7 +6,7 @@
 
 namespace c_callbacks_test {
 
-// What callbacks of servers and clients may not do, and what interrupts end.
+// Calls that callbacks of servers and clients may not make, and waits that an interrupt ends.
 
 using busbar::test::ClientInC;
 using busbar::test::ServerInC;

@@ -121,7 +121,7 @@ void print_rows(Context& context, const std::vector<NamedNode>& nodes,
     }
 }
 
-/// Says of which nodes there is no value, and why.
+/// Prints for each node without a value why it has none.
 void print_reasons(Output& err, const std::vector<NamedNode>& nodes,
                    const std::vector<ValueFacts>& facts)
 {
