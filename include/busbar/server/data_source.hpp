@@ -68,9 +68,8 @@ struct WriteItem {
 /// The values that one service call requests from one source, of one point in time if the source
 /// has such. It owns its memory together with the server: items, slots and the memory of keep_alive
 /// are valid until the batch is completed or destroyed, even if client, session and server are gone
-/// before. Complete it once, inline in DataSource::read or later, on any thread, but on one at a
-/// time. Destroying it completes it with the present slots: one that was never filled answers
-/// Bad_NoCommunication.
+/// before. Complete it once, inline in DataSource::read or later, on any thread, one at a time.
+/// Destroying it completes it with the present slots; one never filled answers Bad_NoCommunication.
 class BUSBAR_API ReadBatch {
 public:
     explicit ReadBatch(detail::ReadPart& part);
