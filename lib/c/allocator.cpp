@@ -148,8 +148,8 @@ bool is_counted(std::size_t alignment)
     return count() != before;
 }
 
-/// False if the program has another operator new than those below, plain or aligned.
-bool has_own_operator_new()
+/// True if operator new, plain and aligned, is the one below and not the program's.
+bool is_operator_new_ours()
 {
     return is_counted(plain_alignment) && is_counted(2 * plain_alignment);
 }
@@ -166,7 +166,7 @@ busbar_status busbar_set_allocator(const busbar_allocator* allocator)
         allocator->allocate == nullptr || allocator->release == nullptr) {
         return BUSBAR_BAD_INVALID_ARGUMENT;
     }
-    if (!has_own_operator_new()) {
+    if (!is_operator_new_ours()) {
         return BUSBAR_BAD_NOT_SUPPORTED;
     }
     // OpenSSL accepts others only before its first allocation.
@@ -188,7 +188,7 @@ busbar_status busbar_memory_in_use(busbar_memory* memory)
     if (memory == nullptr || memory->size != sizeof *memory) {
         return BUSBAR_BAD_INVALID_ARGUMENT;
     }
-    if (!has_own_operator_new()) {
+    if (!is_operator_new_ours()) {
         return BUSBAR_BAD_NOT_SUPPORTED;
     }
     memory->blocks = process_memory.blocks.load();

@@ -30,7 +30,7 @@ model::NodeIndex find_node(const model::AddressSpace& space, const char* text)
     return id ? space.find(*id) : model::no_node;
 }
 
-/// What serves nodes that are removed, so that it can be freed after them.
+/// The entries and functions of nodes that are removed; they are freed after the nodes.
 class ServedNodes {
 public:
     ServedNodes(busbar_server& server, model::NodeIndex node) : server_{&server}

@@ -76,7 +76,7 @@ struct AllowAll final : server::AccessControl {
     }
 };
 
-/// What outlives the server.
+/// The objects that outlive the server.
 struct Parts {
     [[nodiscard]] harness::BenchOptions options() const
     {

@@ -28,7 +28,7 @@ IdentityMappingRuleType user_rule(const char* name)
     return {IdentityCriteriaType::UserName, String{name}};
 }
 
-/// What outlives the server.
+/// The objects that outlive the server.
 struct Parts {
     Parts() { REQUIRE(roles.load()); }
     [[nodiscard]] harness::BenchOptions options()

@@ -353,7 +353,7 @@ TEST_CASE_METHOD(Lenient, "ArrayDimensions that a value exceeds are 0")
                            list("Int32", {"7", "8"}), Variant{Array<std::int32_t>{7, 8}}},
                       Case{"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"2,1\"", matrix,
                            Variant::matrix(Array<std::int32_t>{1, 2, 3, 4}, {2, 2})},
-                      // As many as the value has, not as the node.
+                      // The value decides how many there are.
                       Case{"DataType=\"i=6\" ValueRank=\"1\" ArrayDimensions=\"2,2\"",
                            list("Int32", {"7", "8"}), Variant{Array<std::int32_t>{7, 8}}},
                       Case{"DataType=\"i=6\" ValueRank=\"2\" ArrayDimensions=\"9\"", matrix,

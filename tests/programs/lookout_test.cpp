@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::int64_t ticks_of_a_day = 86'400 * DateTime::ticks_per_second;
 
-/// What outlives the server.
+/// The objects that outlive the server.
 struct Parts {
     Parts() { log.keeps_records = true; }
     [[nodiscard]] harness::BenchOptions options()

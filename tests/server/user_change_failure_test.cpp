@@ -9,7 +9,7 @@
 
 namespace user_change_failure_test {
 
-/// Has logins come, and sessions change to another user, while there is no memory.
+/// Sends logins and changes of users while there is no memory.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;

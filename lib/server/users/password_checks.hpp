@@ -49,7 +49,7 @@ struct PasswordCheck final : WorkItem, private WorkOwner {
     [[nodiscard]] Duration begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now);
     /// Tells the guard how it ended, if it was begun and has not ended before.
     void end(LoginGuard::End how);
-    /// Likewise, by the result: a right password is no success if nothing logs in by it.
+    /// Ends it by its result: a right password counts as not looked at, since nothing logs in.
     void end_by_result();
     /// Its owner no longer waits: a worker that has not begun compares nothing.
     void leave();
