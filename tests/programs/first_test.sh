@@ -8,7 +8,9 @@ server=$1 client=$2 folder=$3
 work=$(mktemp -d)
 trap 'kill "$serving" "$watching" 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 serving="" watching=""
+here=$(cd "$(dirname "$0")" && pwd)
 cd "$work"
+. "$here/ports.sh"
 export FIRST_SERVER_PASSWORD="a pass phrase" POLL_SERVER_PASSWORD="a pass phrase"
 export FIRST_CLIENT_PASSWORD="a pass phrase"
 
@@ -30,11 +32,10 @@ trust() {
     mv "$1"/rejected/certs/*.der "$1"/trusted/certs/
 }
 
-# A port that is free: the kernel's choice would not be known to the client.
-port=$((20000 + $$ % 20000))
 "$server" "$port" > server.log 2>&1 &
 serving=$!
-wait_for test -d "$folder/rejected"
+# Its folders are there before it has a key and listens.
+wait_for grep -q 'ready at' server.log
 
 # The client does not know the server and stops.
 if "$client" "opc.tcp://localhost:$port" 1 > client.log 2>&1; then

@@ -11,6 +11,7 @@ command -v openssl > /dev/null || ! grep -q '^openssl ' "$page" || {
     exit 77
 }
 
+here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -18,7 +19,7 @@ mkdir bin day
 for program; do
     ln -s "$program" bin/
 done
-port=$((20000 + $$ % 1500 * 8))
+. "$here/ports.sh"
 # The blocks of shell, as commands that are checked; a text of several lines is one command.
 {
     echo "pids=''; trap 'kill \$pids 2> /dev/null; wait' EXIT"
@@ -31,7 +32,7 @@ port=$((20000 + $$ % 1500 * 8))
         /^export / { print; next }
         /# refused$/ { print "! " $0; print "[ $? -eq 0 ] || { echo \"TAKEN: line " NR "\"; exit 1; }"; next }
         { print; print "[ $? -eq 0 ] || { echo \"FAILED: line " NR "\"; exit 1; }" }' "$page" |
-        sed "s/4840/$port/g"
+        sed "s/4840/$port/g; s/:5020/:$((port + 1))/; s/:5007/:$((port + 2))/"
 } > commands.sh
 [ "$(wc -l < commands.sh)" -gt 3 ] || { echo "$page has no commands"; exit 1; }
 cd day

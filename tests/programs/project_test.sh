@@ -4,7 +4,8 @@
 # usage: project_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
-. "$(dirname "$0")/functions.sh"
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/functions.sh"
 
 
 press_model '  <UAVariable NodeId="ns=1;i=6" BrowseName="1:Forces" DataType="i=4" ValueRank="1"
@@ -279,7 +280,8 @@ kill -HUP "$pid"
 await logged 'line.st:[0-9]*:[0-9]*: .*nothing was changed'
 
 # 9.8: a second listener, for administrators only, at an address of its own.
-tool_port=$((20000 + $$ % 1500 * 8))
+. "$here/ports.sh"
+tool_port=$port
 tool=opc.tcp://127.0.1.2:$tool_port
 cp line.first line.st
 run 0 project set press.busbar "listener 1.address" 127.0.0.1 "listener 1.use" data \

@@ -41,10 +41,6 @@ is_refused_to() {
     [ $code -eq 1 ] || [ $code -eq 4 ] || fail "$last: exit code $code instead of 1 or 4"
     says '^busbar: '
 }
-is_running() {
-    reaches admin status "$url" &&
-        grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
-}
 
 application
 authority root
@@ -95,8 +91,7 @@ for user in watcher op fitter; do
     is_refused_to $user admin shutdown "$url" --restart --seconds 0 --yes
 done
 for user in engineer chief; do
-    as $user 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await is_running
+    restart $user
 done
 # Execution log.
 row op admin log "$url"

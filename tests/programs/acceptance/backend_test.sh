@@ -163,7 +163,7 @@ echo 'slow 0' >&7
 await shows press.Speed ' 17 '
 
 # A restart of the controller takes them over again, and power that is cut harms nothing.
-run 0 --user chief --password-file password --trust admin shutdown --restart --yes "$url"
+restart
 await shows press.Speed ' 17 '
 power_cycle
 await shows press.Speed ' 17 '

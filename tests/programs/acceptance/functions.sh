@@ -6,8 +6,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 
 echo "Patience_123" > password
 hash=$(quick_hash password)
-# The seven ports after it are this script's, too: others run beside it, with numbers close by.
-port=$((20000 + $$ % 1500 * 8))
+. "$here/../ports.sh"
 
 # account NAME ROLES: its table; the roles as TOML has them.
 account() {
@@ -63,6 +62,21 @@ value() {
     chief 0 read --value "$url" "$(node "$1")"
     says "^$2\$"
 }
+
+# Whether the server is one that clients have all of.
+is_running() {
+    reaches admin status "$url" && grep -q 'operating status: *Running$' out &&
+        grep -q '^state: *Running$' out
+}
+# restart [USER]: chief or this user restarts the server. Returns when the new one answers: the one
+# before does so for another moment.
+restart() {
+    cycle_when_due
+    starts=$(grep -c '^ready' log)
+    as "${1:-chief}" 0 admin shutdown "$url" --restart --seconds 0 --yes
+    await has_restarted && await is_running
+}
+has_restarted() { [ "$(grep -c '^ready' log)" -gt "$starts" ]; }
 
 # What a power cut does, and power comes back; other ARGUMENTS than before begin another controller.
 power_cut() {

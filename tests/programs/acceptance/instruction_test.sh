@@ -10,10 +10,6 @@ status_is() {
     chief 0 admin status "$url"
     says "^Server operating status: *$1\$"
 }
-is_running() {
-    reaches admin status "$url" &&
-        grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
-}
 
 # configure PROGRAMS: the configuration with these tables.
 configure() {
@@ -52,8 +48,7 @@ says '^Restart due: *the OPC UA server was shut down$'
 chief 0 admin events "$url" --code 95D10000
 says '95D10000 OPC UA Server Stopped'
 kill -0 "$pid" || fail "the program ended with the server"
-chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-await is_running
+restart
 step_ends
 power_cycle
 status_is Running
@@ -94,8 +89,7 @@ for start in first next; do
     says 'Correction: '
     entry variables A-2: OPCUA_Shutdown
     one_step
-    [ $start = next ] || chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await is_running
+    if [ $start = next ]; then await is_running; else restart; fi
     step_ends
 done
 

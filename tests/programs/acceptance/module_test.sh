@@ -151,8 +151,7 @@ await in_use
 entry model 8.5: operation
 starts=$(grep -c '^ready' log)
 chief 0 project restart "$url" --yes --seconds 0
-is_new() { [ "$(grep -c '^ready' log)" -gt "$starts" ]; }
-await is_new # the one before still answers for a moment
+await has_restarted # the one before still answers for a moment
 await in_use
 chief 0 project verify "$url" line.busbar
 

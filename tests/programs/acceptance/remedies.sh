@@ -33,17 +33,9 @@ log_text() {
 # recorded CATEGORY CODE TEXT: it is in the execution log.
 recorded() { await has_text " $1 $2 .*$3"; }
 has_text() { log_text | grep -q -e "$1"; }
-is_running() {
-    reaches admin status "$url" && grep -q 'operating status: *Running$' out &&
-        grep -q '^state: *Running$' out
-}
 status_is() {
     chief 0 admin status "$url"
     says "^Server operating status: *$1\$"
-}
-restart() {
-    chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await is_running
 }
 # follows USER NODE...: a client that subscribes until it is killed, whose lines are in "followed".
 follows() {

@@ -217,7 +217,7 @@ for each in 3:Bad_OutOfService 1:Bad_ServerHalted; do
     if [ "${each%%:*}" -eq 3 ]; then
         state 0
     else
-        chief 0 admin shutdown "$url" --restart --seconds 0 --yes
+        restart
     fi
     await ends_with 0 --user op --password-file password --trust read "$url" "$(node Speed)"
 done

@@ -7,14 +7,6 @@ controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
 . "$here/certificates.sh"
 
-is_running() {
-    reaches admin status "$url" &&
-        grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
-}
-restart() {
-    chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await logged 'shut down'
-}
 setting() {
     chief 0 admin setting list "$url" "$1"
     says "^$1  *$2\\( \\|\$\\)"
@@ -49,7 +41,6 @@ chief 0 admin setting set "$url" machine.execution_log true machine.execution_lo
     machine.execution_log_records 100
 says 'wait for a restart'
 restart
-await is_running
 step_ends
 setting machine.execution_log_records 100
 await [ -e medium/packages/OPCUA_Server/ExecutionLog/OPCUA_ExecutionLog.log ]

@@ -24,14 +24,6 @@ status_is() {
     chief 0 admin status "$url"
     says "^Server operating status: *$1\$"
 }
-is_running() {
-    reaches admin status "$url" && grep -q 'operating status: *Running$' out &&
-        grep -q '^state: *Running$' out
-}
-restart() {
-    chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await is_running
-}
 # No values, whatever an administrator at the machine may see.
 serves_nobody() {
     run_code=$(timeout 60 "$busbar" --user op --password-file password --trust \

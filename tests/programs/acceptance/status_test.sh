@@ -8,7 +8,7 @@ controller=$1 busbar=$2
 . "$(dirname "$0")/functions.sh"
 
 status() { as "${1:-chief}" 0 admin status "$url"; }
-is_running() {
+shows_running() {
     status
     says '^OPC UA Server: *Use$'
     says '^Server operating status: *Running$'
@@ -19,7 +19,7 @@ is_running() {
     says '^Restart due: *no$'
 }
 is_fine() {
-    is_running
+    shows_running
     says '^Pending changes: *none$'
     says '^Current errors: *none$'
 }
@@ -34,14 +34,6 @@ got() {
 }
 simulate() {
     as engineer 0 call "$url" "nsu=urn:busbar:machine;s=Machine/Hardware" Simulate "$1"
-}
-restart() {
-    chief 0 admin shutdown "$url" --restart --seconds 0 --yes
-    await ends_with_running
-}
-ends_with_running() {
-    reaches admin status "$url" &&
-        grep -q 'operating status: *Running$' out && grep -q '^state: *Running$' out
 }
 
 {
@@ -154,10 +146,10 @@ entry_ends
 # What is asked for and not in force.
 printf 'VAR_GLOBAL\n    Speed : IN' > press.st
 hang_up 'press.st:2:.*; nothing was changed'
-is_running
+shows_running
 says '^Pending changes: *press.st:2:'
 power_cycle
-is_running
+shows_running
 says '^Pending changes: *press.st:2:.*$'
 says 'ran with last'
 says '00000004 Configuration Not in Force: press.st:2:'
