@@ -16,7 +16,7 @@ export FIRST_CLIENT_PASSWORD="a pass phrase"
 
 # wait_for COMMAND...: until it succeeds.
 wait_for() {
-    for _ in $(seq 200); do
+    for _ in $(seq 600); do
         "$@" && return 0
         sleep 0.1
     done
