@@ -20,6 +20,9 @@ constexpr Duration change_interval = 20s;
 
 /// The services that can be ill.
 constexpr std::array services{
+    FindServersRequest::binary_encoding_id,
+    RegisterServerRequest::binary_encoding_id,
+    RegisterServer2Request::binary_encoding_id,
     GetEndpointsRequest::binary_encoding_id,
     CreateSessionRequest::binary_encoding_id,
     ActivateSessionRequest::binary_encoding_id,
@@ -30,13 +33,19 @@ constexpr std::array services{
     BrowseRequest::binary_encoding_id,
     BrowseNextRequest::binary_encoding_id,
     TranslateBrowsePathsToNodeIdsRequest::binary_encoding_id,
+    RegisterNodesRequest::binary_encoding_id,
+    UnregisterNodesRequest::binary_encoding_id,
     CreateSubscriptionRequest::binary_encoding_id,
+    ModifySubscriptionRequest::binary_encoding_id,
     DeleteSubscriptionsRequest::binary_encoding_id,
     SetPublishingModeRequest::binary_encoding_id,
     TransferSubscriptionsRequest::binary_encoding_id,
     RepublishRequest::binary_encoding_id,
     PublishRequest::binary_encoding_id,
     CreateMonitoredItemsRequest::binary_encoding_id,
+    ModifyMonitoredItemsRequest::binary_encoding_id,
+    SetMonitoringModeRequest::binary_encoding_id,
+    SetTriggeringRequest::binary_encoding_id,
     DeleteMonitoredItemsRequest::binary_encoding_id,
 };
 
@@ -75,7 +84,49 @@ void refuse_results(Response& response, StatusCode why)
         for (auto& result : response.results) {
             refuse_result(result, why);
         }
+    } else if constexpr (requires { response.add_results; }) {
+        for (StatusCode& result : response.add_results) {
+            result = why;
+        }
+    } else if constexpr (requires { response.configuration_results; }) {
+        for (StatusCode& result : response.configuration_results) {
+            result = why;
+        }
     }
+}
+
+/// Endpoints in front of the right one, each with something that no client can use.
+void add_odd_endpoints(Array<EndpointDescription>& endpoints, Chance& chance)
+{
+    Array<EndpointDescription> odd;
+    for (std::size_t i = 0; i < 20; ++i) {
+        EndpointDescription& each = odd.emplace_back(endpoints[0]);
+        switch (chance.below(7)) {
+        case 0:
+            each.security_policy_uri = "urn:unknown";
+            break;
+        case 1:
+            each.security_mode = MessageSecurityMode{chance.pick<std::int32_t>({0, 2, 3, 77})};
+            break;
+        case 2:
+            each.user_identity_tokens.clear();
+            break;
+        case 3:
+            each.user_identity_tokens[0].token_type = UserTokenType{99};
+            break;
+        case 4:
+            each.user_identity_tokens[0].security_policy_uri = "urn:unknown";
+            break;
+        case 5:
+            each.transport_profile_uri = "urn:unknown";
+            break;
+        default:
+            each.endpoint_url = chance.pick<const char*>(
+                {"", "opc.tcp://elsewhere:4840", "http://moody", "opc.tcp://moody:99999"});
+        }
+    }
+    odd.push_back(endpoints[0]);
+    endpoints = std::move(odd);
 }
 
 /// What a server says that knows no bounds.
@@ -97,6 +148,8 @@ void exaggerate(Response& response, Chance& chance)
         }
     } else if constexpr (requires { response.more_notifications; }) {
         response.more_notifications = true;
+    } else if constexpr (requires { response.endpoints; }) {
+        add_odd_endpoints(response.endpoints, chance);
     }
 }
 
@@ -151,7 +204,12 @@ public:
         if (server_.is_deaf_) {
             return;
         }
-        static_cast<void>(channel_.feed(in, server_.world_.now()));
+        if (server_.ignores_renewals_ || ignored_ != 0) {
+            received_.insert(received_.end(), in.begin(), in.end());
+            take_messages();
+        } else {
+            static_cast<void>(channel_.feed(in, server_.world_.now()));
+        }
         update();
     }
     void link_lost() override
@@ -168,9 +226,47 @@ private:
         std::vector<std::byte> body;
     };
 
+    /// Feeds whole messages (Part 6, 6.7.2) and leaves out what renews the channel. Without
+    /// security the sequence numbers of the following ones can be corrected.
+    void take_messages()
+    {
+        std::size_t taken = 0;
+        while (received_.size() - taken >= sequence_offset + 4) {
+            const std::span<std::byte> rest = std::span{received_}.subspan(taken);
+            const std::size_t size = number_at(rest, 4);
+            if (rest.size() < size) {
+                break;
+            }
+            taken += size;
+            const std::span<std::byte> message = rest.first(size);
+            if (message[0] == std::byte{'O'} && is_open_) {
+                ++ignored_;
+                ++server_.ignored_renewals_;
+                continue;
+            }
+            if (ignored_ != 0) {
+                const std::uint32_t number = number_at(message, sequence_offset) - ignored_;
+                for (std::size_t i = 0; i < 4; ++i) {
+                    message[sequence_offset + i] = std::byte(number >> 8 * i);
+                }
+            }
+            static_cast<void>(channel_.feed(message, server_.world_.now()));
+        }
+        received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(taken));
+    }
+    [[nodiscard]] static std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at)
+    {
+        std::uint32_t number = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            number |= std::to_integer<std::uint32_t>(bytes[at + i]) << 8 * i;
+        }
+        return number;
+    }
+
     void update()
     {
         while (auto event = channel_.next_event()) {
+            is_open_ = true;
             if (event->kind == channel::ChannelEvent::Kind::Message) {
                 server_.handle({*this, event->request_id, event->body});
             }
@@ -202,10 +298,16 @@ private:
         due_alarm_.set(due_.empty() ? no_deadline : due_.front().time);
     }
 
+    /// Of the sequence number in a message without security: after header, channel and token.
+    static constexpr std::size_t sequence_offset = 16;
+
     MoodyServer& server_;
     std::uint64_t id_;
     std::shared_ptr<Link> link_;
     channel::ServerChannel channel_;
+    std::vector<std::byte> received_;
+    std::uint32_t ignored_{0}; // renewals of this channel
+    bool is_open_{false};
     std::deque<Due> due_;
     Alarm deadline_;
     Alarm due_alarm_;
@@ -227,6 +329,7 @@ void MoodyServer::be_well()
 {
     ailments_.clear();
     is_deaf_ = false;
+    ignores_renewals_ = false;
 }
 
 void MoodyServer::change_moods()
@@ -236,6 +339,7 @@ void MoodyServer::change_moods()
         is_deaf_ = true;
         return;
     }
+    ignores_renewals_ = chance_.one_in(5);
     // Mostly one or two services, now and then all.
     const std::size_t count = chance_.one_in(10) ? services.size() : 1 + chance_.below(3);
     for (std::size_t i = 0; i < count; ++i) {
@@ -268,7 +372,7 @@ void MoodyServer::forget_subscriptions()
 
 std::string MoodyServer::ailments() const
 {
-    std::string text = is_deaf_ ? "deaf" : "";
+    std::string text = is_deaf_ ? "deaf" : ignores_renewals_ ? "ignores renewals" : "";
     for (const auto& [service, ailment] : ailments_) {
         text += " " + std::to_string(service) + ":" +
                 std::to_string(static_cast<int>(ailment.mood)) + ":" +
@@ -384,7 +488,11 @@ void MoodyServer::handle(const Incoming& incoming)
         serve(incoming, &S::create) || serve(incoming, &S::modify) || serve(incoming, &S::remove) ||
         serve(incoming, &S::set_mode) || serve(incoming, &S::transfer) ||
         serve(incoming, &S::republish) || serve(incoming, &S::create_items) ||
-        serve(incoming, &S::delete_items);
+        serve(incoming, &S::delete_items) || serve(incoming, &S::modify_items) ||
+        serve(incoming, &S::set_monitoring) || serve(incoming, &S::set_triggering) ||
+        serve(incoming, &S::register_nodes) || serve(incoming, &S::unregister_nodes) ||
+        serve(incoming, &S::find_servers) || serve(incoming, &S::register_server) ||
+        serve(incoming, &S::register_server2);
     if (!is_served) {
         refuse(incoming, 0, status::Bad_ServiceUnsupported, 0s);
     }

@@ -13,6 +13,7 @@
 #include <busbar/channel/server_channel.hpp>
 #include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/attribute.hpp>
+#include <busbar/types/discovery.hpp>
 #include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/session.hpp>
@@ -37,7 +38,8 @@ enum class Mood : std::uint8_t {
 };
 
 /// A server without security and with few services, each of which has a mood of its own. It can
-/// forget its sessions or Subscriptions, or be deaf: take connections and read nothing.
+/// forget its sessions or Subscriptions, or be deaf: take connections and read nothing. It can
+/// answer everything but the renewal of a channel. Servers may register with it.
 ///
 /// Its variables change every 20 seconds.
 class MoodyServer final : public harness::Acceptor {
@@ -58,6 +60,8 @@ public:
     [[nodiscard]] TimePoint last_message(std::uint32_t subscription) const;
     /// Requests that arrived.
     [[nodiscard]] std::uint64_t requests() const { return requests_; }
+    /// Renewals of channels that were not answered.
+    [[nodiscard]] std::uint64_t ignored_renewals() const { return ignored_renewals_; }
 
     // Acceptor
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
@@ -111,6 +115,9 @@ private:
     [[nodiscard]] Ailment ailment_of(std::uint32_t service) const;
     [[nodiscard]] Result<Session*> session_of(const RequestHeader& header);
 
+    Result<FindServersResponse> find_servers(const FindServersRequest& request);
+    Result<RegisterServerResponse> register_server(const RegisterServerRequest& request);
+    Result<RegisterServer2Response> register_server2(const RegisterServer2Request& request);
     Result<GetEndpointsResponse> get_endpoints(const GetEndpointsRequest& request);
     Result<CreateSessionResponse> create_session(const CreateSessionRequest& request);
     Result<ActivateSessionResponse> activate_session(const ActivateSessionRequest& request);
@@ -122,6 +129,8 @@ private:
     Result<BrowseNextResponse> browse_next(const BrowseNextRequest& request);
     Result<TranslateBrowsePathsToNodeIdsResponse>
     translate(const TranslateBrowsePathsToNodeIdsRequest& request);
+    Result<RegisterNodesResponse> register_nodes(const RegisterNodesRequest& request);
+    Result<UnregisterNodesResponse> unregister_nodes(const UnregisterNodesRequest& request);
     Result<CreateSubscriptionResponse> create(const CreateSubscriptionRequest& request);
     Result<ModifySubscriptionResponse> modify(const ModifySubscriptionRequest& request);
     Result<DeleteSubscriptionsResponse> remove(const DeleteSubscriptionsRequest& request);
@@ -129,6 +138,9 @@ private:
     Result<TransferSubscriptionsResponse> transfer(const TransferSubscriptionsRequest& request);
     Result<RepublishResponse> republish(const RepublishRequest& request);
     Result<CreateMonitoredItemsResponse> create_items(const CreateMonitoredItemsRequest& request);
+    Result<ModifyMonitoredItemsResponse> modify_items(const ModifyMonitoredItemsRequest& request);
+    Result<SetMonitoringModeResponse> set_monitoring(const SetMonitoringModeRequest& request);
+    Result<SetTriggeringResponse> set_triggering(const SetTriggeringRequest& request);
     Result<DeleteMonitoredItemsResponse> delete_items(const DeleteMonitoredItemsRequest& request);
 
     World& world_;
@@ -138,6 +150,8 @@ private:
     crypto::InsecureAcceptAnyCertificate accept_any_;
     NullLog log_;
     bool is_deaf_{false};
+    bool ignores_renewals_{false};
+    std::uint64_t ignored_renewals_{0};
     std::map<std::uint32_t, Ailment> ailments_; // by the encoding id of the request
     std::map<std::uint32_t, Session> sessions_; // by authentication token
     std::map<std::uint32_t, Subscription> subscriptions_;

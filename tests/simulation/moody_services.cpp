@@ -20,6 +20,28 @@ Result<MoodyServer::Session*> MoodyServer::session_of(const RequestHeader& heade
     return &found->second;
 }
 
+Result<FindServersResponse> MoodyServer::find_servers(const FindServersRequest& request)
+{
+    FindServersResponse response;
+    ApplicationDescription& self = response.servers.emplace_back();
+    self.application_uri = "urn:busbar:test:moody";
+    self.discovery_urls.push_back(request.endpoint_url);
+    return response;
+}
+
+Result<RegisterServerResponse>
+MoodyServer::register_server(const RegisterServerRequest& /*request*/)
+{
+    return RegisterServerResponse{};
+}
+
+Result<RegisterServer2Response> MoodyServer::register_server2(const RegisterServer2Request& request)
+{
+    RegisterServer2Response response;
+    response.configuration_results = Array<StatusCode>(request.discovery_configuration.size());
+    return response;
+}
+
 Result<GetEndpointsResponse> MoodyServer::get_endpoints(const GetEndpointsRequest& request)
 {
     GetEndpointsResponse response;
@@ -163,6 +185,19 @@ MoodyServer::translate(const TranslateBrowsePathsToNodeIdsRequest& request)
     return response;
 }
 
+Result<RegisterNodesResponse> MoodyServer::register_nodes(const RegisterNodesRequest& request)
+{
+    RegisterNodesResponse response;
+    response.registered_node_ids = request.nodes_to_register;
+    return response;
+}
+
+Result<UnregisterNodesResponse>
+MoodyServer::unregister_nodes(const UnregisterNodesRequest& /*request*/)
+{
+    return UnregisterNodesResponse{};
+}
+
 Result<CreateSubscriptionResponse> MoodyServer::create(const CreateSubscriptionRequest& request)
 {
     if (const auto session = session_of(request.request_header); !session) {
@@ -193,6 +228,9 @@ Result<ModifySubscriptionResponse> MoodyServer::modify(const ModifySubscriptionR
     if (found == subscriptions_.end()) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
+    const double interval = std::clamp(request.requested_publishing_interval, 1'000.0, 60'000.0);
+    found->second.interval =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>{interval});
     ModifySubscriptionResponse response;
     response.revised_publishing_interval =
         std::chrono::duration<double, std::milli>{found->second.interval}.count();
@@ -279,6 +317,50 @@ MoodyServer::create_items(const CreateMonitoredItemsRequest& request)
         }
     }
     subscription.last_value = -1; // the first notification
+    return response;
+}
+
+Result<ModifyMonitoredItemsResponse>
+MoodyServer::modify_items(const ModifyMonitoredItemsRequest& request)
+{
+    const auto found = subscriptions_.find(request.subscription_id);
+    if (found == subscriptions_.end()) {
+        return fail(status::Bad_SubscriptionIdInvalid);
+    }
+    ModifyMonitoredItemsResponse response;
+    for (const MonitoredItemModifyRequest& each : request.items_to_modify) {
+        MonitoredItemModifyResult& result = response.results.emplace_back();
+        result.revised_sampling_interval = 1'000;
+        result.revised_queue_size = 1;
+        const auto item = found->second.items.find(each.monitored_item_id);
+        if (item == found->second.items.end()) {
+            result.status_code = status::Bad_MonitoredItemIdInvalid;
+        } else {
+            item->second = each.requested_parameters.client_handle;
+        }
+    }
+    return response;
+}
+
+Result<SetMonitoringModeResponse>
+MoodyServer::set_monitoring(const SetMonitoringModeRequest& request)
+{
+    if (!subscriptions_.contains(request.subscription_id)) {
+        return fail(status::Bad_SubscriptionIdInvalid);
+    }
+    SetMonitoringModeResponse response;
+    response.results = Array<StatusCode>(request.monitored_item_ids.size());
+    return response;
+}
+
+Result<SetTriggeringResponse> MoodyServer::set_triggering(const SetTriggeringRequest& request)
+{
+    if (!subscriptions_.contains(request.subscription_id)) {
+        return fail(status::Bad_SubscriptionIdInvalid);
+    }
+    SetTriggeringResponse response;
+    response.add_results = Array<StatusCode>(request.links_to_add.size());
+    response.remove_results = Array<StatusCode>(request.links_to_remove.size());
     return response;
 }
 

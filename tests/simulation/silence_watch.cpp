@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/client/discovery.hpp>
 #include <busbar/client/methods.hpp>
 #include <busbar/client/resolve_nodes.hpp>
 #include <busbar/client/view.hpp>
@@ -28,6 +29,7 @@ client::ClientConfig watch_config()
     config.endpoint_url = "opc.tcp://moody:4840";
     config.session_timeout = 2min;
     config.keep_alive_interval = 20s;
+    config.channel_lifetime = 10min;
     return config;
 }
 
@@ -128,7 +130,7 @@ void SilenceWatch::begin_one()
         return client::browse_tree(
             at, {node}, client::children_of(node), [done](const auto&) { done(); }, limits);
     };
-    switch (chance_.below(6)) {
+    switch (chance_.below(9)) {
     case 0:
         return begin("a Read", 1min, [&](auto done) {
             return client::read(at, {client::attribute_of(node)}, [done](const auto&) { done(); });
@@ -150,6 +152,19 @@ void SilenceWatch::begin_one()
             const auto path = client::NodeAddress::path("/Objects/1:Machine").value();
             return client::resolve_nodes(at, {path}, [done](const auto&) { done(); });
         });
+    case 5:
+        return begin("RegisterNodes", 1min, [&](auto done) {
+            return client::register_nodes(at, {node}, [done](const auto&) { done(); });
+        });
+    case 6:
+        return begin("UnregisterNodes", 1min, [&](auto done) {
+            return client::unregister_nodes(at, {node}, [done](const auto&) { done(); });
+        });
+    case 7:
+        return begin("FindServers", 1min, [&](auto done) {
+            client::find_servers(at, "opc.tcp://moody:4840", [done](const auto&) { done(); });
+            return client::Operation{};
+        });
     default:
         return begin("learning a type", 10min, [&](auto done) {
             return types_->learn({NodeId{1, static_cast<std::uint32_t>(chance_.below(1'000))}},
@@ -158,10 +173,40 @@ void SilenceWatch::begin_one()
     }
 }
 
+/// Other settings of a Subscription, its items or its links, with which values still come.
+void SilenceWatch::change_wishes()
+{
+    Watched& watched = watched_[chance_.below(watched_.size())];
+    client::Subscriptions& subscriptions = client().subscriptions();
+    std::vector<client::ItemHandle> items;
+    for (const auto& [handle, item] : watched.items) {
+        items.push_back(handle);
+    }
+    switch (chance_.below(3)) {
+    case 0:
+        watched.settings.publishing_interval = chance_.between(1s, 6s);
+        static_cast<void>(subscriptions.modify(watched.handle, watched.settings));
+        break;
+    case 1: {
+        client::ItemSettings settings;
+        settings.sampling_interval = chance_.between(100ms, 5s);
+        static_cast<void>(subscriptions.modify_items(items, settings));
+        break;
+    }
+    default:
+        if (items.size() > 1) {
+            static_cast<void>(subscriptions.set_triggering(items[0], {items[1]}));
+        }
+    }
+}
+
 void SilenceWatch::act()
 {
     if (waiting_.size() < 20) {
         begin_one();
+    }
+    if (chance_.one_in(5)) {
+        change_wishes();
     }
     if (chance_.one_in(50) && !user_change_) {
         user_change_ = world_.now();

@@ -64,6 +64,7 @@ private:
     void begin(const char* name, Duration limit,
                const std::function<client::Operation(std::function<void()> done)>& start);
     void begin_one();
+    void change_wishes();
     void violation(const std::string& what);
     [[nodiscard]] client::Client& client() { return host_.client(); }
 

@@ -2,6 +2,7 @@
 
 #include "environment.hpp"
 #include "moody_server.hpp"
+#include "registration_watch.hpp"
 #include "silence_watch.hpp"
 
 namespace silent_servers_test {
@@ -23,13 +24,15 @@ struct Outcome {
     std::uint64_t values{0};
     std::uint64_t ended{0};
     std::uint64_t connections{0};
+    std::uint64_t ignored_renewals{0};
 };
 
-void pass(World& world, SilenceWatch& watch, Duration time)
+void pass(World& world, SilenceWatch& watch, RegistrationWatch& registration, Duration time)
 {
     for (const TimePoint end = world.now() + time; world.now() < end;) {
         world.run_for(10s);
         watch.check();
+        registration.check();
     }
 }
 
@@ -43,6 +46,7 @@ Outcome simulate(std::uint64_t seed, Duration time)
     {
         MoodyServer server{world, "opc.tcp://moody:4840"};
         SilenceWatch watch{world, server, trace};
+        RegistrationWatch registration{world, trace};
         for (const TimePoint end = world.now() + time; world.now() < end;) {
             for (std::size_t i = 1 + chance.below(4); i > 0; --i) {
                 server.change_moods();
@@ -54,19 +58,22 @@ Outcome simulate(std::uint64_t seed, Duration time)
                 }
                 for (std::size_t j = 1 + chance.below(10); j > 0; --j) {
                     watch.act();
-                    pass(world, watch, chance.between(10s, 2min));
+                    pass(world, watch, registration, chance.between(10s, 2min));
                 }
             }
             server.be_well();
-            pass(world, watch, 30s); // what is under way still fails
+            pass(world, watch, registration, 30s); // what is under way still fails
             watch.begin_recovery();
-            pass(world, watch, recovery);
+            registration.begin_recovery();
+            pass(world, watch, registration, recovery);
             watch.check_recovery();
+            registration.check_recovery();
         }
         watch.leave();
         outcome.values = watch.values();
         outcome.ended = watch.ended();
         outcome.connections = watch.connections();
+        outcome.ignored_renewals = server.ignored_renewals();
     }
     outcome.hash = trace.hash();
     outcome.violation_count = trace.violation_count();
@@ -91,6 +98,7 @@ TEST_CASE("a client never waits for ever, whatever a server answers, forgets or 
         CHECK(outcome.values > minutes);
         CHECK(outcome.ended > minutes / 10);
         CHECK(outcome.connections > minutes / 60);
+        CHECK(outcome.ignored_renewals > minutes / 240);
     }
 }
 
