@@ -279,6 +279,25 @@ TEST_CASE_METHOD(PuppetFixture, "A transfer that is not answered is tried again"
     CHECK(heard.gaps.empty());
 }
 
+TEST_CASE_METHOD(PuppetFixture, "A Subscription whose transfer is never answered is made anew",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    for (int i = 0; i < 10; ++i) {
+        CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+        static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+        refuse(status::Bad_Timeout);
+        pass(1s);
+    }
+    CHECK(requester.count<TransferSubscriptionsRequest>() == 0);
+    CHECK(requester.count<DeleteSubscriptionsRequest>() == 1); // it may be this session's
+    CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A transfer that found no memory is tried again", "[client]")
 {
     start();

@@ -4,8 +4,8 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// Number of attempts with a server that has no memory, once a second: meanwhile nothing is
-/// published, as the messages of transferred Subscriptions have precedence.
+/// Number of attempts with a server that has no memory, once a second, or does not answer:
+/// meanwhile nothing is published, as the messages of transferred Subscriptions have precedence.
 constexpr std::uint32_t most_transfers = 10;
 
 } // namespace
@@ -82,10 +82,6 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
             subscription->is_busy = false;
         }
     }
-    if (!response && response.error() == status::Bad_Timeout) {
-        transfer();
-        return;
-    }
     for (std::size_t i = 0; i < handles.size(); ++i) {
         WatchedSubscription* subscription = subscriptions_.find(handles[i]);
         if (subscription == nullptr || subscription->phase != Phase::Transferring) {
@@ -99,12 +95,16 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
             transferred(*subscription, response->results[i]);
         }
     }
+    transfer(); // again, after the time of a request has passed
 }
 
 void SessionChange::refused(WatchedSubscription& subscription, StatusCode reason)
 {
-    if (reason == status::Bad_OutOfMemory && ++subscription.failures < most_transfers) {
-        subscription.retry_at = requests_.now() + first_retry;
+    const bool may_pass = reason == status::Bad_OutOfMemory || reason == status::Bad_Timeout;
+    if (may_pass && ++subscription.failures < most_transfers) {
+        if (reason == status::Bad_OutOfMemory) {
+            subscription.retry_at = requests_.now() + first_retry;
+        }
         return;
     }
     // A server that has none with this id may give the id to the next one.
