@@ -36,6 +36,7 @@ private:
     ClientHost host_;
     client::Registration registration_;
     TimePoint stopped_{no_deadline}; // since when it is asked to end
+    TimePoint planned_;              // when it last had a next step
     bool may_leave_{true};
 };
 
