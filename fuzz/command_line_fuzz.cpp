@@ -8,7 +8,7 @@
 
 #include "require.hpp"
 #include "tool/commands/commands.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/failure.hpp"
 
 namespace command_line_fuzz {
 

@@ -2,12 +2,10 @@
 
 #include <busbar/core/status_codes.hpp>
 
-#include "tool/admin/audit_line.hpp"
-#include "tool/admin/log_line.hpp"
+#include "tool/admin/lines.hpp"
+#include "tool/connection/context.hpp"
 #include "tool/connection/failure.hpp"
-#include "tool/connection/url.hpp"
-#include "tool/connection/usage.hpp"
-#include "tool/connection/verbose_log.hpp"
+#include "tool/connection/logs.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/junit.hpp"

@@ -3,8 +3,8 @@
 
 #include <busbar/types/data_types.hpp>
 
-#include "audit_line.hpp"
 #include "commands.hpp"
+#include "lines.hpp"
 #include "remote.hpp"
 #include "tool/nodes/nodes.hpp"
 

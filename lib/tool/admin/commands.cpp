@@ -1,7 +1,7 @@
 #include "commands.hpp"
 
+#include "tool/connection/context.hpp"
 #include "tool/connection/server_trust.hpp"
-#include "tool/connection/url.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 

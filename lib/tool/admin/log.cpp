@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "log_line.hpp"
+#include "lines.hpp"
 #include "remote_log.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"

@@ -11,7 +11,7 @@
 
 #include "commands.hpp"
 #include "remote.hpp"
-#include "tool/connection/url.hpp"
+#include "tool/connection/context.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 

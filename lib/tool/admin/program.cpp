@@ -18,7 +18,6 @@
 #include "core/json.hpp"
 #include "remote_files.hpp"
 #include "remote_transfer.hpp"
-#include "tool/printing/differences.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"

@@ -6,7 +6,7 @@
 
 #include <busbar/core/status_codes.hpp>
 
-#include "log_line.hpp"
+#include "lines.hpp"
 #include "tool/printing/display_text.hpp"
 
 namespace busbar::tool::admin {

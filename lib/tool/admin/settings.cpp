@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "remote.hpp"
+#include "tool/nodes/node_feed.hpp"
 #include "tool/nodes/nodes.hpp"
-#include "tool/nodes/variables_below.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"

@@ -7,9 +7,9 @@
 
 #include "commands.hpp"
 #include "remote.hpp"
+#include "tool/connection/credentials.hpp"
+#include "tool/connection/logs.hpp"
 #include "tool/connection/pki.hpp"
-#include "tool/connection/user.hpp"
-#include "tool/connection/verbose_log.hpp"
 #include "tool/printing/display_text.hpp"
 
 namespace busbar::tool::admin {

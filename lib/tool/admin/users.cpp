@@ -9,7 +9,7 @@
 
 #include "commands.hpp"
 #include "remote.hpp"
-#include "tool/connection/user.hpp"
+#include "tool/connection/credentials.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"

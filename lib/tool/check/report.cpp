@@ -1,4 +1,4 @@
-#include "report.hpp"
+#include "rule.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <busbar/core/text.hpp>
 
 #include "subject.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/failure.hpp"
 
 namespace busbar::tool::rules {
 

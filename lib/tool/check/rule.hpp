@@ -11,7 +11,10 @@
 #include <busbar/core/status_code.hpp>
 #include <busbar/core/status_codes.hpp>
 
+#include "tool/printing/output.hpp"
+
 /// Rules of the specification as data: each asks a server one thing and knows the right answer.
+
 namespace busbar::tool::rules {
 
 class Subject;
@@ -130,5 +133,18 @@ struct Verdict {
 
 /// Carries a rule out.
 [[nodiscard]] Verdict judge(const SpecRule& rule, Subject& subject);
+
+/// Prints the verdicts for people: by service, those that failed first.
+void print(Output& out, const std::vector<Verdict>& verdicts);
+/// The verdicts as JSON, in the order of the rules.
+[[nodiscard]] std::string json_of(const std::vector<Verdict>& verdicts);
+/// The same as a JUnit file, with a suite for each service.
+[[nodiscard]] std::string junit_of(const std::vector<Verdict>& verdicts);
+
+/// Lists rules, for people and as JSON.
+void print(Output& out, const std::vector<const SpecRule*>& rules);
+[[nodiscard]] std::string json_of(const std::vector<const SpecRule*>& rules);
+
+[[nodiscard]] std::size_t count(const std::vector<Verdict>& verdicts, Verdict::Outcome outcome);
 
 } // namespace busbar::tool::rules

@@ -8,9 +8,9 @@
 #include <busbar/net/system.hpp>
 
 #include "commands.hpp"
+#include "tool/connection/logs.hpp"
 #include "tool/connection/pki.hpp"
 #include "tool/connection/server_trust.hpp"
-#include "tool/connection/verbose_log.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"
 #include "tool/printing/json_writer.hpp"

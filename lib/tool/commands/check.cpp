@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "tool/check/report.hpp"
+#include "tool/check/rule.hpp"
 #include "tool/check/subject.hpp"
 #include "tool/nodes/nodes.hpp"
 #include "tool/printing/file.hpp"

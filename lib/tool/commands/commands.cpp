@@ -1,4 +1,10 @@
+#include "tool/project/commands.hpp"
+
+#include <memory>
+
+#include "command_line/completion.hpp"
 #include "commands.hpp"
+#include "tool/admin/commands.hpp"
 
 namespace busbar::tool {
 
@@ -58,6 +64,59 @@ void add_command_line(CLI::App& app, Options& options, Run& run)
     app.footer(footer);
     add_options(app, options);
     add_commands(app, run);
+}
+
+void add_admin(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("admin", "Administers a server that runs.");
+    command->require_subcommand(1);
+    admin::add_status(*command, run);
+    admin::add_own(*command, run);
+    admin::add_trust(*command, run);
+    admin::add_users(*command, run);
+    admin::add_roles(*command, run);
+    admin::add_settings(*command, run);
+    admin::add_files(*command, run);
+    admin::add_audit(*command, run);
+    admin::add_log(*command, run);
+    admin::add_events(*command, run);
+    admin::add_backup(*command, run);
+    admin::add_program(*command, run);
+    admin::add_mode(*command, run);
+    admin::add_setup(*command, run);
+    admin::add_shutdown(*command, run);
+}
+
+void add_project(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("project", "Makes the project of a server in model mode.");
+    command->require_subcommand(1);
+    project::add_settings(*command, run);
+    project::add_models(*command, run);
+    project::add_instances(*command, run);
+    project::add_mapping(*command, run);
+    project::add_roles(*command, run);
+    project::add_check(*command, run);
+    project::add_compare(*command, run);
+    project::add_online(*command, run);
+}
+
+void add_completion(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("completion", "Prints a script for completion in a shell.");
+    command->footer("For this shell: eval \"$(busbar completion bash)\"\n"
+                    "It completes commands, options and their values, names of profiles, and, by\n"
+                    "asking the server that the line names, nodes and values of enumerations.");
+    const auto shell = std::make_shared<std::string>();
+    command->add_option("SHELL", *shell, "bash, zsh or fish")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    command->callback([&run, shell] {
+        run = [shell](Context& context) {
+            context.out.write(command_line::completion_script("busbar", *shell));
+            return Exit::Good;
+        };
+    });
 }
 
 } // namespace busbar::tool

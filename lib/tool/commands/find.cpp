@@ -7,8 +7,8 @@
 #include "commands.hpp"
 #include "core/ascii_case.hpp"
 #include "tool/nodes/names.hpp"
+#include "tool/nodes/node_feed.hpp"
 #include "tool/nodes/variable_facts.hpp"
-#include "tool/nodes/variables_below.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/table.hpp"
 

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/failure.hpp"
 
 namespace busbar::tool {
 

@@ -5,7 +5,7 @@
 #include <busbar/client/view.hpp>
 
 #include "commands.hpp"
-#include "tool/connection/profile.hpp"
+#include "tool/connection/context.hpp"
 #include "tool/nodes/names.hpp"
 #include "tool/nodes/variable_facts.hpp"
 #include "tool/printing/display_text.hpp"

@@ -7,8 +7,8 @@
 
 #include "command_line/program_options.hpp"
 #include "commands.hpp"
-#include "tool/connection/profile.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/context.hpp"
+#include "tool/connection/failure.hpp"
 
 namespace busbar::tool {
 

@@ -13,7 +13,7 @@
 
 #include "commands.hpp"
 #include "controller/machine/program_report.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/failure.hpp"
 #include "tool/printing/display_text.hpp"
 
 namespace busbar::tool {

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "tool/connection/usage.hpp"
+#include "tool/connection/failure.hpp"
 #include "tool/nodes/names.hpp"
 #include "tool/nodes/variable_facts.hpp"
 #include "tool/printing/display_text.hpp"

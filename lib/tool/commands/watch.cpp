@@ -6,11 +6,11 @@
 #include <busbar/types/ids.hpp>
 
 #include "commands.hpp"
+#include "tool/nodes/node_feed.hpp"
 #include "tool/nodes/nodes.hpp"
-#include "tool/nodes/variables_below.hpp"
 #include "tool/printing/display_text.hpp"
-#include "tool/printing/event_fields.hpp"
 #include "tool/printing/value.hpp"
+#include "tool/stream/event_stream.hpp"
 #include "tool/stream/watched_values.hpp"
 #include "tool/watch/model.hpp"
 #include "tool/watch/view.hpp"

@@ -4,8 +4,8 @@
 #include <csignal>
 #include <memory>
 
-#include "key_log.hpp"
-#include "user.hpp"
+#include "credentials.hpp"
+#include "logs.hpp"
 
 namespace busbar::tool {
 

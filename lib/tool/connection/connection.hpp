@@ -11,8 +11,8 @@
 
 #include "context.hpp"
 #include "credentials.hpp"
+#include "logs.hpp"
 #include "tool/printing/value.hpp"
-#include "verbose_log.hpp"
 
 namespace busbar::tool {
 

@@ -1,13 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "failure.hpp"
 #include "tool/printing/output.hpp"
-#include "url.hpp"
 
 namespace CLI {
 class App;
@@ -15,12 +16,23 @@ class App;
 
 namespace busbar::tool {
 
+/// True if the text probably means a server rather than a node: opc.tcp://host:4840/path, another
+/// scheme, or host:4840.
+[[nodiscard]] bool is_url(std::string_view text);
+
+/// Returns the URL in the form that the library takes, with the scheme if that was left out. Throws
+/// a Failure, which says what is wrong, for a text that is not a URL.
+[[nodiscard]] std::string complete_url(const std::string& text);
+
+/// The host of a complete URL.
+[[nodiscard]] std::string host_of(const std::string& url);
+
 /// The options that all commands have.
 struct Options {
     /// Empty until complete_options().
     std::string url;
     std::string profile;
-    /// Names of those that the command line has, see profile.hpp.
+    /// Names of those that the command line has.
     std::set<std::string> given;
     std::string user;
     std::string password;
@@ -35,7 +47,7 @@ struct Options {
     /// If empty, the folder below the user's data folder.
     std::string pki;
     bool trusts{false};
-    /// Steps of the check of the server's certificate, see ignored_steps.hpp.
+    /// Steps of the check of the server's certificate.
     std::vector<std::string> ignored;
     double timeout{20}; // seconds
     bool is_verbose{false};
@@ -75,5 +87,29 @@ void take_url(std::vector<std::string>& arguments, Options& options, std::size_t
 void take_only_url(std::vector<std::string>& arguments, Options& options);
 /// The same for a command that needs another argument; throws Failure if there is none.
 void take_url_before(std::vector<std::string>& arguments, Options& options);
+
+struct Options;
+
+/// The options of one server by their names, as a file of profiles has them.
+using Profile = std::map<std::string, std::vector<std::string>>;
+
+/// Returns the path of the file of profiles: busbar/profiles.toml below XDG_CONFIG_HOME or
+/// ~/.config. Empty if neither is set.
+[[nodiscard]] std::string profiles_file();
+/// Returns the profiles in a text by their names; `file` is for messages. Throws Failure for a key
+/// that is not an option of a connection, and for a password, which must be in a separate file.
+[[nodiscard]] std::map<std::string, Profile> parse_profiles(const std::string& text,
+                                                            const std::string& file);
+/// The names in profiles_file(); none if there is no such file or it is wrong.
+[[nodiscard]] std::vector<std::string> profile_names();
+
+/// Options that were given on the command line, which count before those of a profile.
+[[nodiscard]] std::set<std::string> given_options(const CLI::App& app);
+/// Puts the profile of that name into the options that were not given. Throws Failure if there is
+/// none.
+void apply_profile(const std::string& name, Options& options);
+/// Adds what the command line did not say: the profile of --profile or BUSBAR_PROFILE, then the URL
+/// of BUSBAR_URL or the usual one. Throws Failure.
+void complete_options(Options& options);
 
 } // namespace busbar::tool

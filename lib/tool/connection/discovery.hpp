@@ -7,7 +7,7 @@
 #include <busbar/net/system.hpp>
 
 #include "context.hpp"
-#include "verbose_log.hpp"
+#include "logs.hpp"
 
 namespace busbar::tool {
 

@@ -1,4 +1,4 @@
-#include "profile.hpp"
+#include "context.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,9 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "context.hpp"
+#include "failure.hpp"
 #include "tool/printing/file.hpp"
-#include "usage.hpp"
 
 namespace busbar::tool {
 

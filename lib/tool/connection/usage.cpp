@@ -1,11 +1,11 @@
-#include "usage.hpp"
+#include "failure.hpp"
 
 #include <algorithm>
 
 #include <CLI/CLI.hpp>
 
+#include "context.hpp"
 #include "core/nearest.hpp"
-#include "url.hpp"
 
 namespace busbar::tool {
 

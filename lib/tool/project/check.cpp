@@ -5,7 +5,6 @@
 #include <busbar/controller/program_text.hpp>
 
 #include "commands.hpp"
-#include "reports.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"

@@ -8,11 +8,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include <busbar/controller/mapping_check.hpp>
 #include <busbar/controller/project.hpp>
+#include <busbar/controller/project_compare.hpp>
+#include <busbar/controller/project_models.hpp>
 
 #include "tool/connection/context.hpp"
 
 /// The subcommands of `busbar project`, one file for each subject.
+
 namespace busbar::tool::project {
 
 /// The arguments of the offline subcommands.
@@ -84,5 +88,20 @@ void save_project(const std::string& path, const controller::Project& project);
 void save_file(const std::string& path, const std::string& text);
 /// Throws Failure unless the user lets the file be replaced, if it is there.
 void make_room(Context& context, const std::string& path, bool is_sure);
+
+/// The project's models; throws Failure.
+[[nodiscard]] controller::ModelSet open_models(const controller::Project& project);
+/// All that is wrong with the project's models and mapping, and how full it is.
+[[nodiscard]] controller::MappingCheck check_project_models(const controller::Project& project);
+/// Lists the differences between two projects, including their models.
+[[nodiscard]] std::vector<controller::ProjectDifference>
+differences_of(const controller::Project& first, const controller::Project& second);
+/// Prints differences as a table, or as JSON with members named like the titles in lower case.
+/// Returns Failed if there are any.
+Exit print_differences(Context& context,
+                       const std::vector<controller::ProjectDifference>& differences,
+                       const char* first, const char* second);
+/// On standard error, a line each.
+void print_reports(Context& context, const controller::ModelReports& reports);
 
 } // namespace busbar::tool::project

@@ -1,7 +1,6 @@
 #include "commands.hpp"
 
-#include "reports.hpp"
-#include "tool/printing/differences.hpp"
+#include "tool/printing/table.hpp"
 
 namespace busbar::tool::project {
 

@@ -8,7 +8,6 @@
 #include <busbar/core/text_forms.hpp>
 
 #include "commands.hpp"
-#include "reports.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/printing/display_text.hpp"
 

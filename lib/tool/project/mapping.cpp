@@ -7,7 +7,6 @@
 #include <busbar/controller/project_models.hpp>
 
 #include "commands.hpp"
-#include "reports.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/connection/server_trust.hpp"
 #include "tool/printing/display_text.hpp"

@@ -4,7 +4,6 @@
 #include <busbar/core/text.hpp>
 
 #include "commands.hpp"
-#include "reports.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/file.hpp"

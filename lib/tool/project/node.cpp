@@ -14,7 +14,6 @@
 
 #include "commands.hpp"
 #include "node_text.hpp"
-#include "reports.hpp"
 #include "tool/nodes/names.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"

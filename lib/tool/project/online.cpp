@@ -3,7 +3,6 @@
 
 #include "commands.hpp"
 #include "core/json.hpp"
-#include "reports.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/admin/remote_files.hpp"
 #include "tool/admin/remote_transfer.hpp"

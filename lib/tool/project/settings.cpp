@@ -7,7 +7,7 @@
 
 #include "commands.hpp"
 #include "tool/admin/commands.hpp"
-#include "tool/connection/user.hpp"
+#include "tool/connection/credentials.hpp"
 #include "tool/printing/display_text.hpp"
 #include "tool/printing/json_writer.hpp"
 #include "tool/printing/table.hpp"

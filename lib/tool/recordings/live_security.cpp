@@ -5,9 +5,9 @@
 #include <busbar/channel/server_certificate.hpp>
 #include <busbar/client/endpoint_choice.hpp>
 
+#include "tool/connection/credentials.hpp"
 #include "tool/connection/discovery.hpp"
-#include "tool/connection/key_log.hpp"
-#include "tool/connection/user.hpp"
+#include "tool/connection/logs.hpp"
 
 namespace busbar::tool {
 

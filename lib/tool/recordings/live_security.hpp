@@ -9,7 +9,7 @@
 
 #include "tool/connection/context.hpp"
 #include "tool/connection/credentials.hpp"
-#include "tool/connection/verbose_log.hpp"
+#include "tool/connection/logs.hpp"
 
 namespace busbar::tool {
 

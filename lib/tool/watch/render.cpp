@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "tool/printing/display_text.hpp"
-#include "tool/printing/event_fields.hpp"
 #include "tool/printing/output.hpp"
 #include "tool/printing/value.hpp"
+#include "tool/stream/event_stream.hpp"
 
 namespace busbar::tool::watch {
 

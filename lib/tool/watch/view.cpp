@@ -10,7 +10,7 @@
 #include "render.hpp"
 #include "tool/connection/failure.hpp"
 #include "tool/printing/display_text.hpp"
-#include "tool/printing/event_fields.hpp"
+#include "tool/stream/event_stream.hpp"
 
 namespace busbar::tool::watch {
 

@@ -1,4 +1,4 @@
-#include "key_log.hpp"
+#include "logs.hpp"
 
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
