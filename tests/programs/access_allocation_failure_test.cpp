@@ -15,7 +15,7 @@
 
 #include "product/access/administered.hpp"
 #include "product/access/setup.hpp"
-#include "product/configuration/reload.hpp"
+#include "product/configuration/live_config.hpp"
 #include "product/model/kept_project.hpp"
 #include "support/failing_worlds.hpp"
 #include "support/identity.hpp"

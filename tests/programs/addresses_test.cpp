@@ -6,7 +6,7 @@
 
 #include "product/access/identity.hpp"
 #include "product/configuration/addresses.hpp"
-#include "product/life/welcome.hpp"
+#include "product/life/startup.hpp"
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
 

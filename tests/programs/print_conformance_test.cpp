@@ -5,7 +5,7 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 
-#include "product/printing/print_conformance.hpp"
+#include "product/printing/describe.hpp"
 
 namespace print_conformance_test {
 

@@ -10,11 +10,9 @@
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "product/configuration/limit_keys.hpp"
-#include "product/configuration/memory_section.hpp"
 #include "product/configuration/presets.hpp"
 #include "product/configuration/setting_keys.hpp"
-#include "product/printing/print_capacities.hpp"
-#include "product/printing/print_limits.hpp"
+#include "product/printing/describe.hpp"
 
 namespace print_limits_test {
 

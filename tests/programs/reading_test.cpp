@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "product/configuration/limit_keys.hpp"
-#include "product/printing/explain.hpp"
+#include "product/printing/describe.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace reading_test {

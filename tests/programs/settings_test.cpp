@@ -10,7 +10,6 @@
 
 #include <busbar/storage/folder_storage.hpp>
 
-#include "product/configuration/mode_guard.hpp"
 #include "product/configuration/setting_keys.hpp"
 #include "product/configuration/settings.hpp"
 #include "product/store/received_program.hpp"

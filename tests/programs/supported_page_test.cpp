@@ -5,9 +5,7 @@
 #include <iterator>
 #include <string>
 
-#include "product/printing/print_capacities.hpp"
-#include "product/printing/print_conformance.hpp"
-#include "product/printing/print_limits.hpp"
+#include "product/printing/describe.hpp"
 
 /// lib/CONFORMANCE.md, which is made of what the controller prints.
 namespace supported_page_test {

@@ -11,9 +11,8 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "product/access/admission.hpp"
-#include "product/access/first_account.hpp"
 #include "product/access/setup.hpp"
-#include "product/configuration/reload.hpp"
+#include "product/configuration/live_config.hpp"
 #include "product/configuration/sections.hpp"
 #include "support/seeded_random.hpp"
 #include "support/temporary_folder.hpp"

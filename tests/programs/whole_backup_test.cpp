@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "product/machine/restored_values.hpp"
+#include "product/machine/machine_retained.hpp"
 #include "product/store/received_program.hpp"
 
 namespace whole_backup_test {

@@ -2,17 +2,48 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <busbar/server/running_server.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "identity.hpp"
-#include "product/configuration/mode_guard.hpp"
+#include "product/configuration/config.hpp"
+#include "product/configuration/setting_keys.hpp"
 #include "product/configuration/toml_reader.hpp"
 #include "product/store/received_program.hpp"
 
 namespace busbar::product {
+
+namespace {
+
+std::vector<NodeId> nodes_named(const std::vector<std::string>& roles)
+{
+    static constexpr std::array<std::pair<std::string_view, std::uint32_t>, 6> known{
+        {{"Observer", id::WellKnownRole_Observer},
+         {"Operator", id::WellKnownRole_Operator},
+         {"Engineer", id::WellKnownRole_Engineer},
+         {"Supervisor", id::WellKnownRole_Supervisor},
+         {"ConfigureAdmin", id::WellKnownRole_ConfigureAdmin},
+         {"SecurityAdmin", id::WellKnownRole_SecurityAdmin}}};
+    std::vector<NodeId> nodes;
+    for (const auto& [name, node] : known) {
+        if (std::find(roles.begin(), roles.end(), name) != roles.end()) {
+            nodes.emplace_back(std::uint16_t{0}, node);
+        }
+    }
+    return nodes;
+}
+
+/// Tells whether a role administers the server (Part 3, 4.9.2).
+bool is_administrative(const std::string& role)
+{
+    return role == "SecurityAdmin" || role == "ConfigureAdmin";
+}
+
+} // namespace
 
 bool manages_certificates(const ControllerConfig& config)
 {
@@ -210,6 +241,43 @@ void Administered::attach(const ToAdminister& what)
     if (what.config.server.is_auditing) {
         audit_.attach(what.server.event_queue(), what.server.config().application_uri);
     }
+}
+
+FileSystems::FileSystems(const std::vector<FilesConfig>& files)
+{
+    for (const FilesConfig& each : files) {
+        storage::FolderStorage& folder = folders_.emplace_back(each.folder);
+        if (const auto made = folder.make_folder("", FileAccess::Owner); !made) {
+            throw ConfigError{"files " + each.name + ": " + each.folder,
+                              "the folder cannot be made: " + std::string{text(made.error())}};
+        }
+        all_.push_back({.name = each.name,
+                        .storage = &folder,
+                        .limits = each.limits,
+                        .readers = nodes_named(each.readers),
+                        .writers = nodes_named(each.writers)});
+    }
+}
+
+server::UserRights ListenerRoles::limited(const server::RoleQuestion& question,
+                                          server::UserRights rights) const
+{
+    rights = roles_.limited(question, std::move(rights));
+    switch (static_cast<ListenerUse>(question.listener)) {
+    case ListenerUse::DataAndAdministration:
+        break;
+    case ListenerUse::Data:
+        std::erase_if(rights.roles, is_administrative);
+        break;
+    case ListenerUse::Administration:
+        std::erase_if(rights.roles,
+                      [](const std::string& role) { return !is_administrative(role); });
+        if (rights.roles.empty()) {
+            rights.access_level_mask = 0;
+        }
+        break;
+    }
+    return rights;
 }
 
 } // namespace busbar::product

@@ -1,23 +1,58 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include <busbar/administration/administration.hpp>
 #include <busbar/administration/audit_log.hpp>
+#include <busbar/administration/file_system.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/random.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "admission.hpp"
-#include "file_systems.hpp"
-#include "listener_roles.hpp"
 #include "product/configuration/config.hpp"
 #include "product/configuration/settings.hpp"
 #include "product/store/taken_over.hpp"
 #include "setup.hpp"
 
 namespace busbar::product {
+
+/// Limits the roles that another mapper gives to the use of the listener that the client connected
+/// to (ListenerUse): one for data admits no administrators, one for administration admits only
+/// these.
+class ListenerRoles final : public server::RoleMapper {
+public:
+    /// `roles` must outlive this object.
+    explicit ListenerRoles(const server::RoleMapper& roles) : roles_{roles} {}
+
+    [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion& question) const override
+    {
+        return roles_.roles_of(question);
+    }
+    [[nodiscard]] server::UserRights limited(const server::RoleQuestion& question,
+                                             server::UserRights rights) const override;
+
+private:
+    const server::RoleMapper& roles_;
+};
+
+/// The folders whose files clients can see.
+class FileSystems {
+public:
+    /// Creates missing folders. Throws ConfigError.
+    explicit FileSystems(const std::vector<FilesConfig>& files);
+
+    /// The FileSystems refer to this object.
+    [[nodiscard]] const std::vector<administration::FileSystem>& all() const { return all_; }
+
+private:
+    std::deque<storage::FolderStorage> folders_;
+    std::vector<administration::FileSystem> all_;
+};
 
 /// Tells whether certificates and users are managed online, which requires that certificates decide
 /// about clients.

@@ -10,6 +10,8 @@
 #include <busbar/crypto/secret.hpp>
 #include <busbar/server/password_users.hpp>
 
+#include "product/configuration/config.hpp"
+
 namespace busbar::product {
 
 /// Application setup (Part 12, G.2): a controller without an administrator admits the user "setup"
@@ -58,5 +60,29 @@ private:
     bool has_code_{false}; // there is a file
     bool takes_code_back_{false};
 };
+
+/// The account of a controller that has not been configured yet.
+struct FirstAccount {
+    Account account;
+    /// Set if the password is new: show it once, on a terminal, and store it nowhere.
+    std::optional<crypto::Secret> password;
+};
+
+/// Loads "operator", whose hash is in the file operator.password in `folder`; nothing if the file
+/// does not exist. Throws ConfigError if it cannot be read or does not contain a hash.
+[[nodiscard]] std::optional<FirstAccount> load_first_account(const std::string& folder);
+
+/// Makes the account with a new random password, and saves its hash for its owner alone. Throws
+/// ConfigError.
+[[nodiscard]] FirstAccount make_first_account(const std::string& folder, crypto::Random& random,
+                                              const crypto::PasswordCost& cost);
+
+/// Makes 100 random bits as "xxxxx-xxxxx-xxxxx-xxxxx". Throws ConfigError.
+[[nodiscard]] crypto::Secret new_password(crypto::Random& random);
+
+/// Implements --hash-password: reads a password from standard input and prints its hash for a
+/// configuration. The cost is that in [users] of `config_file`, which may otherwise be invalid; ""
+/// is the built-in configuration. Returns the program's exit code; throws ConfigError.
+[[nodiscard]] int hash_password(const std::string& config_file);
 
 } // namespace busbar::product

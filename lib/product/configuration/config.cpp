@@ -9,11 +9,10 @@
 
 #include "core/utf8.hpp"
 #include "limit_keys.hpp"
-#include "memory_section.hpp"
 #include "product/configuration/default_config.hpp"
 #include "product/machine/program_file.hpp"
 #include "sections.hpp"
-#include "toml_text.hpp"
+#include "toml.hpp"
 
 namespace busbar::product {
 

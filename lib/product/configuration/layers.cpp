@@ -7,7 +7,6 @@
 #include "limit_keys.hpp"
 #include "sections.hpp"
 #include "setting_keys.hpp"
-#include "setting_overlay.hpp"
 
 namespace busbar::product {
 

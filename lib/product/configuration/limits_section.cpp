@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "limit_keys.hpp"
-#include "memory_section.hpp"
 #include "presets.hpp"
 
 namespace busbar::product {

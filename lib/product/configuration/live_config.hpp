@@ -1,10 +1,13 @@
 #pragma once
 
+#include <string>
+
 #include <busbar/core/log.hpp>
 #include <busbar/server/server.hpp>
 
 #include "config.hpp"
 #include "product/access/administered.hpp"
+#include "product/access/admission.hpp"
 #include "settings.hpp"
 
 namespace busbar::product {
@@ -34,5 +37,11 @@ private:
     const ControllerConfig& started_;
     LogSink& log_;
 };
+
+/// Reads everything again that may change while the controller runs: the users and the settings in
+/// the file at `path`, which is empty for the built-in one, and the trust lists. Returns a text for
+/// the log. A ConfigError changes nothing.
+[[nodiscard]] std::string reload(const std::string& path, Settings& settings, Admission& admission,
+                                 DateTime now);
 
 } // namespace busbar::product

@@ -1,4 +1,4 @@
-#include "memory_section.hpp"
+#include "limit_keys.hpp"
 
 #include <algorithm>
 #include <array>

@@ -16,7 +16,6 @@
 #include "core/json_writer.hpp"
 #include "limit_keys.hpp"
 #include "setting_keys.hpp"
-#include "setting_overlay.hpp"
 
 namespace busbar::product {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
 
 #include <busbar/channel/channel_types.hpp>
@@ -111,6 +112,26 @@ void append(std::vector<Setting>& all, std::vector<Setting> more)
     std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
+constexpr std::array<std::string_view, 7> guarded{
+    "machine.use",
+    "server.port",
+    "machine.execution_log",
+    "machine.execution_log_files",
+    "machine.execution_log_records",
+    "endpoint",
+    "users.anonymous",
+};
+
+/// Returns a table with only this key, if it is present.
+toml::table part_of(const toml::table& table, std::string_view key)
+{
+    toml::table part;
+    if (const toml::node* const node = table.get(key)) {
+        part.insert(key, *node);
+    }
+    return part;
+}
+
 } // namespace
 
 Variant endpoint_value(const server::ServerConfig& config)
@@ -210,6 +231,44 @@ bool is_live(std::string_view name)
     return name == "endpoint" || name == "users.anonymous" || name == "server.name" ||
            name == "machine.mode" || name.starts_with("limits.subscriptions.sa") ||
            name == "limits.subscriptions.overload_percent";
+}
+
+std::span<const std::string_view> program_only_settings()
+{
+    return guarded;
+}
+
+Configured<void> check_in_run(const administration::SettingValues& now,
+                              const administration::SettingValues& next)
+{
+    for (const std::string_view name : guarded) {
+        const auto before = now.find(name);
+        const auto after = next.find(name);
+        if (before != now.end() && after != next.end() && !(before->second == after->second)) {
+            return refused_in_run(std::string{name});
+        }
+    }
+    return {};
+}
+
+Configured<void> check_file_in_run(const toml::table& now, const toml::table& next)
+{
+    for (const auto& [key, what] :
+         {std::pair{"users", "users and roles"}, std::pair{"endpoint", "endpoint"},
+          std::pair{"security", "security"}}) {
+        if (part_of(now, key) != part_of(next, key)) {
+            return refused_in_run(what);
+        }
+    }
+    return {};
+}
+
+Unexpected<Problem> refused_in_run(std::string what)
+{
+    return misconfigured(std::move(what),
+                         "cannot change while the machine is in RUN; set machine.mode to PROGRAM "
+                         "before",
+                         status::Bad_InvalidState);
 }
 
 } // namespace busbar::product

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include <busbar/administration/setting_list.hpp>
+#include <busbar/core/problem.hpp>
 
 #include "config.hpp"
 #include "subject_names.hpp"
+#include "toml.hpp"
 #include "toml_reader.hpp"
 
 namespace busbar::product {
@@ -41,5 +43,33 @@ struct Rule {
     std::string_view source;
 };
 [[nodiscard]] std::span<const Rule> rules();
+
+/// Settings that a machine accepts in PROGRAM mode only: those of its server and its security
+/// (W588, 3-2-2 and 3-2-6: "Changes in RUN mode").
+[[nodiscard]] std::span<const std::string_view> program_only_settings();
+
+/// Checks a change on a machine in RUN: Bad_InvalidState, with the name, if one of those settings
+/// differs between `now` and `next`.
+[[nodiscard]] Configured<void> check_in_run(const administration::SettingValues& now,
+                                            const administration::SettingValues& next);
+
+/// The same for a file that is read again, with its tables as `now` and `next`. Checks only its
+/// security ([users], [[endpoint]] and [security]), which takes effect at once; the other settings
+/// wait for a restart.
+[[nodiscard]] Configured<void> check_file_in_run(const toml::table& now, const toml::table& next);
+
+/// The problem with a change on a machine in RUN.
+[[nodiscard]] Unexpected<Problem> refused_in_run(std::string what);
+
+/// Applies online changes to a file's table. Throws a ConfigError with the setting if a text is not
+/// an inline table.
+void overlay(toml::table& file, const administration::SettingValues& changes);
+
+/// The value of a key in the form of the setting; null if the file does not have it, or has another
+/// type.
+[[nodiscard]] Variant value_in(const toml::table& file, const administration::Setting& setting);
+
+/// Writes a setting's value for people: 7, true, "text", [1, 2].
+[[nodiscard]] std::string value_text(const Variant& value);
 
 } // namespace busbar::product

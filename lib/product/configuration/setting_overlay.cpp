@@ -1,13 +1,12 @@
-#include "setting_overlay.hpp"
+#include "setting_keys.hpp"
 
 #include <cstdio>
 #include <optional>
 #include <sstream>
 #include <utility>
 
-#include "setting_keys.hpp"
+#include "toml.hpp"
 #include "toml_reader.hpp"
-#include "toml_text.hpp"
 
 namespace busbar::product {
 

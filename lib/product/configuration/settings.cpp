@@ -9,11 +9,9 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
-#include "mode_guard.hpp"
 #include "product/store/received_program.hpp"
 #include "product/store/taken_over.hpp"
 #include "setting_keys.hpp"
-#include "setting_overlay.hpp"
 
 namespace busbar::product {
 

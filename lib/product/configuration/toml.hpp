@@ -1,6 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/expected.hpp>
 
 namespace busbar::product {
 
@@ -35,3 +40,16 @@ constexpr void check_toml(bool condition)
 #endif
 #include <toml++/toml.h>
 #pragma pop_macro("NDEBUG")
+
+namespace busbar::product {
+
+struct TomlProblem {
+    std::size_t line{1}; // counted from 1
+    std::string text;
+};
+
+/// Parses a TOML text. Characters beyond ASCII are allowed in strings and comments only, as in TOML
+/// 1.0.
+[[nodiscard]] Expected<toml::table, TomlProblem> parse_toml(std::string_view text);
+
+} // namespace busbar::product

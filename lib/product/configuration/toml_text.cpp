@@ -1,4 +1,4 @@
-#include "toml_text.hpp"
+#include "toml.hpp"
 
 #include <algorithm>
 #include <optional>

@@ -8,10 +8,9 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/server/running_server.hpp>
 
-#include "product/configuration/reload.hpp"
+#include "product/configuration/live_config.hpp"
 #include "product/model/models.hpp"
 #include "startup.hpp"
-#include "welcome.hpp"
 
 namespace busbar::product {
 

@@ -11,8 +11,8 @@
 #include <busbar/product/controller.hpp>
 
 #include "command_line/program_options.hpp"
-#include "product/access/hash_password.hpp"
 #include "product/access/identity.hpp"
+#include "product/access/setup.hpp"
 #include "product/configuration/config.hpp"
 #include "product/configuration/default_config.hpp"
 #include "product/configuration/reading.hpp"

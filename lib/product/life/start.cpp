@@ -15,8 +15,8 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "product/access/administered.hpp"
+#include "product/configuration/toml.hpp"
 #include "product/configuration/toml_reader.hpp"
-#include "product/configuration/toml_text.hpp"
 #include "product/machine/program_change.hpp"
 #include "product/machine/program_file.hpp"
 #include "product/store/received_program.hpp"

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 
+#include "product/configuration/config.hpp"
 #include "product/configuration/reading.hpp"
 
 namespace busbar::product {
@@ -25,5 +29,14 @@ void add_first_account(ControllerConfig& config);
 /// Calls read_sources() and ensures that a user can log in: without a file it may create the first
 /// account and print its password.
 [[nodiscard]] Reading read(const Configuration& configuration, Substitutes substitutes = {});
+
+/// The text for people when the controller is ready: how to reach it, the users that may log in,
+/// what is left to do. `config` must be complete; `task_priority` is what the system granted to the
+/// PLC's task; empty for a runtime's own.
+[[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
+                                       DateTime now, std::optional<int> task_priority);
+
+/// The steps from a controller without any user to the first values.
+[[nodiscard]] std::string setup_text(const std::string& url);
 
 } // namespace busbar::product

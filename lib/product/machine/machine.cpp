@@ -10,8 +10,8 @@
 #include <busbar/core/status_codes.hpp>
 
 #include "core/unfinished.hpp"
+#include "machine_retained.hpp"
 #include "product/access/part_rights.hpp"
-#include "restored_values.hpp"
 
 namespace busbar::product {
 

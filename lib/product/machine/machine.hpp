@@ -20,12 +20,12 @@
 #include <busbar/core/storage_folder.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
-#include "hardware.hpp"
 #include "machine_events.hpp"
 #include "machine_medium.hpp"
 #include "machine_program.hpp"
 #include "machine_retained.hpp"
 #include "product/configuration/config.hpp"
+#include "simulated_runtime.hpp"
 #include "ticker.hpp"
 
 namespace busbar::product {

@@ -18,10 +18,10 @@
 
 #include "controller/backup/backup_file.hpp"
 #include "machine_files.hpp"
+#include "machine_retained.hpp"
 #include "product/configuration/setting_keys.hpp"
 #include "product/store/received_program.hpp"
 #include "program_file.hpp"
-#include "restored_values.hpp"
 
 namespace busbar::product {
 

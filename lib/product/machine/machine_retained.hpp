@@ -4,9 +4,12 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string_view>
 
+#include <busbar/controller/backup.hpp>
 #include <busbar/controller/retained_values.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/server/process_image.hpp>
 
@@ -55,5 +58,16 @@ private:
     std::optional<controller::RetainedValues> values_;
     bool is_told_{false}; // whether a failure to save was reported
 };
+
+/// Values of RETAIN variables in backups. They are stored in `state`. A restore, which changes
+/// several files together or not at all, leaves them beside the other files, and take_up_values()
+/// moves them to their place before the next program starts.
+inline constexpr std::string_view restored_values_name = "retained.restored";
+
+/// Returns the item for a MachineMemory of the other files; `state` must outlive it.
+[[nodiscard]] controller::MemoryItem values_item(Storage& state);
+/// Replaces the values in `state` by those that a restore or a clearing left in `files`. Succeeds
+/// if there are none; after a problem the next call continues.
+[[nodiscard]] Configured<void> take_up_values(Storage& files, Storage& state);
 
 } // namespace busbar::product

@@ -14,9 +14,9 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/process_image.hpp>
 
-#include "hardware.hpp"
 #include "machine_program.hpp"
 #include "product/configuration/config.hpp"
+#include "simulated_runtime.hpp"
 
 namespace busbar::product {
 

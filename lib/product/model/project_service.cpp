@@ -9,8 +9,8 @@
 #include <busbar/core/text_forms.hpp>
 
 #include "core/json_writer.hpp"
+#include "kept_project.hpp"
 #include "product/access/part_rights.hpp"
-#include "project_labels.hpp"
 
 namespace busbar::product {
 

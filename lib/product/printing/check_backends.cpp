@@ -1,4 +1,4 @@
-#include "check.hpp"
+#include "describe.hpp"
 
 #include <algorithm>
 #include <chrono>

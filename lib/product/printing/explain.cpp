@@ -1,4 +1,4 @@
-#include "explain.hpp"
+#include "describe.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,9 +15,7 @@
 
 #include "core/nearest.hpp"
 #include "product/configuration/limit_keys.hpp"
-#include "product/configuration/mode_guard.hpp"
 #include "product/configuration/setting_keys.hpp"
-#include "product/configuration/setting_overlay.hpp"
 #include "product/configuration/settings.hpp"
 #include "product/machine/program_file.hpp"
 

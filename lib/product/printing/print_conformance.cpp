@@ -1,4 +1,4 @@
-#include "print_conformance.hpp"
+#include "describe.hpp"
 
 #include <algorithm>
 #include <cstdio>

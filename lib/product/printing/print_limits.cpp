@@ -1,10 +1,12 @@
-#include "print_limits.hpp"
+#include "describe.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,7 +16,6 @@
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "product/configuration/limit_keys.hpp"
-#include "product/configuration/memory_section.hpp"
 #include "product/configuration/sections.hpp"
 #include "product/configuration/toml_reader.hpp"
 
@@ -94,6 +95,17 @@ std::string in_columns(const std::vector<Line>& lines)
     return text;
 }
 
+/// Writes a number as "65,535".
+std::string with_commas(std::uint64_t number)
+{
+    std::string text = std::to_string(number);
+    for (std::size_t at = text.size(); at > 3;) {
+        at -= 3;
+        text.insert(at, ",");
+    }
+    return text;
+}
+
 } // namespace
 
 std::string describe_limits(const ControllerConfig& config)
@@ -108,6 +120,24 @@ int print_limits(const std::string& file)
         config.users.accounts.emplace_back();
     }
     std::fputs(describe_limits(config).c_str(), stdout);
+    return 0;
+}
+
+std::string describe_capacities(const ControllerConfig& config)
+{
+    std::string text = "| at most | | key in `[limits]` |\n|---|---|---|\n";
+    for (const LimitKey* const key : limits_in(&LimitKey::capacity)) {
+        const auto value = static_cast<std::uint64_t>(key->get(config));
+        text += "| " + std::string{key->capacity.name} + " | " +
+                (key->unit == "B" ? size_text(value) : with_commas(value)) + " | `" +
+                key_of(key->cost) + "` |\n";
+    }
+    return text;
+}
+
+int print_capacities(const std::string& file)
+{
+    std::fputs(describe_capacities(read_config_or_default(file)).c_str(), stdout);
     return 0;
 }
 

@@ -7,11 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <busbar/net/system.hpp>
 
-#include "check.hpp"
-#include "explain.hpp"
-#include "print_capacities.hpp"
-#include "print_conformance.hpp"
-#include "print_limits.hpp"
+#include "describe.hpp"
 #include "product/configuration/presets.hpp"
 #include "product/configuration/reading.hpp"
 
