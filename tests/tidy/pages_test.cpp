@@ -285,7 +285,7 @@ TEST_CASE("pages about formats have the versions and names of the code", "[tidy]
              Agreement{"lib/administration/FORMAT.md", "the only version is 1",
                        "lib/administration/setting_list.cpp", "settings_version = 1;"},
              Agreement{"lib/controller/backup/FORMAT.md", "## Layout, version 2",
-                       "lib/controller/backup/backup_manifest.hpp", "backup_version = \"2\";"},
+                       "lib/controller/backup/backup_file.hpp", "backup_version = \"2\";"},
              Agreement{"lib/controller/logs/FORMAT.md", "`busbar execution log 1`",
                        "lib/controller/logs/execution_log_files.cpp", "busbar execution log 1"},
              Agreement{"lib/controller/project/FORMAT.md", "The only version is 1",

@@ -7,7 +7,6 @@
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/digest.hpp>
 
-#include "backup_manifest.hpp"
 #include "controller/life/checksum.hpp"
 #include "tar.hpp"
 

@@ -1,4 +1,4 @@
-#include "backup_manifest.hpp"
+#include "backup_file.hpp"
 
 #include <algorithm>
 #include <array>

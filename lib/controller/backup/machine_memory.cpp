@@ -9,9 +9,7 @@
 #include <busbar/core/text.hpp>
 
 #include "backup_file.hpp"
-#include "memory_files.hpp"
 #include "memory_plan.hpp"
-#include "saved_parts.hpp"
 
 namespace busbar::controller {
 

@@ -1,11 +1,9 @@
-#include "saved_parts.hpp"
+#include "memory_plan.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include <busbar/core/text.hpp>
-
-#include "memory_files.hpp"
 
 namespace busbar::controller::detail {
 

@@ -4,7 +4,7 @@
 
 #include <busbar/core/text.hpp>
 
-#include "field_step.hpp"
+#include "shape_node.hpp"
 
 namespace busbar::controller::detail {
 

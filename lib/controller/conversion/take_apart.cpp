@@ -1,6 +1,6 @@
 #include <busbar/binary/dynamic_value.hpp>
 
-#include "controller/conversion/shape_values.hpp"
+#include "controller/conversion/shape_node.hpp"
 #include "core/visit_built_in.hpp"
 
 namespace busbar::controller::detail {

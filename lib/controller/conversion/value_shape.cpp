@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "controller/conversion/field_step.hpp"
 #include "controller/conversion/shape_builder.hpp"
 #include "controller/conversion/shape_node.hpp"
 

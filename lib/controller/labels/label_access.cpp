@@ -1,4 +1,4 @@
-#include "label_access.hpp"
+#include "label_sampler.hpp"
 
 #include <algorithm>
 #include <cmath>

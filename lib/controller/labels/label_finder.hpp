@@ -16,7 +16,7 @@ struct FoundLabel {
     backend::LabelError error{backend::LabelError::Unknown};
     // Valid if there is no error.
     backend::LabelKind kind{};
-    /// Points into the program's memory, which label_access.hpp reads and writes.
+    /// Points into the program's memory, which load_label() and store_label() read and write.
     std::byte* at{nullptr};
     bool is_unsampled{false};
 };

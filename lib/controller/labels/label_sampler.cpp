@@ -5,8 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "label_access.hpp"
-
 namespace busbar::controller::detail {
 
 LabelSampler::LabelSampler(std::vector<LabelStep> steps, std::size_t bytes)

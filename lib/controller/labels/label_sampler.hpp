@@ -12,6 +12,14 @@
 
 namespace busbar::controller::detail {
 
+// Two functions copy a label's value between a program's memory, laid out as an image lays it out,
+// and the bytes of a request. Neither allocates; `wire` has backend::size_of(kind) bytes.
+
+/// Reads a label. TIMEs are rounded to milliseconds and limited to 32 bits; zeros follow a text.
+void load_label(const backend::LabelKind& kind, const std::byte* memory, std::byte* wire);
+/// Writes a label. Any bit but 0 is 1. A text ends before its first zero, or fills its place.
+void store_label(const backend::LabelKind& kind, std::byte* memory, const std::byte* wire);
+
 /// A value of a request and its place in a program's memory.
 struct LabelStep {
     std::byte* memory;

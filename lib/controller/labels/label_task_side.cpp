@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "label_access.hpp"
+#include "label_sampler.hpp"
 
 namespace busbar::controller::detail {
 

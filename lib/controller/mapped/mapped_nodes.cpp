@@ -7,7 +7,7 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "controller/conversion/field_step.hpp"
+#include "controller/conversion/shape_node.hpp"
 #include "controller/mapping/node_properties.hpp"
 
 namespace busbar::controller {

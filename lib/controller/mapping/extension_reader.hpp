@@ -11,7 +11,7 @@
 
 #include "extension_attributes.hpp"
 #include "extension_xml.hpp"
-#include "part_place.hpp"
+#include "part_text.hpp"
 
 namespace busbar::controller::detail {
 

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "table_columns.hpp"
+#include "table_fields.hpp"
 
 namespace busbar::controller {
 

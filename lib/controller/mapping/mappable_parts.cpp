@@ -9,7 +9,7 @@
 #include <busbar/controller/value_shape.hpp>
 
 #include "node_properties.hpp"
-#include "table_columns.hpp"
+#include "table_fields.hpp"
 #include "value_check.hpp"
 
 namespace busbar::controller {

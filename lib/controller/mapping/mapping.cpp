@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "controller/conversion/field_step.hpp"
+#include "controller/conversion/shape_node.hpp"
 
 namespace busbar::controller {
 

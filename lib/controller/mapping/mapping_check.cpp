@@ -10,8 +10,7 @@
 
 #include "extension_attributes.hpp"
 #include "node_properties.hpp"
-#include "table_columns.hpp"
-#include "unsupported_types.hpp"
+#include "table_fields.hpp"
 #include "value_check.hpp"
 
 namespace busbar::controller {

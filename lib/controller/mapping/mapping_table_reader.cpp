@@ -14,7 +14,6 @@
 #include "core/number_text.hpp"
 #include "core/utf8.hpp"
 #include "part_text.hpp"
-#include "table_columns.hpp"
 #include "table_fields.hpp"
 
 namespace busbar::controller {

@@ -9,7 +9,6 @@
 #include <busbar/model/relative_path.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "table_columns.hpp"
 #include "table_fields.hpp"
 
 namespace busbar::controller {

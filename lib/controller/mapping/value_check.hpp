@@ -2,12 +2,14 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/binary/dynamic_types.hpp>
 #include <busbar/controller/mapping_check.hpp>
 #include <busbar/controller/value_shape.hpp>
+#include <busbar/model/space_reader.hpp>
 
-#include "part_place.hpp"
+#include "part_text.hpp"
 
 namespace busbar::controller::detail {
 
@@ -49,6 +51,25 @@ private:
     ShapeLimits limits_;
     const NodeId* node_{nullptr};
     const std::string* prefix_{nullptr};
+};
+
+/// The types of namespace 0 whose instances RD81OPC96 does not support (SH-082679, 2.1). Refers to
+/// `space`, whose types must not change.
+class UnsupportedTypes {
+public:
+    explicit UnsupportedTypes(const model::SpaceReader& space);
+
+    /// Returns the unsupported type, or subtype of one, that an Object or Variable is an instance
+    /// of or has values of; no_node if there is none. Nodes of namespace 0 belong to the product
+    /// and never count.
+    [[nodiscard]] model::NodeIndex of(model::NodeIndex node) const;
+
+private:
+    /// Returns `type` if it is an unsupported type or a subtype of one.
+    [[nodiscard]] model::NodeIndex listed(model::NodeIndex type) const;
+
+    const model::SpaceReader& space_;
+    std::vector<model::NodeIndex> types_; // ascending
 };
 
 } // namespace busbar::controller::detail

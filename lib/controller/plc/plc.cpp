@@ -6,7 +6,6 @@
 
 #include "plc_builder.hpp"
 #include "plc_step.hpp"
-#include "plc_watch.hpp"
 
 namespace busbar::controller {
 

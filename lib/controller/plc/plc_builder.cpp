@@ -7,7 +7,7 @@
 #include <busbar/controller/opcua_shutdown.hpp>
 #include <busbar/core/text.hpp>
 
-#include "plc_watch.hpp"
+#include "plc_step.hpp"
 
 namespace busbar::controller {
 

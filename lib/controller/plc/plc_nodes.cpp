@@ -1,5 +1,6 @@
 #include <busbar/controller/plc_nodes.hpp>
 
+#include <busbar/controller/plc_methods.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::controller {
@@ -32,6 +33,8 @@ Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model:
     return address_space.add_variable(node, attributes);
 }
 
+constexpr std::uint32_t uint32_type = 7;
+
 } // namespace
 
 Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space, const Plc& plc,
@@ -59,6 +62,25 @@ Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space, c
         }
     }
     return folder;
+}
+
+Result<void> publish_methods(model::AddressSpace& address_space, model::NodeIndex folder, Plc& plc,
+                             server::MethodTable& table, std::uint32_t source)
+{
+    model::NewNode node;
+    const std::uint16_t namespace_index = address_space.node_id(folder).namespace_index();
+    node.id = NodeId{namespace_index, "ResetCounters"};
+    node.browse_name = QualifiedName{namespace_index, "ResetCounters"};
+    node.parent = folder;
+    model::NewMethod method;
+    method.output_arguments = {{"count", NodeId{0, uint32_type}, -1, {}, {}}};
+    method.source = source;
+    method.handle = table.add([&plc](server::MethodCall call) {
+        plc.reset_counters();
+        call.succeed({Variant{static_cast<std::uint32_t>(plc.counter_count())}});
+    });
+    const auto added = address_space.add_method(node, method);
+    return added ? Result<void>{} : fail(added.error());
 }
 
 } // namespace busbar::controller

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 
 #include <busbar/controller/machine_event_log.hpp>
 
@@ -210,6 +211,42 @@ void PlcStep::copy(PlcStep& step, Duration elapsed)
         std::memmove(step.target_.bytes + i * step.target_.stride,
                      step.source_.bytes + i * step.source_.stride, step.source_.stride);
     }
+}
+
+bool PlcWatch::accepts(BuiltInType type)
+{
+    return choose(type) != nullptr;
+}
+
+PlcWatch::IsAbove PlcWatch::choose(BuiltInType type)
+{
+    if (type == BuiltInType::Boolean) {
+        return &is_true;
+    }
+    return visit_number(
+        type, [](auto tag) -> IsAbove { return &is_above<typename decltype(tag)::type>; });
+}
+
+PlcWatch::PlcWatch(const PlcTarget& variable, double limit)
+    : is_above_{choose(variable.type)}, variable_{variable}, limit_{limit}
+{
+}
+
+bool PlcWatch::occurs()
+{
+    const bool is = is_above_(*this);
+    return !std::exchange(was_above_, is) && is;
+}
+
+template <typename T>
+bool PlcWatch::is_above(const PlcWatch& watch)
+{
+    return static_cast<double>(watch.variable_.values<T>().front()) > watch.limit_;
+}
+
+bool PlcWatch::is_true(const PlcWatch& watch)
+{
+    return watch.variable_.values<bool>().front();
 }
 
 } // namespace busbar::controller::detail

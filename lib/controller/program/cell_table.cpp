@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "declaration_cursor.hpp"
 #include "declaration_parser.hpp"
-#include "initial_reader.hpp"
 #include "literal.hpp"
 #include "program_problem.hpp"
 

@@ -61,4 +61,21 @@ struct CellTable {
 /// is left out as a whole. The source must outlive the parts.
 void add_table(const SourceText& source, CellTable table, ProgramParts& to);
 
+/// Tells whether the text is a list of global labels, or of a structure's members, as GX Works2 and
+/// GX Works3 export it: one of the first lines has the titles of the name and of the data type, in
+/// English or Japanese.
+[[nodiscard]] BUSBAR_API bool is_gx_table(std::string_view text);
+
+/// Adds such a list. The source must outlive the parts.
+[[nodiscard]] BUSBAR_API Configured<void> add_gx_table(const SourceText& source, ProgramParts& to);
+
+/// Tells whether the text is a table of global variables as Sysmac Studio copies it: lines of cells
+/// between tabs. The first line, or the second one after a line of titles, has a name, a type, and
+/// TRUE or FALSE as its fifth and sixth cell.
+[[nodiscard]] BUSBAR_API bool is_sysmac_table(std::string_view text);
+
+/// Adds such a table. The source must outlive the parts.
+[[nodiscard]] BUSBAR_API Configured<void> add_sysmac_table(const SourceText& source,
+                                                           ProgramParts& to);
+
 } // namespace busbar::controller::detail

@@ -1,5 +1,5 @@
+#include "declaration_cursor.hpp"
 #include "declaration_parser.hpp"
-#include "initial_reader.hpp"
 
 namespace busbar::controller::detail {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,7 +10,7 @@
 #include <busbar/controller/declaration_reader.hpp>
 
 #include "declaration_lexer.hpp"
-#include "text_places.hpp"
+#include "program_problem.hpp"
 
 namespace busbar::controller::detail {
 
@@ -115,5 +116,16 @@ private:
 /// Writes a place: "machine.st:12:5", or the file name alone if line and column are unknown.
 [[nodiscard]] BUSBAR_API std::string place_text(std::string_view file_name,
                                                 const ProgramPlace& place);
+
+/// Reads the value after `:=`: an expression, an aggregate `(X := 1)` or a list `[1, 2(0)]`. The
+/// member and the repetition of `value` are already set. Gives false after reporting a problem at
+/// the cursor.
+[[nodiscard]] BUSBAR_API bool read_initial_value(DeclarationCursor& cursor, InitialValue& value,
+                                                 std::size_t depth = 0);
+
+/// Reads an expression whose value is an integer; otherwise reports that `what` was expected.
+/// Leaves `number` alone if the value is not known yet.
+[[nodiscard]] BUSBAR_API bool read_whole_number(DeclarationCursor& cursor, std::int64_t& number,
+                                                std::string_view what);
 
 } // namespace busbar::controller::detail

@@ -1,7 +1,7 @@
 #include "constant_table.hpp"
+#include "declaration_cursor.hpp"
 #include "declaration_keywords.hpp"
 #include "declaration_parser.hpp"
-#include "initial_reader.hpp"
 #include "literal.hpp"
 
 namespace busbar::controller::detail {

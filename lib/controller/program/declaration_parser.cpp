@@ -1,7 +1,7 @@
 #include "declaration_parser.hpp"
 
-#include "initial_reader.hpp"
-#include "publish_attribute.hpp"
+#include "declaration_cursor.hpp"
+#include "declaration_keywords.hpp"
 
 namespace busbar::controller::detail {
 

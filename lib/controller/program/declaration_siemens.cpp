@@ -5,8 +5,8 @@
 #include <busbar/controller/program_types.hpp>
 
 #include "core/ascii_case.hpp"
+#include "declaration_cursor.hpp"
 #include "declaration_parser.hpp"
-#include "initial_reader.hpp"
 
 // What the sources of TIA Portal (.scl, .udt, .db) have beside IEC 61131-3; see SIEMENS_SCL.md.
 namespace busbar::controller::detail {

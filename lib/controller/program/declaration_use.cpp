@@ -1,6 +1,6 @@
+#include "declaration_cursor.hpp"
 #include "declaration_keywords.hpp"
 #include "declaration_parser.hpp"
-#include "initial_reader.hpp"
 
 namespace busbar::controller::detail {
 

@@ -1,4 +1,4 @@
-#include "enumerator_numbers.hpp"
+#include "program_parts.hpp"
 
 #include <optional>
 #include <string>

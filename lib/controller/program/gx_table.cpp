@@ -1,4 +1,4 @@
-#include "gx_table.hpp"
+#include "cell_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "cell_table.hpp"
 #include "core/ascii_case.hpp"
 #include "literal.hpp"
 

@@ -1,4 +1,4 @@
-#include "initial_reader.hpp"
+#include "declaration_cursor.hpp"
 
 #include "expression.hpp"
 #include "literal.hpp"

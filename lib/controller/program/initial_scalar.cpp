@@ -6,7 +6,7 @@
 #include <busbar/core/text.hpp>
 
 #include "declaration_keywords.hpp"
-#include "text_places.hpp"
+#include "program_problem.hpp"
 
 namespace busbar::controller::detail {
 

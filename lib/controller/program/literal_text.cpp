@@ -4,7 +4,7 @@
 
 #include "controller/conversion/label_text.hpp"
 #include "literal.hpp"
-#include "text_places.hpp"
+#include "program_problem.hpp"
 
 namespace busbar::controller::detail {
 

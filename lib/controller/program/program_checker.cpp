@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "program_problem.hpp"
-#include "text_places.hpp"
 
 namespace busbar::controller::detail {
 

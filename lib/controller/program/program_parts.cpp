@@ -5,7 +5,6 @@
 
 #include <busbar/controller/program_types.hpp>
 
-#include "enumerator_numbers.hpp"
 #include "program_problem.hpp"
 
 namespace busbar::controller::detail {

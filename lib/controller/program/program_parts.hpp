@@ -10,12 +10,13 @@
 #include <vector>
 
 #include <busbar/controller/declaration_reader.hpp>
+#include <busbar/controller/program.hpp>
 #include <busbar/core/api.hpp>
 
 #include "constant_table.hpp"
 #include "declaration_cursor.hpp"
 #include "inherited_members.hpp"
-#include "text_places.hpp"
+#include "program_problem.hpp"
 
 namespace busbar::controller::detail {
 
@@ -81,5 +82,11 @@ BUSBAR_API void add_declarations(const SourceText& source, const DeclarationPart
 /// need. With several files, problems and what is left out begin with the name of a file.
 [[nodiscard]] BUSBAR_API Configured<Program>
 read_parts(const ProgramParts& parts, const DeclarationLimits& limits, Unserved unserved);
+
+/// Gives initial values the form that their types need: a number for the name of a value of an
+/// enumeration where the type is a number (`n : INT := Color.Red`), and the name for a number where
+/// the type is an enumeration that has one of this number. Leaves other values to the checks of
+/// CheckedProgram, which the program has not passed yet.
+BUSBAR_API void settle_enumerators(Program& program);
 
 } // namespace busbar::controller::detail

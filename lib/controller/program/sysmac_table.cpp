@@ -1,13 +1,12 @@
-#include "sysmac_table.hpp"
+#include "cell_table.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <utility>
 
-#include "cell_table.hpp"
 #include "core/ascii_case.hpp"
+#include "declaration_keywords.hpp"
 #include "literal.hpp"
-#include "publish_attribute.hpp"
 
 namespace busbar::controller::detail {
 

@@ -10,7 +10,7 @@
 #include "core/ascii_case.hpp"
 #include "core/utf8.hpp"
 #include "declaration_cursor.hpp"
-#include "text_places.hpp"
+#include "program_problem.hpp"
 
 namespace busbar::controller {
 

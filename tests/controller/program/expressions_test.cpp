@@ -9,7 +9,7 @@
 #include <busbar/controller/program_types.hpp>
 
 #include "controller/program/constant_table.hpp"
-#include "controller/program/text_places.hpp"
+#include "controller/program/program_problem.hpp"
 
 namespace expressions_test {
 

@@ -150,4 +150,10 @@ private:
 /// Writes an element's name as "<variable>".
 [[nodiscard]] std::string tag_of(const pugi::xml_node& xml);
 
+/// Adds the declarations in a file of TwinCAT: .TcGVL, .TcDUT, .TcPOU and .TcIO, a <TcPlcObject>
+/// whose objects have a <Declaration> with a text. Problems have the places in the file. The source
+/// must outlive the parts.
+[[nodiscard]] Configured<void> add_twincat(const SourceText& source,
+                                           const DeclarationLimits& limits, ProgramParts& to);
+
 } // namespace busbar::controller::detail

@@ -2,7 +2,7 @@
 
 #include <busbar/core/text.hpp>
 
-#include "controller/program/initial_reader.hpp"
+#include "controller/program/declaration_cursor.hpp"
 #include "controller/program/program_problem.hpp"
 #include "core/ascii_case.hpp"
 #include "plcopen_reader.hpp"

@@ -2,10 +2,9 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/program/declaration_cursor.hpp"
 #include "controller/program/declaration_keywords.hpp"
-#include "controller/program/initial_reader.hpp"
 #include "controller/program/literal.hpp"
-#include "controller/program/publish_attribute.hpp"
 #include "plcopen_reader.hpp"
 
 namespace busbar::controller::detail {

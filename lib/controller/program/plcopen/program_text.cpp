@@ -7,13 +7,11 @@
 
 #include <busbar/core/text.hpp>
 
-#include "controller/program/gx_table.hpp"
+#include "controller/program/cell_table.hpp"
 #include "controller/program/program_problem.hpp"
-#include "controller/program/sysmac_table.hpp"
 #include "foreign_format.hpp"
 #include "plcopen_reader.hpp"
 #include "program_bundle.hpp"
-#include "twincat_reader.hpp"
 
 namespace busbar::controller {
 

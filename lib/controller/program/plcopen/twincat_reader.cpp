@@ -1,10 +1,8 @@
-#include "twincat_reader.hpp"
+#include "plcopen_reader.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <memory>
-
-#include "plcopen_reader.hpp"
 
 namespace busbar::controller::detail {
 
