@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "client/services/handlers.hpp"
 #include "client_impl.hpp"
-#include "guarded_handler.hpp"
 
 namespace busbar::client {
 

@@ -6,7 +6,7 @@
 
 #include <busbar/client/text_access.hpp>
 
-#include "client/services/steps.hpp"
+#include "client/services/handlers.hpp"
 
 namespace busbar::client::detail {
 

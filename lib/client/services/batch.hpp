@@ -12,7 +12,7 @@
 #include <busbar/core/detail/guarded.hpp>
 
 #include "batch_plan.hpp"
-#include "later.hpp"
+#include "handlers.hpp"
 
 namespace busbar::client::detail {
 

@@ -3,8 +3,7 @@
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "later.hpp"
-#include "steps.hpp"
+#include "handlers.hpp"
 
 namespace busbar::client {
 

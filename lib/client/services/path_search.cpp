@@ -7,7 +7,7 @@
 #include <busbar/client/view.hpp>
 
 #include "client/request_queue.hpp"
-#include "steps.hpp"
+#include "handlers.hpp"
 
 namespace busbar::client::detail {
 

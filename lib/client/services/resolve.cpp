@@ -8,9 +8,8 @@
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "later.hpp"
+#include "handlers.hpp"
 #include "path_search.hpp"
-#include "steps.hpp"
 
 namespace busbar::client {
 

@@ -1,4 +1,4 @@
-#include "delivery.hpp"
+#include "reception.hpp"
 
 namespace busbar::client::detail {
 

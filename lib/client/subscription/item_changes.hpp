@@ -4,8 +4,40 @@
 
 #include "item_requests.hpp"
 #include "item_table.hpp"
+#include "polling.hpp"
+#include "session_requests.hpp"
+#include "subscription_ends.hpp"
+#include "watch_list.hpp"
 
 namespace busbar::client::detail {
+
+/// Creates items at the server (Part 4, 5.13.2), or adds them to the polled ones.
+class ItemCreation {
+public:
+    ItemCreation(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
+                 SubscriptionEnds& ends, ItemRequests& changes, ItemPolling& polling);
+
+    /// Starts with the next queued batch. False if there is none.
+    bool create(WatchedSubscription& subscription);
+
+private:
+    void resolve_items(WatchedSubscription& subscription, std::vector<ItemHandle> items);
+    void items_resolved(SubscriptionHandle handle, std::vector<Result<NodeId>> nodes);
+    void send_creation(WatchedSubscription& subscription,
+                       Array<MonitoredItemCreateRequest> requests, TimestampsToReturn timestamps);
+    void items_created(WatchedSubscription& subscription,
+                       const Result<CreateMonitoredItemsResponse>& response);
+    void item_creation_failed(WatchedSubscription& subscription, StatusCode status);
+    ItemStatus item_created(WatchedSubscription& subscription, ItemHandle handle,
+                            const MonitoredItemCreateResult& result);
+
+    SessionRequests& requests_;
+    WatchList& subscriptions_;
+    ItemTable& items_;
+    SubscriptionEnds& ends_;
+    ItemRequests& changes_;
+    ItemPolling& polling_;
+};
 
 /// Changes items at the server: parameters, MonitoringModes, links and their end (Part 4, 5.13.3 to
 /// 5.13.6).

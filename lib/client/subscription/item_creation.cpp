@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "item_creation.hpp"
+#include "item_changes.hpp"
 
 namespace busbar::client::detail {
 

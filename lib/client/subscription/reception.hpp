@@ -2,13 +2,32 @@
 
 #include <busbar/types/subscription.hpp>
 
-#include "delivery.hpp"
+#include "item_table.hpp"
 #include "publish_queue.hpp"
 #include "session_requests.hpp"
 #include "subscription_ends.hpp"
 #include "watch_list.hpp"
 
 namespace busbar::client::detail {
+
+/// Delivers NotificationMessages in their order to the user's handlers, and acknowledges them.
+class Delivery {
+public:
+    Delivery(WatchList& subscriptions, ItemTable& items, SubscriptionEnds& ends,
+             PublishQueue& publishes);
+
+    /// Calls handlers: `subscription` may have been removed by them.
+    void deliver(WatchedSubscription& subscription, const NotificationMessage& message);
+
+private:
+    void deliver_data(SubscriptionHandle handle, const DataChangeNotification& notification);
+    void deliver_events(SubscriptionHandle handle, const EventNotificationList& notification);
+
+    WatchList& subscriptions_;
+    ItemTable& items_;
+    SubscriptionEnds& ends_;
+    PublishQueue& publishes_;
+};
 
 /// Sorts the NotificationMessages of each Subscription, fetches missing ones (Part 4, 6.7), and
 /// notices if none arrive. The state is each Subscription's MessageStream. All functions may call

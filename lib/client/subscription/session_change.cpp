@@ -1,4 +1,4 @@
-#include "session_change.hpp"
+#include "subscription_setup.hpp"
 
 namespace busbar::client::detail {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "client/guarded_handler.hpp"
-#include "wishes.hpp"
+#include "client/services/handlers.hpp"
+#include "engine.hpp"
 
 namespace busbar::client::detail {
 

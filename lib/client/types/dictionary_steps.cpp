@@ -1,4 +1,4 @@
-#include "dictionary_steps.hpp"
+#include "type_state.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "client/services/steps.hpp"
+#include "client/services/handlers.hpp"
 #include "type_questions.hpp"
 
 namespace busbar::client::detail {

@@ -6,9 +6,7 @@
 #include <busbar/client/attributes.hpp>
 #include <busbar/client/view.hpp>
 
-#include "client/services/later.hpp"
-#include "client/services/steps.hpp"
-#include "dictionary_steps.hpp"
+#include "client/services/handlers.hpp"
 #include "type_questions.hpp"
 #include "type_state.hpp"
 
