@@ -4,7 +4,7 @@
 
 #include <busbar/crypto/certificate_validator.hpp>
 
-#include "administration/trust_list_data.hpp"
+#include "administration/trust_list_file.hpp"
 #include "support/identity.hpp"
 
 namespace trust_list_fuzz {

@@ -11,7 +11,6 @@
 #include "role_set.hpp"
 #include "server_configuration.hpp"
 #include "server_control.hpp"
-#include "server_reset.hpp"
 #include "setting_nodes.hpp"
 #include "status_nodes.hpp"
 #include "transfer_nodes.hpp"

@@ -12,7 +12,6 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
-#include "subject_name.hpp"
 
 namespace busbar::administration::detail {
 

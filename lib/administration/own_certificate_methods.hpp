@@ -2,7 +2,12 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
 
+#include <busbar/core/problem.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/crypto/self_signed.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/server/worker.hpp>
 
@@ -61,5 +66,22 @@ private:
     /// Not expired while a key is being generated, however that ends.
     std::weak_ptr<const void> making_key_;
 };
+
+/// Replaces the fields of `subject` by those of a subject name: "CN=Press 4/O=Works", separated by
+/// "/" or ",", with a value that has one of these in double quotes (Part 12, 7.9.4). An empty text
+/// changes nothing. Bad_InvalidArgument for any other text.
+[[nodiscard]] Checked<crypto::CertificateSubject> with_names(crypto::CertificateSubject subject,
+                                                             std::string_view text);
+
+/// Writes the names of a subject as with_names() reads them; empty if it has none.
+[[nodiscard]] std::string text_of_names(const crypto::CertificateSubject& subject);
+
+/// Shows the server's own certificate as the Object "OwnCertificate" below ServerConfiguration, in
+/// the server's namespace, with the facts that W588, 3-2-5 lists. It has the access rights of
+/// ServerConfiguration's Properties. ConfiguredSubject and ConfiguredHosts have the values of
+/// `configured` (see ManagedCertificates); without that they do not exist.
+[[nodiscard]] Configured<void>
+add_own_certificate(server::Server& server, NodeTable& table,
+                    const std::function<crypto::CertificateSubject()>& configured);
 
 } // namespace busbar::administration::detail

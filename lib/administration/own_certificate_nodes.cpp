@@ -1,4 +1,4 @@
-#include "own_certificate_nodes.hpp"
+#include "own_certificate_methods.hpp"
 
 #include <array>
 #include <string>
@@ -10,7 +10,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "method_arguments.hpp"
-#include "subject_name.hpp"
 
 namespace busbar::administration::detail {
 

@@ -1,10 +1,9 @@
-#include "role_file.hpp"
+#include "role_rules.hpp"
 
 #include <algorithm>
 #include <optional>
 
 #include "json_file.hpp"
-#include "role_rules.hpp"
 
 namespace busbar::administration::detail {
 

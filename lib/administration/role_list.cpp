@@ -10,8 +10,6 @@
 
 #include "core/utf8.hpp"
 
-#include "role_access.hpp"
-#include "role_file.hpp"
 #include "role_rules.hpp"
 
 namespace busbar::administration {

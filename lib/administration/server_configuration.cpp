@@ -14,7 +14,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
-#include "own_certificate_nodes.hpp"
+#include "own_certificate_methods.hpp"
 
 namespace busbar::administration::detail {
 

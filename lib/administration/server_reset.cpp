@@ -1,4 +1,4 @@
-#include "server_reset.hpp"
+#include "server_control.hpp"
 
 #include <chrono>
 #include <memory>

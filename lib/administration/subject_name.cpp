@@ -1,4 +1,4 @@
-#include "subject_name.hpp"
+#include "own_certificate_methods.hpp"
 
 #include <algorithm>
 #include <array>

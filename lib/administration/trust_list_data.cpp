@@ -1,4 +1,4 @@
-#include "trust_list_data.hpp"
+#include "trust_list_file.hpp"
 
 #include <string>
 #include <utility>

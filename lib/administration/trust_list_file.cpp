@@ -13,7 +13,6 @@
 #include "method_arguments.hpp"
 #include "method_record.hpp"
 #include "permissions.hpp"
-#include "trust_list_data.hpp"
 
 namespace busbar::administration::detail {
 

@@ -10,7 +10,7 @@
 #include <busbar/crypto/password_hash.hpp>
 
 #include "json_file.hpp"
-#include "role_access.hpp"
+#include "role_rules.hpp"
 
 namespace busbar::administration {
 

@@ -1,4 +1,4 @@
-#include "certificate_path.hpp"
+#include "certificate_checks.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -7,7 +7,6 @@
 
 #include <busbar/core/text.hpp>
 
-#include "certificate_checks.hpp"
 #include "openssl.hpp"
 
 namespace busbar::crypto::detail {

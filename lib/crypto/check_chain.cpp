@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "certificate_checks.hpp"
-#include "certificate_path.hpp"
 
 namespace busbar::crypto {
 

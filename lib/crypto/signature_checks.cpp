@@ -1,4 +1,4 @@
-#include "signature_checks.hpp"
+#include "certificate_checks.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "administration/subject_name.hpp"
+#include "administration/own_certificate_methods.hpp"
 
 namespace subject_name_test {
 

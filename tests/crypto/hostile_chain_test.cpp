@@ -1,4 +1,4 @@
-#include "crypto/certificate_path.hpp"
+#include "crypto/certificate_checks.hpp"
 #include "hex.hpp"
 #include "judging.hpp"
 

@@ -8,7 +8,6 @@
 #include <busbar/backend/modbus_address.hpp>
 
 #include "core/ascii_case.hpp"
-#include "slmp_area.hpp"
 #include "slmp_request.hpp"
 
 namespace busbar::backend {

@@ -9,7 +9,6 @@
 #include <busbar/backend/slmp_end_code.hpp>
 #include <busbar/core/status_codes.hpp>
 
-#include "slmp_area.hpp"
 #include "slmp_line.hpp"
 #include "slmp_request.hpp"
 

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "slmp_area.hpp"
-
 namespace busbar::backend::detail {
 
 namespace {

@@ -1,4 +1,4 @@
-#include "content_check.hpp"
+#include "body_walk.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include <busbar/binary/dynamic_value.hpp>
 
-#include "content_check.hpp"
+#include "body_walk.hpp"
 #include "core/visit_built_in.hpp"
 #include "object_body.hpp"
 
