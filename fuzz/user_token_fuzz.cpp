@@ -11,7 +11,7 @@
 
 #include "crypto/secret_maker.hpp"
 #include "fuzz_script.hpp"
-#include "server/users/issued_token.hpp"
+#include "server/users/token_checks.hpp"
 #include "server/users/user_policies.hpp"
 #include "server/users/user_token.hpp"
 #include "support/identity.hpp"

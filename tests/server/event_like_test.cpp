@@ -3,7 +3,7 @@
 #include <random>
 #include <string>
 
-#include "server/event/like.hpp"
+#include "server/event/filter_operators.hpp"
 
 namespace busbar::server::detail::event_like_test {
 

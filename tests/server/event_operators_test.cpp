@@ -5,7 +5,6 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "server/event/filter_compare.hpp"
 #include "server/event/filter_conversion.hpp"
 #include "server/event/filter_operators.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <busbar/server/process_image.hpp>
 
-#include "server/rights/role_permissions.hpp"
+#include "server/rights/node_rights.hpp"
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 

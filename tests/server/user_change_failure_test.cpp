@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "failure_cases.hpp"
-#include "server/rights/role_permissions.hpp"
+#include "server/rights/node_rights.hpp"
 #include "support/failing_worlds.hpp"
 
 namespace user_change_failure_test {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/session/session_rights.hpp"
+#include "server/session/session.hpp"
 
 namespace busbar::server::detail {
 

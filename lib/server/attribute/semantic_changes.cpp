@@ -1,4 +1,4 @@
-#include "semantic_changes.hpp"
+#include "write_effects.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/session/session_rights.hpp"
+#include "server/session/session.hpp"
 
 namespace busbar::server::detail {
 

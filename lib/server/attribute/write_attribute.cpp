@@ -1,9 +1,9 @@
-#include "write_attribute.hpp"
+#include "write_job.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "server/rights/write_mask.hpp"
+#include "server/rights/node_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -8,7 +8,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "server/rights/nodes_ahead.hpp"
-#include "write_attribute.hpp"
 
 namespace busbar::server::detail {
 

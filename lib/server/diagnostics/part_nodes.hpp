@@ -7,7 +7,7 @@
 
 #include <busbar/model/address_space.hpp>
 
-#include "session_fields.hpp"
+#include "describe.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "session_fields.hpp"
+#include "describe.hpp"
 
 #include <array>
 #include <type_traits>

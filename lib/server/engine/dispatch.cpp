@@ -1,4 +1,4 @@
-#include "dispatch.hpp"
+#include "peer_link.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,9 @@
 #include <busbar/types/ids.hpp>
 
 #include "core.hpp"
-#include "peer_link.hpp"
 #include "run_service.hpp"
-#include "server/rights/role_permissions.hpp"
-#include "server/session/user_expiry.hpp"
+#include "server/rights/node_rights.hpp"
+#include "server/session/session_services.hpp"
 
 namespace busbar::server::detail {
 

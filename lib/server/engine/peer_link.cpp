@@ -6,7 +6,6 @@
 #include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
-#include "dispatch.hpp"
 #include "server/users/login_guard.hpp"
 
 namespace busbar::server::detail {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <busbar/channel/server_channel.hpp>
+#include <busbar/core/clock.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/server/connection.hpp>
 
@@ -167,5 +169,13 @@ private:
     /// The peer took nothing for too long; the rest is not offered any more.
     bool has_given_up_{false};
 };
+
+struct Core;
+class PeerLink;
+
+/// Processes one request of `link`: finds its service, checks the request header and the session,
+/// and answers or leaves an Operation waiting (Part 4, 7.32 and 7.33).
+void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::uint32_t request_id,
+              TimePoint now);
 
 } // namespace busbar::server::detail

@@ -6,8 +6,8 @@
 #include <busbar/server/running_server.hpp>
 
 #include "server/rights/method_lookup.hpp"
-#include "server/session/session_rights.hpp"
-#include "server/session/user_expiry.hpp"
+#include "server/session/session.hpp"
+#include "server/session/session_services.hpp"
 #include "server_impl.hpp"
 
 /// Changes a server while it runs.

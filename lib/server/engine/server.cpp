@@ -11,7 +11,7 @@
 #include "config_check.hpp"
 #include "server/diagnostics/server_object.hpp"
 #include "server/event/namespace_nodes.hpp"
-#include "server/session/user_expiry.hpp"
+#include "server/session/session_services.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/users/user_policies.hpp"
 #include "server_impl.hpp"

@@ -1,7 +1,6 @@
-#include "filter_compare.hpp"
+#include "filter_conversion.hpp"
 
 #include "core/visit_built_in.hpp"
-#include "filter_conversion.hpp"
 
 namespace busbar::server::detail {
 

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "core/visit_built_in.hpp"
-#include "scalar_conversion.hpp"
 
 namespace busbar::server::detail {
 

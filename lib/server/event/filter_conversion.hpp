@@ -1,10 +1,13 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
+#include <optional>
 
 #include <busbar/core/types.hpp>
 
-/// Conversion of a ContentFilter's values to one type (Part 4, 7.7.3).
+/// Conversion of a ContentFilter's values to one type, and their comparison (Part 4, 7.7.3).
+
 namespace busbar::server::detail {
 
 /// The convertibility of one type to another.
@@ -32,5 +35,24 @@ enum class Conversion : char {
 /// Returns the only element of an array that has one, for use as a scalar; else `value`. The result
 /// may be in `storage`.
 [[nodiscard]] const Variant& as_scalar(const Variant& value, Variant& storage);
+
+/// Returns the scalar converted to the type, whether the rules allow that or not; null if that is
+/// impossible, because the number is too large or the text is not such a value (Part 4, 7.7.3).
+[[nodiscard]] Variant convert_scalar(const Variant& value, BuiltInType to);
+
+// Comparisons of a ContentFilter convert values of different types to their common type first.
+
+/// True for no value and for the null of its type (Part 6, 5.1.2), as a scalar or an array.
+[[nodiscard]] bool is_null_value(const Variant& value);
+
+/// Returns nothing if one of them is not a value; false for values that have no common type or
+/// cannot be converted to it. Null and empty Strings, ByteStrings and arrays are equal, NaN is not.
+[[nodiscard]] std::optional<bool> are_equal(const Variant& a, const Variant& b);
+
+/// Unordered unless both are, or are converted to, numbers or DateTimes.
+[[nodiscard]] std::partial_ordering order(const Variant& a, const Variant& b);
+
+/// True if `value` is within the bounds, with all three converted to one type.
+[[nodiscard]] bool is_between(const Variant& value, const Variant& first, const Variant& last);
 
 } // namespace busbar::server::detail

@@ -6,9 +6,7 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "filter_compare.hpp"
 #include "filter_conversion.hpp"
-#include "like.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "like.hpp"
+#include "filter_operators.hpp"
 
 #include <algorithm>
 #include <cstdint>

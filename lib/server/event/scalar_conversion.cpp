@@ -1,4 +1,4 @@
-#include "scalar_conversion.hpp"
+#include "filter_conversion.hpp"
 
 #include <algorithm>
 #include <array>

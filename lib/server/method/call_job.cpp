@@ -11,8 +11,8 @@
 
 #include "server/rights/built_in_methods.hpp"
 #include "server/rights/method_lookup.hpp"
+#include "server/session/session.hpp"
 #include "server/session/session_record.hpp"
-#include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "add_nodes.hpp"
+#include "node_changes.hpp"
 
 #include <algorithm>
 
@@ -10,7 +10,6 @@
 #include "core/utf8.hpp"
 
 #include "node_attributes.hpp"
-#include "reference_rules.hpp"
 
 namespace busbar::server::detail {
 

@@ -4,10 +4,9 @@
 
 #include <busbar/core/detail/guarded.hpp>
 
-#include "add_nodes.hpp"
+#include "node_changes.hpp"
 #include "node_record.hpp"
-#include "references.hpp"
-#include "server/session/session_rights.hpp"
+#include "server/session/session.hpp"
 #include "server/session/sliced_operation.hpp"
 
 namespace busbar::server::detail {

@@ -1,4 +1,4 @@
-#include "reference_rules.hpp"
+#include "node_changes.hpp"
 
 #include <array>
 

@@ -1,11 +1,10 @@
-#include "references.hpp"
+#include "node_changes.hpp"
 
 #include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "reference_rules.hpp"
 #include "server/rights/hierarchy.hpp"
 
 namespace busbar::server::detail {

@@ -2,12 +2,32 @@
 
 #include <cstdint>
 
+#include <busbar/core/attribute_id.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
 
-#include "role_permissions.hpp"
+/// The permissions that a node's RolePermissions grant a user (Part 3, 4.9 and 8.55).
+///
+/// A role is named by a well-known NodeId or by the BrowseName of its node. Every user has the role
+/// Anonymous, one who has logged in also AuthenticatedUser, and those that the UserStore gave him.
 
 namespace busbar::server::detail {
+
+inline constexpr std::uint32_t all_permissions = UINT32_MAX;
+
+[[nodiscard]] bool has_role(const model::AddressSpace& space, const UserIdentity& user,
+                            const NodeId& role);
+/// Returns whether the user is ConfigureAdmin or SecurityAdmin.
+[[nodiscard]] bool is_administrator(const model::AddressSpace& space, const UserIdentity& user);
+/// Returns the entries for roles that the user has.
+[[nodiscard]] Array<RolePermissionType>
+user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,
+                      const Array<RolePermissionType>& permissions);
+/// Returns what a node's RolePermissions allow the user, for all his roles together;
+/// all_permissions if neither the node nor its namespace has any.
+[[nodiscard]] std::uint32_t user_permissions(const model::AddressSpace& space,
+                                             const UserIdentity& user,
+                                             const Array<RolePermissionType>& given);
 
 /// The rights of one user to nodes over one channel. An AccessControl, the RolePermissions of a
 /// node and its AccessRestrictions must all agree. Created again in each turn, since a user's roles
@@ -171,5 +191,19 @@ private:
 {
     return id.is_null() ? status::Bad_NodeIdInvalid : status::Bad_NodeIdUnknown;
 }
+
+// AttributeWriteMask (Part 3, 8.60): the attributes of a node, other than its Value, that Write
+// can replace. NodeAccess::write_mask may name more than this server can write: clients do not see
+// those bits.
+
+/// Returns the attribute's bit; 0 for one that has none.
+[[nodiscard]] std::uint32_t write_mask_bit(AttributeId attribute);
+/// Returns the WriteMask of the node; 0 for a constant node.
+[[nodiscard]] std::uint32_t write_mask(const model::AddressSpace& space, model::NodeIndex node);
+/// Returns the part of it that the user may write: RolePermissions with the permission
+/// WriteRolePermissions, AccessRestrictions with that and WriteAttribute, all others with
+/// WriteAttribute (Part 3, 8.55). Without CurrentWrite in his mask a user may write nothing, and if
+/// no RolePermissions apply only administrators change rights. The channel is not checked.
+[[nodiscard]] std::uint32_t user_write_mask(const NodeRights& rights, model::NodeIndex node);
 
 } // namespace busbar::server::detail

@@ -6,7 +6,7 @@
 #include "live_values.hpp"
 #include "method_lookup.hpp"
 #include "model/record.hpp"
-#include "write_mask.hpp"
+#include "node_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "role_permissions.hpp"
+#include "node_rights.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "write_mask.hpp"
+#include "node_rights.hpp"
 
 #include <array>
 

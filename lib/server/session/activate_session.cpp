@@ -8,11 +8,9 @@
 #include <busbar/core/text.hpp>
 
 #include "server/users/user_token.hpp"
-#include "session_places.hpp"
 #include "session_proof.hpp"
 #include "session_record.hpp"
 #include "session_services.hpp"
-#include "user_expiry.hpp"
 
 namespace busbar::server::detail {
 

@@ -12,8 +12,6 @@
 
 #include "core/utf8.hpp"
 
-#include "discovery.hpp"
-#include "session_places.hpp"
 #include "session_proof.hpp"
 #include "session_record.hpp"
 #include "session_services.hpp"

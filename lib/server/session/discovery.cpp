@@ -1,4 +1,4 @@
-#include "discovery.hpp"
+#include "session_services.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,6 @@
 
 #include "core/ascii_case.hpp"
 #include "server/users/user_policies.hpp"
-#include "session_services.hpp"
 
 namespace busbar::server::detail {
 

@@ -15,9 +15,9 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/discovery.hpp>
 
-#include "server/rights/registered_nodes.hpp"
-
 #include "peer.hpp"
+#include "server/rights/node_rights.hpp"
+#include "server/rights/registered_nodes.hpp"
 
 namespace busbar::server::detail {
 
@@ -155,6 +155,13 @@ private:
 [[nodiscard]] inline bool is_encrypted(const Session& session)
 {
     return session.security.mode == MessageSecurityMode::SignAndEncrypt;
+}
+
+/// Returns the rights of the session's user over its channel; `access` may be null.
+[[nodiscard]] inline NodeRights rights_of(const Session& session, const model::AddressSpace& space,
+                                          const AccessControl* access)
+{
+    return {space, session.user, access, session.security.mode};
 }
 
 } // namespace busbar::server::detail

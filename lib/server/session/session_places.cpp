@@ -1,4 +1,4 @@
-#include "session_places.hpp"
+#include "session_services.hpp"
 
 #include <busbar/core/text.hpp>
 

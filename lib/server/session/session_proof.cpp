@@ -2,7 +2,7 @@
 
 #include <busbar/crypto/asymmetric.hpp>
 
-#include "server/users/signed_nonce.hpp"
+#include "server/users/token_checks.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "user_expiry.hpp"
+#include "session_services.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,7 @@
-#include "issued_token.hpp"
+#include "token_checks.hpp"
 
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/jwt.hpp>
-
-#include "token_checks.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,4 +1,4 @@
-#include "signed_nonce.hpp"
+#include "token_checks.hpp"
 
 #include <vector>
 

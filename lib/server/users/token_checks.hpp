@@ -1,14 +1,21 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <busbar/channel/channel_types.hpp>
 #include <busbar/crypto/secret.hpp>
+#include <busbar/types/common.hpp>
+#include <busbar/types/session.hpp>
 
 #include "user_token.hpp"
 
 /// The common checks of all kinds of tokens.
+
 namespace busbar::server::detail {
 
 /// Returns the failure of a client that requests something this endpoint does not offer: it is not
@@ -35,5 +42,22 @@ namespace busbar::server::detail {
                                                         std::size_t max_size);
 
 [[nodiscard]] UserIdentity identity_of(UserTokenType type, std::string name, UserRights rights);
+
+/// Returns the user of an IssuedIdentityToken with a JSON Web Token (Part 4, 7.40.6; Part 6,
+/// 6.5.2). Failures are those of begin_log_in.
+[[nodiscard]] Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& token);
+
+/// Returns the bytes that are signed for a certificate and a nonce: the one followed by the other
+/// (Part 4, 7.36).
+[[nodiscard]] std::vector<std::byte> join(std::span<const std::byte> certificate,
+                                          std::span<const std::byte> nonce);
+
+/// True if the key of `signer` has signed the server's certificate and nonce by the policy (Part 4,
+/// 5.7.3.2). Never with SecurityPolicy None.
+[[nodiscard]] bool is_signed(const channel::ApplicationIdentity& server,
+                             const crypto::SecurityPolicy& policy,
+                             const crypto::Certificate& signer,
+                             std::span<const std::byte> server_nonce,
+                             const SignatureData& signature);
 
 } // namespace busbar::server::detail

@@ -6,7 +6,6 @@
 #include <busbar/crypto/asymmetric.hpp>
 #include <busbar/types/session.hpp>
 
-#include "signed_nonce.hpp"
 #include "token_checks.hpp"
 #include "user_policies.hpp"
 

@@ -28,7 +28,7 @@ struct LoginFailure {
 using Login = Expected<UserIdentity, LoginFailure>;
 
 struct LoginContext;
-/// log_in_issued() of issued_token.hpp, in a server that has it.
+/// log_in_issued() of token_checks.hpp, in a server that has it.
 using IssuedLogin = Login(const LoginContext& context, const IssuedIdentityToken& token);
 
 /// The context of log_in in addition to the token.

@@ -10,7 +10,7 @@
 #include <busbar/server/limits.hpp>
 #include <busbar/types/view.hpp>
 
-#include "server/rights/late_nodes.hpp"
+#include "server/rights/live_values.hpp"
 #include "server/rights/node_rights.hpp"
 #include "server/session/session.hpp"
 #include "server/session/turn.hpp"

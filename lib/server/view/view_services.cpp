@@ -8,7 +8,7 @@
 
 #include "browse_work.hpp"
 #include "server/rights/nodes_ahead.hpp"
-#include "server/session/session_rights.hpp"
+#include "server/session/session.hpp"
 #include "server/session/sliced_operation.hpp"
 #include "view_context.hpp"
 

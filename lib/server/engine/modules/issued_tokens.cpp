@@ -3,7 +3,7 @@
 
 #include "server/engine/core.hpp"
 #include "server/engine/type_table.hpp"
-#include "server/users/issued_token.hpp"
+#include "server/users/token_checks.hpp"
 
 namespace busbar::server {
 
