@@ -8,7 +8,7 @@
 #include <busbar/harness/fault.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 
-#include "chunk_tap.hpp"
+#include "chunks.hpp"
 #include "timeline.hpp"
 
 namespace busbar::harness::detail {

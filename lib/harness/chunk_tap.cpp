@@ -1,4 +1,4 @@
-#include "chunk_tap.hpp"
+#include "chunks.hpp"
 
 #include <algorithm>
 #include <utility>

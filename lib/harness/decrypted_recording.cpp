@@ -11,7 +11,7 @@
 #include <busbar/types/secure_channel.hpp>
 
 #include "channel/frame.hpp"
-#include "chunk_fields.hpp"
+#include "chunks.hpp"
 #include "dissector.hpp"
 
 namespace busbar::harness {

@@ -12,7 +12,7 @@
 #include <busbar/harness/link.hpp>
 
 #include "channel/frame.hpp"
-#include "chunk_tap.hpp"
+#include "chunks.hpp"
 
 namespace busbar::harness::detail {
 

@@ -1,6 +1,6 @@
 #include <busbar/harness/fault.hpp>
 
-#include "message_edit.hpp"
+#include "message_fields.hpp"
 
 namespace busbar::harness {
 

@@ -6,7 +6,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/common.hpp>
 
-#include "chunk_fields.hpp"
+#include "chunks.hpp"
 #include "whole_message.hpp"
 
 namespace busbar::harness::detail {

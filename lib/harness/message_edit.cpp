@@ -1,4 +1,4 @@
-#include "message_edit.hpp"
+#include "message_fields.hpp"
 
 #include <charconv>
 #include <map>
@@ -9,8 +9,6 @@
 #include <busbar/client/value_text.hpp>
 #include <busbar/types/fields.hpp>
 #include <busbar/types/registry.hpp>
-
-#include "message_fields.hpp"
 
 namespace busbar::harness::detail {
 

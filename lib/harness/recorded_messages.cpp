@@ -7,7 +7,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/harness/log_book.hpp>
 
-#include "chunk_fields.hpp"
+#include "chunks.hpp"
 #include "dissector.hpp"
 #include "message_fields.hpp"
 #include "recorded_exchanges.hpp"

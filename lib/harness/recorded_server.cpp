@@ -3,7 +3,7 @@
 
 #include <busbar/harness/request_replay.hpp>
 
-#include "message_edit.hpp"
+#include "message_fields.hpp"
 #include "recorded_exchanges.hpp"
 
 namespace busbar::harness {

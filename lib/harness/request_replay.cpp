@@ -7,7 +7,7 @@
 #include <busbar/types/history.hpp>
 #include <busbar/types/view.hpp>
 
-#include "message_edit.hpp"
+#include "message_fields.hpp"
 #include "recorded_exchanges.hpp"
 #include "volatile_fields.hpp"
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "chunks.hpp"
 #include "dissector.hpp"
 #include "session_proof.hpp"
-#include "wrong_chunks.hpp"
 
 namespace busbar::harness {
 

@@ -6,8 +6,8 @@
 #include <busbar/harness/report.hpp>
 #include <busbar/harness/text.hpp>
 
+#include "chunks.hpp"
 #include "dissector.hpp"
-#include "wrong_chunks.hpp"
 
 namespace busbar::harness {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "chunk_fields.hpp"
+#include "chunks.hpp"
 
 namespace busbar::harness::detail {
 

@@ -1,11 +1,9 @@
-#include "wrong_chunks.hpp"
+#include "chunks.hpp"
 
 #include <algorithm>
 #include <string_view>
 
 #include <busbar/binary/codec.hpp>
-
-#include "chunk_fields.hpp"
 
 namespace busbar::harness::detail {
 
