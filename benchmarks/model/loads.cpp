@@ -11,8 +11,7 @@
 
 #include <busbar/model/nodeset.hpp>
 
-#include "growth.hpp"
-#include "memory.hpp"
+#include "figures.hpp"
 #include "spaces.hpp"
 
 namespace busbar::bench {

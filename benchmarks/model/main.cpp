@@ -15,7 +15,7 @@
 #include <model_bench/standard/nodes.hpp>
 
 #include "command_line/program_options.hpp"
-#include "growth.hpp"
+#include "figures.hpp"
 #include "loads.hpp"
 #include "project.hpp"
 #include "services.hpp"

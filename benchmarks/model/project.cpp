@@ -9,7 +9,7 @@
 #include <busbar/controller/project_store.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
-#include "memory.hpp"
+#include "figures.hpp"
 #include "spaces.hpp"
 
 namespace busbar::bench {

@@ -2,16 +2,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
+#include <numeric>
 #include <random>
+#include <vector>
 
 #include <time.h>
-
-#include "statistics.hpp"
 
 namespace busbar::timing {
 
 namespace {
+
+/// The times of one class of inputs, in microseconds.
+using Times = std::vector<double>;
+
+struct Summary {
+    std::size_t count{0};
+    double median{0};
+    double mean{0};
+    double variance{0};
+};
+
+constexpr double threshold = 4.5;
+
+/// Needs at least two times.
+Summary summarize(Times times)
+{
+    Summary summary;
+    summary.count = times.size();
+    const auto count = static_cast<double>(times.size());
+    std::sort(times.begin(), times.end());
+    summary.median = times[times.size() / 2];
+    summary.mean = std::accumulate(times.begin(), times.end(), 0.0) / count;
+    for (const double time : times) {
+        summary.variance += (time - summary.mean) * (time - summary.mean) / (count - 1);
+    }
+    return summary;
+}
+
+/// What that share of all times together does not exceed. Longer ones are not looked at: there the
+/// operating system was at work.
+double quantile(const std::vector<Times>& classes, double share)
+{
+    Times all;
+    for (const Times& times : classes) {
+        all.insert(all.end(), times.begin(), times.end());
+    }
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(all.size() - 1));
+    std::nth_element(all.begin(), all.begin() + at, all.end());
+    return all[static_cast<std::size_t>(at)];
+}
+
+/// Welch's t: how many standard errors the means of two classes are apart. Beyond 4.5 it is no
+/// chance any more (the threshold of ISO/IEC 17825 and of "dude, is my code constant time?").
+double welch_t(const Summary& a, const Summary& b)
+{
+    const double error = std::sqrt(a.variance / static_cast<double>(a.count) +
+                                   b.variance / static_cast<double>(b.count));
+    return error > 0 ? (a.mean - b.mean) / error : 0;
+}
 
 /// Of all times the longest tenth is left out.
 constexpr double kept_share = 0.9;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <busbar/crypto/security_policy.hpp>
+
 namespace busbar::timing {
 
 /// Something that is timed once.
@@ -27,5 +29,13 @@ struct Settings {
 /// number of classes that can be told apart from it, controls not counted.
 [[nodiscard]] std::size_t run(const std::string& title, const std::vector<InputClass>& classes,
                               const Settings& settings);
+
+/// OpenSecureChannel requests that a server refuses for all there is to refuse: the time from the
+/// message's arrival to the answer. The first class is wrong RSA padding.
+[[nodiscard]] std::vector<InputClass> open_attempts(const crypto::SecurityPolicy& policy);
+
+/// User name tokens that a server refuses: the time to read one and to look the user up, in a store
+/// that is quicker than any that hashes passwords. The first class is wrong RSA padding.
+[[nodiscard]] std::vector<InputClass> token_attempts(const crypto::SecurityPolicy& policy);
 
 } // namespace busbar::timing

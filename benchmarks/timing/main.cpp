@@ -4,8 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "command_line/program_options.hpp"
-#include "open_attempts.hpp"
-#include "token_attempts.hpp"
+#include "experiment.hpp"
 
 using namespace busbar;
 

@@ -1,4 +1,4 @@
-#include "open_attempts.hpp"
+#include "experiment.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,8 +8,7 @@
 #include <busbar/channel/server_channel.hpp>
 #include <busbar/types/secure_channel.hpp>
 
-#include "identities.hpp"
-#include "rsa_text.hpp"
+#include "attempts.hpp"
 
 namespace busbar::timing {
 

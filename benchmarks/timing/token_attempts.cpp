@@ -1,4 +1,4 @@
-#include "token_attempts.hpp"
+#include "experiment.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 #include <busbar/types/session.hpp>
 
-#include "identities.hpp"
-#include "rsa_text.hpp"
+#include "attempts.hpp"
 #include "server/users/user_policies.hpp"
 #include "server/users/user_token.hpp"
 
