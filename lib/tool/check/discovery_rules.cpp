@@ -112,21 +112,23 @@ constexpr const char* finding = "Part 4, 5.5.2.2";
 
 const SpecRule rules[] = {
     {"endpoints", "GetEndpoints", "Endpoints need no session", "a request without a session",
-     "endpoints", "Part 4, 5.5.1", RuleNeed::OpenChannel,
+     "endpoints", "Part 4, 5.5.1",
      [](Subject& subject) {
          return each_endpoint(subject, [](const EndpointDescription&) { return true; });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-url-unknown", "GetEndpoints", "A URL that is not known has endpoints",
-     "endpointUrl = opc.tcp://no.such.host:4840", "endpoints", getting, RuleNeed::OpenChannel,
+     "endpointUrl = opc.tcp://no.such.host:4840", "endpoints", getting,
      [](Subject& subject) {
          return asked<GetEndpointsResponse>(subject, endpoints_at("opc.tcp://no.such.host:4840"),
                                             [](const GetEndpointsResponse& response) {
                                                 return expect(!response.endpoints.empty(),
                                                               "no endpoint");
                                             });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-profile", "GetEndpoints", "Endpoints are filtered by their transport",
-     "profileUris = [UA TCP]", "endpoints of UA TCP", getting, RuleNeed::OpenChannel,
+     "profileUris = [UA TCP]", "endpoints of UA TCP", getting,
      [](Subject& subject) {
          return asked<GetEndpointsResponse>(
              subject, endpoints_at(subject.config().channel.endpoint_url, {String{ua_tcp}}),
@@ -138,9 +140,10 @@ const SpecRule rules[] = {
                  }
                  return expect(!response.endpoints.empty(), "no endpoint");
              });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-profile-unknown", "GetEndpoints", "A transport that is not there has no endpoints",
-     "profileUris = [urn:none.such]", "no endpoint", getting, RuleNeed::OpenChannel,
+     "profileUris = [urn:none.such]", "no endpoint", getting,
      [](Subject& subject) {
          return asked<GetEndpointsResponse>(
              subject,
@@ -149,62 +152,69 @@ const SpecRule rules[] = {
                  return expect(response.endpoints.empty(),
                                count_of(response.endpoints.size(), "endpoints"));
              });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-mode", "GetEndpoints", "Mode None and policy None belong together", "any",
-     "both, or neither", describing, RuleNeed::OpenChannel,
+     "both, or neither", describing,
      [](Subject& subject) {
          return each_endpoint(subject, [](const EndpointDescription& each) {
              return (each.security_mode == MessageSecurityMode::None) == is_none(each);
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-certificate", "GetEndpoints", "An endpoint with security has a certificate", "any",
-     "a certificate", "Part 4, 5.5.4.1", RuleNeed::OpenChannel,
+     "a certificate", "Part 4, 5.5.4.1",
      [](Subject& subject) {
          return each_endpoint(subject, [](const EndpointDescription& each) {
              return is_none(each) ||
                     crypto::parse_chain(each.server_certificate.span()).has_value();
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"endpoints-application-uri", "GetEndpoints", "The certificate has the ApplicationUri", "any",
-     "the same URI in both", "Part 6, 6.2.2", RuleNeed::OpenChannel,
-     [](Subject& subject) { return each_endpoint(subject, has_own_uri); }},
+     "the same URI in both", "Part 6, 6.2.2",
+     [](Subject& subject) { return each_endpoint(subject, has_own_uri); }, RuleNeed::OpenChannel},
     {"endpoints-token-ids", "GetEndpoints", "Token policies have ids of their own", "any",
-     "different policyIds", "Part 4, 7.41", RuleNeed::OpenChannel,
-     [](Subject& subject) { return each_endpoint(subject, has_token_ids); }},
+     "different policyIds", "Part 4, 7.41",
+     [](Subject& subject) { return each_endpoint(subject, has_token_ids); }, RuleNeed::OpenChannel},
     {"servers-itself", "FindServers", "A server finds itself", "a request without a session",
-     "its ApplicationUri", "Part 4, 5.5.2.1", RuleNeed::OpenChannel,
+     "its ApplicationUri", "Part 4, 5.5.2.1",
      [](Subject& subject) {
          return own_entry(subject, {}, [](const ApplicationDescription&) { return true; });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"servers-filter", "FindServers", "A server is found by its URI", "serverUris = [its own]",
-     "its ApplicationUri", finding, RuleNeed::OpenChannel,
+     "its ApplicationUri", finding,
      [](Subject& subject) {
          return own_entry(subject, {subject.endpoint().server.application_uri},
                           [](const ApplicationDescription&) { return true; });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"servers-filter-unknown", "FindServers", "A URI that is not there finds no server",
-     "serverUris = [urn:none.such]", "no server", finding, RuleNeed::OpenChannel,
+     "serverUris = [urn:none.such]", "no server", finding,
      [](Subject& subject) {
          return servers(subject, {String{"urn:none.such"}},
                         [](const Array<ApplicationDescription>& all) {
                             return expect(all.empty(), count_of(all.size(), "servers"));
                         });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"servers-discovery-url", "FindServers", "A server has a URL for discovery", "any",
-     "discoveryUrls", "Part 12, 4.3.2", RuleNeed::OpenChannel,
+     "discoveryUrls", "Part 12, 4.3.2",
      [](Subject& subject) {
          return own_entry(subject, {}, [](const ApplicationDescription& each) {
              return !each.discovery_urls.empty();
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"servers-type", "FindServers", "A server is not a client", "any",
      "applicationType Server, ClientAndServer or DiscoveryServer", "Part 4, 7.4",
-     RuleNeed::OpenChannel,
      [](Subject& subject) {
          return own_entry(subject, {}, [](const ApplicationDescription& each) {
              return each.application_type != ApplicationType::Client;
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
 };
 
 } // namespace discovery

@@ -279,85 +279,67 @@ constexpr const char* operation = "Part 4, 5.13.2.4";
 
 const SpecRule rules[] = {
     {"item-nothing", create, "No items are refused", "itemsToCreate = []", nothing, service,
-     RuleNeed::Session,
      [](Subject& subject) { return service_result(Subscribed{subject}.create({})); }},
     {"item-subscription-unknown", create, "A Subscription that is not there is refused",
-     "subscriptionId = 4294967280", no_subscription, service, RuleNeed::Session,
-     unknown_subscription},
+     "subscriptionId = 4294967280", no_subscription, service, unknown_subscription},
     {"item-timestamps-invalid", create, "Unknown timestampsToReturn are refused",
-     "timestampsToReturn = 99", status::Bad_TimestampsToReturnInvalid, service, RuleNeed::Session,
+     "timestampsToReturn = 99", status::Bad_TimestampsToReturnInvalid, service,
      [](Subject& subject) {
          return service_result(Subscribed{subject}.create({item_of(some_scalar())},
                                                           static_cast<TimestampsToReturn>(99)));
      }},
     {"item-timestamps-neither", create, "Neither returns no timestamp",
-     "timestampsToReturn = Neither", "no timestamp", "Part 4, 5.13.2.2", RuleNeed::Session,
-     item_timestamps},
+     "timestampsToReturn = Neither", "no timestamp", "Part 4, 5.13.2.2", item_timestamps},
     {"item-node-unknown", create, "A node that is not there is unknown",
-     "a NodeId that does not exist", status::Bad_NodeIdUnknown, operation, RuleNeed::Session,
+     "a NodeId that does not exist", status::Bad_NodeIdUnknown, operation,
      [](Subject& subject) { return created(subject, item_of(unknown_node())); }},
     {"item-attribute-invalid", create, "A node does not have the attribute", "Value of Server",
-     status::Bad_AttributeIdInvalid, operation, RuleNeed::Session,
+     status::Bad_AttributeIdInvalid, operation,
      [](Subject& subject) { return created(subject, item_of(standard(id::Server))); }},
     {"item-range-syntax", create, "A range of letters is invalid", "indexRange = \"x\"",
-     status::Bad_IndexRangeInvalid, operation, RuleNeed::Session,
+     status::Bad_IndexRangeInvalid, operation,
      [](Subject& subject) {
          return changed(subject, some_array(), [](MonitoredItemCreateRequest& item) {
              item.item_to_monitor.index_range = "x";
          });
      }},
-    {"item-range-no-data",
-     create,
-     "A range beyond the end fails now or in the Publish",
-     "indexRange = \"99999\"",
-     {status::Good, status::Bad_IndexRangeNoData},
-     operation,
-     RuleNeed::Session,
+    {"item-range-no-data", create, "A range beyond the end fails now or in the Publish",
+     "indexRange = \"99999\"", one_of(status::Good, status::Bad_IndexRangeNoData), operation,
      [](Subject& subject) {
          return changed(subject, some_array(), [](MonitoredItemCreateRequest& item) {
              item.item_to_monitor.index_range = "99999";
          });
      }},
     {"item-mode-invalid", create, "An unknown monitoringMode is refused", "monitoringMode = 9",
-     status::Bad_MonitoringModeInvalid, operation, RuleNeed::Session,
+     status::Bad_MonitoringModeInvalid, operation,
      [](Subject& subject) {
          return changed(subject, some_scalar(), [](MonitoredItemCreateRequest& item) {
              item.monitoring_mode = static_cast<MonitoringMode>(9);
          });
      }},
-    {"item-filter-unknown",
-     create,
-     "A filter of an unknown type is refused",
+    {"item-filter-unknown", create, "A filter of an unknown type is refused",
      "filter = a structure that is not a filter",
-     {status::Bad_MonitoredItemFilterInvalid, status::Bad_MonitoredItemFilterUnsupported,
-      status::Bad_FilterNotAllowed},
+     one_of(status::Bad_MonitoredItemFilterInvalid, status::Bad_MonitoredItemFilterUnsupported,
+            status::Bad_FilterNotAllowed),
      operation,
-     RuleNeed::Session,
      [](Subject& subject) {
          return changed(subject, some_scalar(), [](MonitoredItemCreateRequest& item) {
              item.requested_parameters.filter = ExtensionObject::from(ReadValueId{});
          });
      }},
-    {"item-event-filter-of-value",
-     create,
-     "A Value has no EventFilter",
+    {"item-event-filter-of-value", create, "A Value has no EventFilter",
      "Value of CurrentTime, filter = EventFilter",
-     {status::Bad_FilterNotAllowed, status::Bad_MonitoredItemFilterInvalid,
-      status::Bad_MonitoredItemFilterUnsupported},
+     one_of(status::Bad_FilterNotAllowed, status::Bad_MonitoredItemFilterInvalid,
+            status::Bad_MonitoredItemFilterUnsupported),
      operation,
-     RuleNeed::Session,
      [](Subject& subject) {
          return changed(subject, some_scalar(), [](MonitoredItemCreateRequest& item) {
              item.requested_parameters.filter = ExtensionObject::from(EventFilter{});
          });
      }},
-    {"item-filter-of-attribute",
-     create,
-     "The filter of a DisplayName is not used, or is refused",
-     "DisplayName, filter = DataChangeFilter",
-     {status::Good, status::Bad_FilterNotAllowed},
+    {"item-filter-of-attribute", create, "The filter of a DisplayName is not used, or is refused",
+     "DisplayName, filter = DataChangeFilter", one_of(status::Good, status::Bad_FilterNotAllowed),
      "Part 4, 5.13.1.1",
-     RuleNeed::Session,
      [](Subject& subject) {
          return changed(subject, some_scalar(), [](MonitoredItemCreateRequest& item) {
              item.item_to_monitor.attribute_id =
@@ -365,27 +347,25 @@ const SpecRule rules[] = {
              item.requested_parameters.filter = ExtensionObject::from(DataChangeFilter{});
          });
      }},
-    {"item-deadband-negative",
-     create,
+    {"item-deadband-negative", create,
      "A negative deadband is granted, as each change is larger, or refused",
      "ServiceLevel, deadbandType = Absolute, deadbandValue = -1",
-     {status::Good, status::Bad_DeadbandFilterInvalid, status::Bad_MonitoredItemFilterInvalid,
-      status::Bad_MonitoredItemFilterUnsupported, status::Bad_FilterNotAllowed},
+     one_of(status::Good, status::Bad_DeadbandFilterInvalid, status::Bad_MonitoredItemFilterInvalid,
+            status::Bad_MonitoredItemFilterUnsupported, status::Bad_FilterNotAllowed),
      "Part 4, 7.22.2",
-     RuleNeed::Session,
      [](Subject& subject) { return deadband(subject, standard(id::Server_ServiceLevel), 1, -1); }},
     {"item-deadband-type", create, "An unknown deadbandType is refused",
-     "ServiceLevel, deadbandType = 7", bad_filter, "Part 4, 7.22.2", RuleNeed::Session,
+     "ServiceLevel, deadbandType = 7", bad_filter, "Part 4, 7.22.2",
      [](Subject& subject) { return deadband(subject, standard(id::Server_ServiceLevel), 7, 1); }},
     {"item-deadband-of-text", create, "A String has no deadband",
-     "NamespaceArray, deadbandType = Absolute", bad_filter, "Part 4, 7.22.2", RuleNeed::Session,
+     "NamespaceArray, deadbandType = Absolute", bad_filter, "Part 4, 7.22.2",
      [](Subject& subject) { return deadband(subject, some_array(), 1, 1); }},
     {"item-percent-without-range", create, "A PercentDeadband needs an EURange",
-     "ServiceLevel, deadbandType = Percent", bad_filter, "Part 8, 7.2", RuleNeed::Session,
+     "ServiceLevel, deadbandType = Percent", bad_filter, "Part 8, 7.2",
      [](Subject& subject) { return deadband(subject, standard(id::Server_ServiceLevel), 2, 10); }},
     {"item-sampling-negative", create, "A negative interval is that of the Subscription",
      "samplingInterval = -1, publishing every 50 ms", "a revisedSamplingInterval above 0",
-     "Part 4, 5.13.1.2", RuleNeed::Session,
+     "Part 4, 5.13.1.2",
      [](Subject& subject) {
          return revised(
              subject, [](MonitoringParameters& asked) { asked.sampling_interval = -1; },
@@ -395,7 +375,7 @@ const SpecRule rules[] = {
              });
      }},
     {"item-queue-zero", create, "A queue of 0 values is one of 1", "queueSize = 0",
-     "revisedQueueSize = 1", "Part 4, 7.21", RuleNeed::Session,
+     "revisedQueueSize = 1", "Part 4, 7.21",
      [](Subject& subject) {
          return revised(
              subject, [](MonitoringParameters& asked) { asked.queue_size = 0; },
@@ -405,7 +385,7 @@ const SpecRule rules[] = {
              });
      }},
     {"item-queue-large", create, "A very large queue is granted or revised",
-     "queueSize = 4294967295", "a revisedQueueSize above 0", "Part 4, 7.21", RuleNeed::Session,
+     "queueSize = 4294967295", "a revisedQueueSize above 0", "Part 4, 7.21",
      [](Subject& subject) {
          return revised(
              subject, [](MonitoringParameters& asked) { asked.queue_size = 0xFFFF'FFFFU; },
@@ -415,58 +395,50 @@ const SpecRule rules[] = {
              });
      }},
     {"item-ids", create, "Items of one node have ids of their own", "CurrentTime twice", "two ids",
-     "Part 4, 5.13.2.2", RuleNeed::Session, different_ids},
+     "Part 4, 5.13.2.2", different_ids},
     {"item-first-value", create, "The first value is reported without a change",
-     "NamespaceArray, then Publish", "its value", "Part 4, 5.13.1.2", RuleNeed::Session,
-     first_value},
+     "NamespaceArray, then Publish", "its value", "Part 4, 5.13.1.2", first_value},
     {"item-client-handle", create, "Values have the item's clientHandle", "clientHandle = 4711",
-     "clientHandle 4711", "Part 4, 7.21", RuleNeed::Session, client_handle},
+     "clientHandle 4711", "Part 4, 7.21", client_handle},
     {"item-disabled", create, "A disabled item reports nothing", "monitoringMode = Disabled",
-     "keep-alive messages", "Part 4, 5.13.1.3", RuleNeed::Session,
+     "keep-alive messages", "Part 4, 5.13.1.3",
      [](Subject& subject) { return silent(subject, MonitoringMode::Disabled); }},
     {"item-sampling", create, "An item that only samples reports nothing",
-     "monitoringMode = Sampling", "keep-alive messages", "Part 4, 5.13.1.3", RuleNeed::Session,
+     "monitoringMode = Sampling", "keep-alive messages", "Part 4, 5.13.1.3",
      [](Subject& subject) { return silent(subject, MonitoringMode::Sampling); }},
     {"item-overflow-oldest", create, "The first value after lost ones says so",
      "CurrentTime, queueSize = 2, discardOldest = true", "Overflow at the first value",
-     "Part 4, 5.13.1.5", RuleNeed::Session,
-     [](Subject& subject) { return overflow(subject, true); }},
+     "Part 4, 5.13.1.5", [](Subject& subject) { return overflow(subject, true); }},
     {"item-overflow-newest", create, "The last value before lost ones says so",
      "CurrentTime, queueSize = 2, discardOldest = false", "Overflow at the last value",
-     "Part 4, 5.13.1.5", RuleNeed::Session,
-     [](Subject& subject) { return overflow(subject, false); }},
+     "Part 4, 5.13.1.5", [](Subject& subject) { return overflow(subject, false); }},
     {"item-overflow-none", create, "A queue of one value does not overflow",
-     "CurrentTime, queueSize = 1", "no Overflow", "Part 4, 5.13.1.5", RuleNeed::Session,
-     no_overflow},
+     "CurrentTime, queueSize = 1", "no Overflow", "Part 4, 5.13.1.5", no_overflow},
     {"item-event", create, "Server reports events", "EventNotifier of Server, EventId",
-     status::Good, operation, RuleNeed::Session,
+     status::Good, operation,
      [](Subject& subject) { return created(subject, event_item(standard(id::Server), true)); }},
-    {"item-event-selects-nothing",
-     create,
-     "An EventFilter selects fields",
+    {"item-event-selects-nothing", create, "An EventFilter selects fields",
      "EventNotifier of Server, selectClauses = []",
-     {status::Bad_EventFilterInvalid, status::Bad_MonitoredItemFilterInvalid},
+     one_of(status::Bad_EventFilterInvalid, status::Bad_MonitoredItemFilterInvalid),
      "Part 4, 7.22.3",
-     RuleNeed::Session,
      [](Subject& subject) { return created(subject, event_item(standard(id::Server), false)); }},
     {"item-event-of-variable", create, "A Variable reports no events",
-     "EventNotifier of CurrentTime", status::Bad_AttributeIdInvalid, operation, RuleNeed::Session,
+     "EventNotifier of CurrentTime", status::Bad_AttributeIdInvalid, operation,
      [](Subject& subject) { return created(subject, event_item(some_scalar(), true)); }},
     {"modify-items-nothing", "ModifyMonitoredItems", "No items are refused", "itemsToModify = []",
-     nothing, "Part 4, 5.13.3.3", RuleNeed::Session,
+     nothing, "Part 4, 5.13.3.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return service_result(modify(subject, subscription.id(), {}, TimestampsToReturn::Both));
      }},
     {"modify-items-subscription-unknown", "ModifyMonitoredItems",
      "A Subscription that is not there is refused", "subscriptionId = 4294967280", no_subscription,
-     "Part 4, 5.13.3.3", RuleNeed::Session,
+     "Part 4, 5.13.3.3",
      [](Subject& subject) {
          return service_result(modify(subject, no_such_id, {1}, TimestampsToReturn::Both));
      }},
     {"modify-items-timestamps", "ModifyMonitoredItems", "Unknown timestampsToReturn are refused",
      "timestampsToReturn = 99", status::Bad_TimestampsToReturnInvalid, "Part 4, 5.13.3.3",
-     RuleNeed::Session,
      [](Subject& subject) {
          Subscribed subscription{subject};
          const std::uint32_t item = subscription.add(item_of(some_scalar()));
@@ -474,28 +446,28 @@ const SpecRule rules[] = {
              modify(subject, subscription.id(), {item}, static_cast<TimestampsToReturn>(99)));
      }},
     {"modify-items-unknown", "ModifyMonitoredItems", "An item that is not there is invalid",
-     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.3.4", RuleNeed::Session,
+     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.3.4",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return operation_result(
              modify(subject, subscription.id(), {no_such_id}, TimestampsToReturn::Both));
      }},
     {"modify-items", "ModifyMonitoredItems", "An item is modified", "an item of CurrentTime",
-     status::Good, "Part 4, 5.13.3.4", RuleNeed::Session, modified},
+     status::Good, "Part 4, 5.13.3.4", modified},
     {"item-mode-nothing", "SetMonitoringMode", "No items are refused", "monitoredItemIds = []",
-     nothing, "Part 4, 5.13.4.3", RuleNeed::Session,
+     nothing, "Part 4, 5.13.4.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return service_result(set_mode(subject, subscription.id(), {}));
      }},
     {"item-mode-unknown", "SetMonitoringMode", "An item that is not there is invalid",
-     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.4.4", RuleNeed::Session,
+     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.4.4",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return operation_result(set_mode(subject, subscription.id(), {no_such_id}));
      }},
     {"item-mode-set-invalid", "SetMonitoringMode", "An unknown monitoringMode is refused",
-     "monitoringMode = 9", status::Bad_MonitoringModeInvalid, "Part 4, 5.13.4.3", RuleNeed::Session,
+     "monitoringMode = 9", status::Bad_MonitoringModeInvalid, "Part 4, 5.13.4.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          const std::uint32_t item = subscription.add(item_of(some_scalar()));
@@ -504,48 +476,48 @@ const SpecRule rules[] = {
      }},
     {"item-mode-subscription-unknown", "SetMonitoringMode",
      "A Subscription that is not there is refused", "subscriptionId = 4294967280", no_subscription,
-     "Part 4, 5.13.4.3", RuleNeed::Session,
+     "Part 4, 5.13.4.3",
      [](Subject& subject) { return service_result(set_mode(subject, no_such_id, {1})); }},
     {"trigger-nothing", "SetTriggering", "No links are refused",
-     "linksToAdd = [], linksToRemove = []", nothing, "Part 4, 5.13.5.3", RuleNeed::Session,
+     "linksToAdd = [], linksToRemove = []", nothing, "Part 4, 5.13.5.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          const std::uint32_t item = subscription.add(item_of(some_scalar()));
          return service_result(trigger(subject, subscription.id(), item, {}));
      }},
     {"trigger-item-unknown", "SetTriggering", "A triggering item that is not there is refused",
-     "triggeringItemId = 4294967280", no_item, "Part 4, 5.13.5.3", RuleNeed::Session,
+     "triggeringItemId = 4294967280", no_item, "Part 4, 5.13.5.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          const std::uint32_t item = subscription.add(item_of(some_scalar()));
          return service_result(trigger(subject, subscription.id(), no_such_id, {item}));
      }},
     {"trigger-link-unknown", "SetTriggering", "A link to an item that is not there is refused",
-     "linksToAdd = [4294967280]", no_item, "Part 4, 5.13.5.4", RuleNeed::Session,
+     "linksToAdd = [4294967280]", no_item, "Part 4, 5.13.5.4",
      [](Subject& subject) { return link_result(subject, true); }},
     {"trigger-remove-unknown", "SetTriggering", "A link that is not there cannot be removed",
-     "linksToRemove = [4294967280]", no_item, "Part 4, 5.13.5.4", RuleNeed::Session,
+     "linksToRemove = [4294967280]", no_item, "Part 4, 5.13.5.4",
      [](Subject& subject) { return link_result(subject, false); }},
     {"trigger-reports", "SetTriggering", "A triggered item reports its samples",
      "CurrentTime triggers NamespaceArray, which only samples", "the value of NamespaceArray",
-     "Part 4, 5.13.1.6", RuleNeed::Session, triggered},
+     "Part 4, 5.13.1.6", triggered},
     {"delete-items-nothing", "DeleteMonitoredItems", "No items are refused",
-     "monitoredItemIds = []", nothing, "Part 4, 5.13.6.3", RuleNeed::Session,
+     "monitoredItemIds = []", nothing, "Part 4, 5.13.6.3",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return service_result(remove(subject, subscription.id(), {}));
      }},
     {"delete-items-unknown", "DeleteMonitoredItems", "An item that is not there is invalid",
-     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.6.4", RuleNeed::Session,
+     "monitoredItemId = 4294967280", no_item, "Part 4, 5.13.6.4",
      [](Subject& subject) {
          Subscribed subscription{subject};
          return operation_result(remove(subject, subscription.id(), {no_such_id}));
      }},
     {"delete-items-twice", "DeleteMonitoredItems", "A deleted item is not there",
-     "the same item twice", no_item, "Part 4, 5.13.6.4", RuleNeed::Session, removed_twice},
+     "the same item twice", no_item, "Part 4, 5.13.6.4", removed_twice},
     {"delete-items-subscription-unknown", "DeleteMonitoredItems",
      "A Subscription that is not there is refused", "subscriptionId = 4294967280", no_subscription,
-     "Part 4, 5.13.6.3", RuleNeed::Session,
+     "Part 4, 5.13.6.3",
      [](Subject& subject) { return service_result(remove(subject, no_such_id, {1})); }},
 };
 

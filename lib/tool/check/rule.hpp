@@ -78,6 +78,13 @@ private:
     std::string_view text_;
 };
 
+/// Any of some statuses.
+template <typename... Status>
+[[nodiscard]] constexpr Wanted one_of(Status... statuses)
+{
+    return {StatusCode{statuses}...};
+}
+
 /// The requirement of a rule beside a server; without it the rule is not applicable.
 enum class RuleNeed : std::uint8_t {
     Session,
@@ -99,8 +106,8 @@ struct SpecRule {
     Wanted wanted;
     /// "Part 4, 5.11.2.3".
     std::string_view source;
-    RuleNeed need;
     Answer (*ask)(Subject& subject);
+    RuleNeed need{RuleNeed::Session};
 };
 
 /// A group of rules, one for each file of them.

@@ -258,26 +258,20 @@ constexpr const char* tokens = "Part 6, 6.7.4";
 
 const SpecRule rules[] = {
     {"hello", "UA TCP", "A Hello is acknowledged", "HEL", "an Acknowledge", "Part 6, 7.1.3",
-     RuleNeed::Session,
      [](Subject& subject) {
          return acknowledged(subject, {}, [](const RawChunk&) { return right(); });
      }},
     {"hello-buffers", "UA TCP", "Buffers are as large as requested at most",
      "HEL with buffers of 65,535 bytes", "8,192 to 65,535 bytes", "Part 6, 7.1.2.4",
-     RuleNeed::Session, [](Subject& subject) { return acknowledged(subject, {}, buffers); }},
+     [](Subject& subject) { return acknowledged(subject, {}, buffers); }},
     {"hello-version", "UA TCP", "A later version is accepted", "HEL with version 4294967295",
-     "an Acknowledge", hello, RuleNeed::Session,
+     "an Acknowledge", hello,
      [](Subject& subject) {
          return acknowledged(subject, {.version = 0xFFFF'FFFFU},
                              [](const RawChunk&) { return right(); });
      }},
-    {"hello-url-long",
-     "UA TCP",
-     "A URL of more than 4,096 bytes is refused",
-     "HEL with a URL of 5,000 bytes",
-     {status::Bad_TcpEndpointUrlInvalid, hung_up},
-     hello,
-     RuleNeed::Session,
+    {"hello-url-long", "UA TCP", "A URL of more than 4,096 bytes is refused",
+     "HEL with a URL of 5,000 bytes", one_of(status::Bad_TcpEndpointUrlInvalid, hung_up), hello,
      [](Subject& subject) {
          Wire wire{subject};
          const auto answer = wire.hello({.url = "opc.tcp://" + std::string(5'000, 'x')});
@@ -286,154 +280,146 @@ const SpecRule rules[] = {
                                          : wrong("a chunk " + answer->type);
      }},
     {"hello-twice", "UA TCP", "A second Hello is refused", "HEL after ACK",
-     "an Error, or the end of the connection", "Part 6, 7.1.3", RuleNeed::Session, second_hello},
+     "an Error, or the end of the connection", "Part 6, 7.1.3", second_hello},
     {"hello-type-unknown", "UA TCP", "An unknown message type is refused", "XXXF", bad_type, errors,
-     RuleNeed::Session, [](Subject& subject) { return first_bytes(subject, "XXXF", 40); }},
+     [](Subject& subject) { return first_bytes(subject, "XXXF", 40); }},
     {"hello-missing", "UA TCP", "An OPN before the Hello is refused", "OPNF", bad_type,
-     "Part 6, 7.1.3", RuleNeed::Session,
-     [](Subject& subject) { return first_bytes(subject, "OPNF", 40); }},
+     "Part 6, 7.1.3", [](Subject& subject) { return first_bytes(subject, "OPNF", 40); }},
     {"hello-message-first", "UA TCP", "A MSG before the Hello is refused", "MSGF", bad_type,
-     "Part 6, 7.1.3", RuleNeed::Session,
-     [](Subject& subject) { return first_bytes(subject, "MSGF", 40); }},
+     "Part 6, 7.1.3", [](Subject& subject) { return first_bytes(subject, "MSGF", 40); }},
     {"hello-acknowledge-first", "UA TCP", "A client's Acknowledge is refused", "ACKF", bad_type,
-     "Part 6, 7.1.3", RuleNeed::Session,
-     [](Subject& subject) { return first_bytes(subject, "ACKF", 40); }},
-    {"hello-size-large",
-     "UA TCP",
-     "A Hello of 100 MB is refused",
-     "HELF with size 100,000,000",
-     {status::Bad_TcpMessageTooLarge, hung_up},
-     errors,
-     RuleNeed::Session,
+     "Part 6, 7.1.3", [](Subject& subject) { return first_bytes(subject, "ACKF", 40); }},
+    {"hello-size-large", "UA TCP", "A Hello of 100 MB is refused", "HELF with size 100,000,000",
+     one_of(status::Bad_TcpMessageTooLarge, hung_up), errors,
      [](Subject& subject) { return first_bytes(subject, "HELF", 100'000'000); }},
     {"channel-ids", "OpenSecureChannel", "A channel has an id", "Issue",
-     "a SecureChannelId above 0", "Part 6, 6.7.2.2", RuleNeed::OpenChannel, has_id},
+     "a SecureChannelId above 0", "Part 6, 6.7.2.2", has_id, RuleNeed::OpenChannel},
     {"channel-lifetime", "OpenSecureChannel", "A lifetime of 0 is revised", "requestedLifetime = 0",
-     "a revisedLifetime above 0", "Part 4, 5.6.2.2", RuleNeed::OpenChannel, lifetime},
-    {"channel-policy-unknown",
-     "OpenSecureChannel",
-     "An unknown policy is refused",
+     "a revisedLifetime above 0", "Part 4, 5.6.2.2", lifetime, RuleNeed::OpenChannel},
+    {"channel-policy-unknown", "OpenSecureChannel", "An unknown policy is refused",
      "SecurityPolicyUri = urn:none.such",
-     {status::Bad_SecurityPolicyRejected, status::Bad_SecurityChecksFailed, hung_up},
-     opening,
-     RuleNeed::OpenChannel,
+     one_of(status::Bad_SecurityPolicyRejected, status::Bad_SecurityChecksFailed, hung_up), opening,
      [](Subject& subject) {
          return opened(subject, SecurityTokenRequestType::Renew, {}, "urn:none.such");
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-mode-invalid", "OpenSecureChannel", "The mode Invalid is refused",
-     "securityMode = Invalid", bad_mode, opening, RuleNeed::OpenChannel,
+     "securityMode = Invalid", bad_mode, opening,
      [](Subject& subject) {
          return opened(subject, SecurityTokenRequestType::Renew,
                        [](OpenSecureChannelRequest& request) {
                            request.security_mode = MessageSecurityMode::Invalid;
                        });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-mode-sign", "OpenSecureChannel", "Policy None signs nothing",
-     "policy None, securityMode = Sign", bad_mode, opening, RuleNeed::OpenChannel,
+     "policy None, securityMode = Sign", bad_mode, opening,
      [](Subject& subject) {
          return opened(subject, SecurityTokenRequestType::Renew,
                        [](OpenSecureChannelRequest& request) {
                            request.security_mode = MessageSecurityMode::Sign;
                        });
-     }},
-    {"channel-issue-twice",
-     "OpenSecureChannel",
-     "A channel is opened once",
+     },
+     RuleNeed::OpenChannel},
+    {"channel-issue-twice", "OpenSecureChannel", "A channel is opened once",
      "Issue on an open channel",
-     {status::Bad_RequestTypeInvalid, status::Bad_TcpSecureChannelUnknown,
-      status::Bad_SecureChannelIdInvalid, status::Bad_SecurityChecksFailed, hung_up},
+     one_of(status::Bad_RequestTypeInvalid, status::Bad_TcpSecureChannelUnknown,
+            status::Bad_SecureChannelIdInvalid, status::Bad_SecurityChecksFailed, hung_up),
      "Part 4, 5.6.2.2",
-     RuleNeed::OpenChannel,
-     [](Subject& subject) { return opened(subject, SecurityTokenRequestType::Issue); }},
+     [](Subject& subject) { return opened(subject, SecurityTokenRequestType::Issue); },
+     RuleNeed::OpenChannel},
     {"channel-renew-other", "OpenSecureChannel", "Only the connection's channel is renewed",
-     "SecureChannelId = 2147483632", no_channel, errors, RuleNeed::OpenChannel,
+     "SecureChannelId = 2147483632", no_channel, errors,
      [](Subject& subject) {
          return opened(subject, SecurityTokenRequestType::Renew, {}, {}, 0x7FFF'FFF0U);
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-renew-token", "OpenSecureChannel", "A renewal gives another token", "Renew",
-     "another TokenId of the same channel", tokens, RuleNeed::OpenChannel,
+     "another TokenId of the same channel", tokens,
      [](Subject& subject) {
          return renewed(subject, [](RawChannel& channel, const ChannelSecurityToken& old) {
              return expect(channel.token().token_id != old.token_id &&
                                channel.token().channel_id == old.channel_id,
                            "the same token, or another channel");
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-renew-old", "OpenSecureChannel", "The old token serves until the new one is used",
-     "a request, Renew, then the old token", status::Good, tokens, RuleNeed::OpenChannel,
-     [](Subject& subject) { return old_token(subject, true); }},
+     "a request, Renew, then the old token", status::Good, tokens,
+     [](Subject& subject) { return old_token(subject, true); }, RuleNeed::OpenChannel},
     {"channel-renew-unused", "OpenSecureChannel", "The old token serves even if never used before",
-     "Issue, Renew, then the first token", status::Good, tokens, RuleNeed::OpenChannel,
-     [](Subject& subject) { return old_token(subject, false); }},
+     "Issue, Renew, then the first token", status::Good, tokens,
+     [](Subject& subject) { return old_token(subject, false); }, RuleNeed::OpenChannel},
     {"channel-renew-new", "OpenSecureChannel", "The new token serves at once",
-     "Renew, then the new token", status::Good, tokens, RuleNeed::OpenChannel,
+     "Renew, then the new token", status::Good, tokens,
      [](Subject& subject) {
          return renewed(subject, [](RawChannel& channel, const ChannelSecurityToken&) {
              return with_token(channel, channel.token().token_id);
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-token-unknown", "Secure conversation", "An unknown token is refused",
-     "TokenId = 2147483632", no_channel, errors, RuleNeed::OpenChannel,
+     "TokenId = 2147483632", no_channel, errors,
      [](Subject& subject) {
          return refused(subject, "MSGF", [](RawChannel& channel) {
              return channel.message(channel.some_request(), 0, 0x7FFF'FFF0U);
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-unknown", "Secure conversation", "An unknown channel is refused",
-     "SecureChannelId = 2147483632", no_channel, errors, RuleNeed::OpenChannel,
+     "SecureChannelId = 2147483632", no_channel, errors,
      [](Subject& subject) {
          return refused(subject, "MSGF", [](RawChannel& channel) {
              return channel.message(channel.some_request(), 0, 0, 0x7FFF'FFF0U);
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-sequence-repeated", "Secure conversation", "A sequence number is not used twice",
-     "the last sequence number again", bad_number, "Part 6, 6.7.7", RuleNeed::OpenChannel,
+     "the last sequence number again", bad_number, "Part 6, 6.7.7",
      [](Subject& subject) {
          return refused(subject, "MSGF", [](RawChannel& channel) {
              return channel.message(channel.some_request(), channel.sequence_number());
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-sequence-gap", "Secure conversation", "A sequence number is not left out",
-     "the last sequence number and 5", bad_number, "Part 6, 6.7.7", RuleNeed::OpenChannel,
+     "the last sequence number and 5", bad_number, "Part 6, 6.7.7",
      [](Subject& subject) {
          return refused(subject, "MSGF", [](RawChannel& channel) {
              return channel.message(channel.some_request(), channel.sequence_number() + 5);
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-sequence-server", "Secure conversation", "The server counts its chunks",
-     "two requests", "consecutive sequence numbers", "Part 6, 6.7.2.4", RuleNeed::OpenChannel,
-     sequence_numbers},
+     "two requests", "consecutive sequence numbers", "Part 6, 6.7.2.4", sequence_numbers,
+     RuleNeed::OpenChannel},
     {"channel-request-id", "Secure conversation", "A response has the RequestId", "a request",
-     "its RequestId", "Part 6, 6.7.2.4", RuleNeed::OpenChannel, request_id},
+     "its RequestId", "Part 6, 6.7.2.4", request_id, RuleNeed::OpenChannel},
     {"channel-type-unknown", "Secure conversation", "An unknown message type is refused", "XYZF",
-     bad_type, errors, RuleNeed::OpenChannel,
+     bad_type, errors,
      [](Subject& subject) {
          return refused(subject, "XYZF", [](RawChannel& channel) {
              return channel.message(channel.some_request());
          });
-     }},
+     },
+     RuleNeed::OpenChannel},
     {"channel-chunks", "Secure conversation", "A request may have several chunks",
-     "a request in two chunks", status::Good, "Part 6, 6.7.2.2", RuleNeed::OpenChannel,
-     in_two_chunks},
+     "a request in two chunks", status::Good, "Part 6, 6.7.2.2", in_two_chunks,
+     RuleNeed::OpenChannel},
     {"channel-abort", "Secure conversation", "A request that is given up is forgotten",
-     "a chunk, an abort chunk, another request", status::Good, "Part 6, 6.7.3",
-     RuleNeed::OpenChannel, aborted},
-    {"channel-chunk-large",
-     "Secure conversation",
-     "A chunk beyond the buffer is refused",
-     "a size of the receive buffer and 1",
-     {status::Bad_TcpMessageTooLarge, hung_up},
-     errors,
-     RuleNeed::OpenChannel,
-     too_large},
+     "a chunk, an abort chunk, another request", status::Good, "Part 6, 6.7.3", aborted,
+     RuleNeed::OpenChannel},
+    {"channel-chunk-large", "Secure conversation", "A chunk beyond the buffer is refused",
+     "a size of the receive buffer and 1", one_of(status::Bad_TcpMessageTooLarge, hung_up), errors,
+     too_large, RuleNeed::OpenChannel},
     {"channel-chunk-size", "Secure conversation", "The server keeps the client's buffer",
-     "buffers of 8,192 bytes", "chunks of at most 8,192 bytes", hello, RuleNeed::OpenChannel,
-     chunk_sizes},
+     "buffers of 8,192 bytes", "chunks of at most 8,192 bytes", hello, chunk_sizes,
+     RuleNeed::OpenChannel},
     {"channel-response-size", "Secure conversation", "The server keeps the client's message size",
-     "MaxMessageSize = 60", status::Bad_ResponseTooLarge, hello, RuleNeed::OpenChannel,
-     small_responses},
+     "MaxMessageSize = 60", status::Bad_ResponseTooLarge, hello, small_responses,
+     RuleNeed::OpenChannel},
     {"channel-close", "CloseSecureChannel", "A channel is closed without a response", "CLO",
-     "the end of the connection", "Part 6, 7.1.5", RuleNeed::OpenChannel, closed},
+     "the end of the connection", "Part 6, 7.1.5", closed, RuleNeed::OpenChannel},
 };
 
 } // namespace transport
