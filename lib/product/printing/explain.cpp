@@ -91,6 +91,7 @@ struct FileKey {
     std::string_view name;
     std::string (*value)(const ControllerConfig& config);
 };
+using Config = const ControllerConfig&;
 
 std::string list_names(const std::vector<std::string>& names)
 {
@@ -114,30 +115,25 @@ std::string encoding_text(controller::TextEncoding encoding)
 }
 
 constexpr std::array file_keys{
-    FileKey{"certificates.folder",
-            [](const ControllerConfig& c) { return in_quotes(c.certificates.folder); }},
+    FileKey{"certificates.folder", [](Config c) { return in_quotes(c.certificates.folder); }},
     FileKey{"files",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 std::vector<std::string> names;
                 std::ranges::transform(c.files, std::back_inserter(names), &FilesConfig::name);
                 return list_names(names);
             }},
-    FileKey{"labels.encoding",
-            [](const ControllerConfig& c) { return encoding_text(c.labels.reading.encoding); }},
+    FileKey{"labels.encoding", [](Config c) { return encoding_text(c.labels.reading.encoding); }},
     FileKey{"labels.isolate_failures",
-            [](const ControllerConfig& c) { return flag_text(c.labels.isolates_failures); }},
-    FileKey{"labels.program",
-            [](const ControllerConfig& c) { return paths_text(c.labels.program_file); }},
-    FileKey{"labels.sampling",
-            [](const ControllerConfig& c) { return flag_text(c.labels.options.can_sample); }},
+            [](Config c) { return flag_text(c.labels.isolates_failures); }},
+    FileKey{"labels.program", [](Config c) { return paths_text(c.labels.program_file); }},
+    FileKey{"labels.sampling", [](Config c) { return flag_text(c.labels.options.can_sample); }},
     FileKey{"labels.strict",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 return flag_text(c.labels.options.unserved == controller::Unserved::Refuse);
             }},
-    FileKey{"machine.encoding",
-            [](const ControllerConfig& c) { return encoding_text(c.machine.reading.encoding); }},
+    FileKey{"machine.encoding", [](Config c) { return encoding_text(c.machine.reading.encoding); }},
     FileKey{"machine.event_levels",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 std::vector<std::string> levels;
                 for (const controller::EventLevelChoice& each : c.machine.event_levels) {
                     levels.push_back(code_text(*controller::machine_event_type(each.code)) + " " +
@@ -145,38 +141,32 @@ constexpr std::array file_keys{
                 }
                 return list_names(levels);
             }},
-    FileKey{"machine.make_medium",
-            [](const ControllerConfig& c) { return flag_text(c.machine.makes_medium); }},
-    FileKey{"machine.medium",
-            [](const ControllerConfig& c) { return in_quotes(c.machine.medium_folder); }},
-    FileKey{"machine.plcopen_model",
-            [](const ControllerConfig& c) { return flag_text(c.machine.has_plcopen); }},
-    FileKey{"machine.program",
-            [](const ControllerConfig& c) { return paths_text(c.machine.program_file); }},
+    FileKey{"machine.make_medium", [](Config c) { return flag_text(c.machine.makes_medium); }},
+    FileKey{"machine.medium", [](Config c) { return in_quotes(c.machine.medium_folder); }},
+    FileKey{"machine.plcopen_model", [](Config c) { return flag_text(c.machine.has_plcopen); }},
+    FileKey{"machine.program", [](Config c) { return paths_text(c.machine.program_file); }},
     FileKey{"machine.simulated_hardware",
-            [](const ControllerConfig& c) { return flag_text(c.machine.simulates_hardware); }},
-    FileKey{"machine.state",
-            [](const ControllerConfig& c) { return in_quotes(c.machine.state_folder); }},
+            [](Config c) { return flag_text(c.machine.simulates_hardware); }},
+    FileKey{"machine.state", [](Config c) { return in_quotes(c.machine.state_folder); }},
     FileKey{"machine.strict",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 return flag_text(c.machine.reading.unserved == controller::Unserved::Refuse);
             }},
     FileKey{"machine.types",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 return in_quotes(c.machine.types.elementary == controller::ElementaryTypes::BuiltIn
                                      ? "built-in"
                                      : "plcopen");
             }},
-    FileKey{"server.application_uri",
-            [](const ControllerConfig& c) { return in_quotes(c.server.application_uri); }},
-    FileKey{"server.key_log", [](const ControllerConfig& c) { return in_quotes(c.key_log); }},
+    FileKey{"server.application_uri", [](Config c) { return in_quotes(c.server.application_uri); }},
+    FileKey{"server.key_log", [](Config c) { return in_quotes(c.key_log); }},
     FileKey{"users.account",
-            [](const ControllerConfig& c) {
+            [](Config c) {
                 std::vector<std::string> names;
                 std::ranges::transform(c.users.accounts, std::back_inserter(names), &Account::name);
                 return list_names(names);
             }},
-    FileKey{"users.setup", [](const ControllerConfig& c) { return flag_text(c.users.has_setup); }},
+    FileKey{"users.setup", [](Config c) { return flag_text(c.users.has_setup); }},
 };
 
 std::string rule_of(std::string_view key)

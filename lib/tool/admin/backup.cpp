@@ -8,7 +8,6 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "commands.hpp"
-#include "core/json.hpp"
 #include "remote_files.hpp"
 #include "remote_transfer.hpp"
 #include "tool/printing/display_text.hpp"
@@ -20,8 +19,6 @@ namespace busbar::tool::admin {
 
 namespace backup {
 namespace {
-
-using busbar::detail::Json;
 
 /// Greater than any backup.
 constexpr std::size_t max_backup = 256U << 20U;
@@ -42,13 +39,6 @@ RemoteTransfer transfer_of(Connection& connection)
             "log in as one with the role SecurityAdmin"};
 }
 
-/// Returns the report about the last file sent; null if the server has none.
-Json report_of(RemoteTransfer& transfer)
-{
-    auto json = busbar::detail::parse_json(transfer.fetch(Variant{"report"}));
-    return json ? *std::move(json) : Json{};
-}
-
 /// Describes the result of a restore. The server stops after it (W588, 4-1-3), so the report may be
 /// missing.
 std::string restored_text(RemoteTransfer& transfer)
@@ -58,7 +48,7 @@ std::string restored_text(RemoteTransfer& transfer)
         return found != nullptr && found->kind == Json::Kind::False;
     };
     try {
-        const Json report = report_of(transfer);
+        const Json report = transfer.answer("report");
         if (is_no(report, "restored")) {
             return "cleared, since the file is of a controller without OPC UA server; ";
         }
@@ -88,7 +78,7 @@ std::string restored_text(RemoteTransfer& transfer)
     }
     std::string reason;
     try {
-        const Json report = report_of(transfer);
+        const Json report = transfer.answer("report");
         const Json* const problem = report.find("problem");
         reason = problem != nullptr ? ": " + safe(problem->text) : "";
     } catch (const Failure&) {
@@ -180,28 +170,22 @@ bool print_verification(Context& context, const Json& report)
     JsonLine json;
     json.open_object().key("items").open_array();
     Table table{{{"DATA", 16}, {"DIFFERENCE", 16, false, true}}};
-    const Json* const items = report.find("items");
-    for (const Json& item : items != nullptr ? items->items : std::vector<Json>{}) {
-        const Json* const name = item.find("name");
-        const Json* const files = item.find("differences");
+    for (const Json& item : items_in(report, "items")) {
         std::string all;
         std::vector<std::string> differences;
-        for (const Json& file : files != nullptr ? files->items : std::vector<Json>{}) {
+        for (const Json& file : items_in(item, "differences")) {
             differences.push_back(file.text);
             all += (all.empty() ? "" : ", ") + safe(file.text);
         }
         is_same = is_same && differences.empty();
-        const std::string shown = name != nullptr ? name->text : std::string{};
+        const std::string shown = text_in(item, "name");
         json.open_object().member("name", shown).key("differences").texts(differences);
         json.close_object();
         table.add(
             {{safe(shown)}, {all.empty() ? "none" : all, all.empty() ? Style::Plain : Style::Bad}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
-    } else {
-        table.print(context.out);
-    }
+    json.close_array().member("isSame", is_same).close_object();
+    print_rows(context, json, table);
     return is_same;
 }
 
@@ -211,7 +195,7 @@ Exit verify(Context& context, Connection& connection, const AdminArguments& argu
     const std::string file = read_file(local, max_backup);
     RemoteTransfer transfer = transfer_of(connection);
     send(context, transfer, options_of(arguments, "verify"), file, local);
-    return print_verification(context, report_of(transfer)) ? Exit::Good : Exit::Failed;
+    return print_verification(context, transfer.answer("report")) ? Exit::Good : Exit::Failed;
 }
 
 Exit clear(Context& context, Connection& connection, const AdminArguments& arguments)

@@ -91,14 +91,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments& argume
                    {bytes},
                    {is_folder ? "" : to_string(changed).substr(0, 19)}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else if (table.row_count() == 0) {
-        context.out.line("No files");
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table, "No files");
 }
 
 Exit get(Context& context, Connection& connection, const AdminArguments& arguments)

@@ -15,7 +15,6 @@
 
 #include "commands.hpp"
 #include "controller/life/checksum.hpp"
-#include "core/json.hpp"
 #include "remote_files.hpp"
 #include "remote_transfer.hpp"
 #include "tool/printing/display_text.hpp"
@@ -27,8 +26,6 @@ namespace busbar::tool::admin {
 
 namespace program {
 namespace {
-
-using busbar::detail::Json;
 
 constexpr std::size_t max_program = controller::DeclarationLimits{}.max_text_size;
 constexpr std::size_t max_report = 256U << 20U;
@@ -42,14 +39,7 @@ RemoteTransfer transfer_of(Connection& connection)
 
 Json answer_of(RemoteTransfer& transfer, const char* what)
 {
-    auto json = busbar::detail::parse_json(transfer.fetch(Variant{what}), {.max_size = max_report});
-    return json ? *std::move(json) : Json{};
-}
-
-std::string text_in(const Json& json, std::string_view name)
-{
-    const Json* const found = json.find(name);
-    return found != nullptr ? found->text : std::string{};
+    return transfer.answer(what, max_report);
 }
 
 bool is_true(const Json& json, std::string_view name)
@@ -200,8 +190,7 @@ Exit show(Context& context, Connection& connection, const AdminArguments& argume
 std::vector<std::string> left_out_of(const Json& verdict)
 {
     std::vector<std::string> all;
-    const Json* const list = verdict.find("leftOut");
-    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+    for (const Json& each : items_in(verdict, "leftOut")) {
         all.push_back(each.text);
     }
     return all;
@@ -264,9 +253,8 @@ Exit compare(Context& context, Connection& connection, const AdminArguments& arg
     RemoteTransfer transfer = transfer_of(connection);
     send_file(context, transfer, "compare", arguments.words[0]);
     const Json report = answer_of(transfer, "report");
-    const Json* const list = report.find("differences");
     std::vector<Difference> differences;
-    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+    for (const Json& each : items_in(report, "differences")) {
         differences.push_back(
             {text_in(each, "what"), text_in(each, "file"), text_in(each, "controller")});
     }
@@ -328,7 +316,7 @@ Exit change(Context& context, Connection& connection, const AdminArguments& argu
     }
     RemoteTransfer transfer = program::transfer_of(connection);
     if (words.empty()) {
-        const std::string now = program::text_in(program::answer_of(transfer, "status"), "mode");
+        const std::string now = text_in(program::answer_of(transfer, "status"), "mode");
         JsonLine json;
         json.open_object().member("mode", now).close_object();
         context.out.line(context.options.is_json ? json.document() : safe(now));

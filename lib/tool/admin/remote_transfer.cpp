@@ -117,4 +117,22 @@ void RemoteTransfer::abandon(const NodeId& file, const Variant& handle)
     }
 }
 
+Json RemoteTransfer::answer(const char* options, std::size_t max_size)
+{
+    auto json = busbar::detail::parse_json(fetch(Variant{options}), {.max_size = max_size});
+    return json ? *std::move(json) : Json{};
+}
+
+std::string text_in(const Json& json, std::string_view name)
+{
+    const Json* const found = json.find(name);
+    return found != nullptr ? found->text : std::string{};
+}
+
+std::span<const Json> items_in(const Json& json, std::string_view name)
+{
+    const Json* const found = json.find(name);
+    return found != nullptr ? std::span<const Json>{found->items} : std::span<const Json>{};
+}
+
 } // namespace busbar::tool::admin

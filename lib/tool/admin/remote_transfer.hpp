@@ -2,12 +2,17 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "core/json.hpp"
 #include "remote.hpp"
 
 namespace busbar::tool::admin {
+
+using busbar::detail::Json;
+using busbar::detail::JsonLimits;
 
 /// Exchanges temporary files with a server, by an Object of TemporaryFileTransferType (Part 20,
 /// 4.4) below Objects. All functions throw Failure.
@@ -20,6 +25,8 @@ public:
 
     /// Fetches the file that the server generates for these options.
     [[nodiscard]] std::string fetch(const Variant& options, const Progress& progress = {});
+    /// Fetches a file that is a JSON document; null if it is not one, or longer than `max_size`.
+    [[nodiscard]] Json answer(const char* options, std::size_t max_size = JsonLimits{}.max_size);
     /// Sends a file, which the server accepts as a whole or not at all; a Failure has the server's
     /// answer.
     void send(const Variant& options, std::string_view file, const Progress& progress = {});
@@ -44,5 +51,10 @@ private:
     NodeId object_;
     bool has_sent_all_{false};
 };
+
+/// The text of a member; empty without one.
+[[nodiscard]] std::string text_in(const Json& json, std::string_view name);
+/// The elements of a member; none without one.
+[[nodiscard]] std::span<const Json> items_in(const Json& json, std::string_view name);
 
 } // namespace busbar::tool::admin

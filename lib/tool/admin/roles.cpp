@@ -105,12 +105,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
         json.close_array().close_object();
         table.add({{safe(role.name)}, {whom}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table);
 }
 
 /// Changes the role and describes the user and the role: "pat has the role Operator".

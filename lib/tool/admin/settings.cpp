@@ -139,14 +139,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments& argume
         table.add(
             {{safe(row.name)}, {text_of(row.value, nullptr)}, {unit_of(row)}, {note_of(row)}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else if (table.row_count() == 0) {
-        context.out.line("No settings were changed");
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table, "No settings were changed");
 }
 
 /// Applies one set of changes; a null value takes a change back.

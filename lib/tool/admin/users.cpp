@@ -125,14 +125,7 @@ Exit list(Context& context, Connection& connection, const AdminArguments&)
         json.member("description", user.description.view()).close_object();
         table.add({{safe(user.user_name.view())}, {flags}, {safe(user.description.view())}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else if (table.row_count() == 0) {
-        context.out.line("No users");
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table, "No users");
 }
 
 void on_users(Connection& connection, std::uint32_t method, const std::vector<Variant>& inputs,

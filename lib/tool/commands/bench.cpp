@@ -225,17 +225,14 @@ void add_bench(CLI::App& app, Run& run)
         ->check(CLI::Range(1, 1'000))
         ->type_name("N")
         ->capture_default_str();
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->nodes, context.options);
-            if (arguments->nodes.empty()) {
-                arguments->nodes.push_back(
-                    to_string(NodeId{0, id::Server_ServerStatus_CurrentTime}));
-            }
-            check_addresses(arguments->nodes);
-            Connection connection{context};
-            return measure(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->nodes, context.options);
+        if (arguments->nodes.empty()) {
+            arguments->nodes.push_back(to_string(NodeId{0, id::Server_ServerStatus_CurrentTime}));
+        }
+        check_addresses(arguments->nodes);
+        Connection connection{context};
+        return measure(context, connection, *arguments);
     });
 }
 

@@ -231,19 +231,16 @@ void add_browse(CLI::App& app, Run& run)
     command->add_flag("--values", arguments->has_values, "with the values of Variables");
     command->add_flag("--references", arguments->has_references,
                       "all references of the node, in both directions, instead of the tree");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->node, context.options);
-            if (arguments->node.empty()) {
-                arguments->node.emplace_back("/Objects");
-            }
-            check_addresses(arguments->node);
-            Connection connection{context};
-            const NodeId node = find_node(connection, arguments->node.front());
-            return arguments->has_references
-                       ? show_references(context, connection, node, *arguments)
-                       : show_tree(context, connection, node, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->node, context.options);
+        if (arguments->node.empty()) {
+            arguments->node.emplace_back("/Objects");
+        }
+        check_addresses(arguments->node);
+        Connection connection{context};
+        const NodeId node = find_node(connection, arguments->node.front());
+        return arguments->has_references ? show_references(context, connection, node, *arguments)
+                                         : show_tree(context, connection, node, *arguments);
     });
 }
 

@@ -163,16 +163,14 @@ void add_call(CLI::App& app, Run& run)
                      "server (optional), an object, a method of it by node or name, its arguments")
         ->required();
     add_limit_option(*command, arguments->limits);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url_before(arguments->words, context.options);
-            if (arguments->words.size() < 2) {
-                throw Failure{Exit::Usage, "no method is given", "busbar call OBJECT METHOD ..."};
-            }
-            check_addresses({arguments->words.front()});
-            Connection connection{context};
-            return call_method(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url_before(arguments->words, context.options);
+        if (arguments->words.size() < 2) {
+            throw Failure{Exit::Usage, "no method is given", "busbar call OBJECT METHOD ..."};
+        }
+        check_addresses({arguments->words.front()});
+        Connection connection{context};
+        return call_method(context, connection, *arguments);
     });
 }
 

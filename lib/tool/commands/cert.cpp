@@ -262,12 +262,10 @@ CLI::App* add(CLI::App& cert, Run& run, const std::shared_ptr<CertArguments>& ar
 {
     auto* command = cert.add_subcommand(name, text);
     command->fallthrough();
-    command->callback([&run, arguments, action] {
-        run = [arguments, action](Context& context) {
-            VerboseLog log{context.options.is_verbose};
-            Pki pki{context.options, log};
-            return action(context, pki, *arguments);
-        };
+    when_chosen(*command, run, [arguments, action](Context& context) {
+        VerboseLog log{context.options.is_verbose};
+        Pki pki{context.options, log};
+        return action(context, pki, *arguments);
     });
     return command;
 }

@@ -103,11 +103,9 @@ void add_check(CLI::App& app, Run& run)
     command->add_flag("--list", arguments->lists, "only list the rules, without a server");
     command->footer("A rule that cannot be asked here is not applicable, which is neither a pass\n"
                     "nor a finding. Exit codes: 0 no finding, 1 findings; others as always.");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_only_url(arguments->url, context.options);
-            return check_server(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_only_url(arguments->url, context.options);
+        return check_server(context, *arguments);
     });
 }
 

@@ -111,11 +111,9 @@ void add_completion(CLI::App& app, Run& run)
     command->add_option("SHELL", *shell, "bash, zsh or fish")
         ->required()
         ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-    command->callback([&run, shell] {
-        run = [shell](Context& context) {
-            context.out.write(command_line::completion_script("busbar", *shell));
-            return Exit::Good;
-        };
+    when_chosen(*command, run, [shell](Context& context) {
+        context.out.write(command_line::completion_script("busbar", *shell));
+        return Exit::Good;
     });
 }
 

@@ -129,11 +129,9 @@ void add_discover(CLI::App& app, Run& run)
     auto is_of_network = std::make_shared<bool>(false);
     command->add_flag("--network", *is_of_network,
                       "those that a discovery server knows from the network");
-    command->callback([&run, arguments, is_of_network] {
-        run = [arguments, is_of_network](Context& context) {
-            take_only_url(*arguments, context.options);
-            return *is_of_network ? discover_network(context) : discover(context);
-        };
+    when_chosen(*command, run, [arguments, is_of_network](Context& context) {
+        take_only_url(*arguments, context.options);
+        return *is_of_network ? discover_network(context) : discover(context);
     });
 }
 

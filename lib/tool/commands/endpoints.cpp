@@ -156,11 +156,9 @@ void add_endpoints(CLI::App& app, Run& run)
     command->add_option("URL", *arguments, "server");
     command->add_flag("--conformance", *shows_claims,
                       "the profiles that it claims, and what others lack; needs a session");
-    command->callback([&run, arguments, shows_claims] {
-        run = [arguments, shows_claims](Context& context) {
-            take_only_url(*arguments, context.options);
-            return *shows_claims ? show_claims(context) : show_endpoints(context);
-        };
+    when_chosen(*command, run, [arguments, shows_claims](Context& context) {
+        take_only_url(*arguments, context.options);
+        return *shows_claims ? show_claims(context) : show_endpoints(context);
     });
 }
 

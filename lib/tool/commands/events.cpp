@@ -63,17 +63,15 @@ void add_events(CLI::App& app, Run& run)
         ->check(CLI::Range(0, 1'000))
         ->type_name("1-1000");
     add_stream_options(*command, arguments->end);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->node, context.options);
-            if (arguments->node.empty()) {
-                arguments->node.push_back(to_string(NodeId{0, id::Server}));
-            }
-            check_addresses(arguments->node);
-            Connection connection{context, Connection::Endurance::Lasting};
-            refuse_ambiguous(connection, arguments->node);
-            return follow(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->node, context.options);
+        if (arguments->node.empty()) {
+            arguments->node.push_back(to_string(NodeId{0, id::Server}));
+        }
+        check_addresses(arguments->node);
+        Connection connection{context, Connection::Endurance::Lasting};
+        refuse_ambiguous(connection, arguments->node);
+        return follow(context, connection, *arguments);
     });
 }
 

@@ -142,17 +142,15 @@ void add_export(CLI::App& app, Run& run)
         ->required();
     command->add_option("-o,--output", arguments->file, "instead of standard output")
         ->type_name("FILE");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->name_space, context.options, 1);
-            const bool is_only_url = arguments->name_space.front().starts_with("opc.tcp://");
-            if (arguments->name_space.size() != 1 || is_only_url) {
-                throw Failure{Exit::Usage, "one namespace is to be given",
-                              "they are in `busbar read i=2255`"};
-            }
-            Connection connection{context};
-            return export_namespace(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->name_space, context.options, 1);
+        const bool is_only_url = arguments->name_space.front().starts_with("opc.tcp://");
+        if (arguments->name_space.size() != 1 || is_only_url) {
+            throw Failure{Exit::Usage, "one namespace is to be given",
+                          "they are in `busbar read i=2255`"};
+        }
+        Connection connection{context};
+        return export_namespace(context, connection, *arguments);
     });
 }
 

@@ -215,17 +215,14 @@ void add_find(CLI::App& app, Run& run)
         ->capture_default_str();
     command->footer("A type is that of an Object or the DataType of a Variable: `busbar find\n"
                     "MachineMode`. Large and small letters are the same.");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->words, context.options, 1);
-            if (arguments->words.size() != 1 || arguments->words.front().empty()) {
-                throw Failure{Exit::Usage, "expected one text to look for",
-                              "busbar find [URL] TEXT"};
-            }
-            check_addresses({arguments->below});
-            Connection connection{context};
-            return find(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->words, context.options, 1);
+        if (arguments->words.size() != 1 || arguments->words.front().empty()) {
+            throw Failure{Exit::Usage, "expected one text to look for", "busbar find [URL] TEXT"};
+        }
+        check_addresses({arguments->below});
+        Connection connection{context};
+        return find(context, connection, *arguments);
     });
 }
 

@@ -31,11 +31,9 @@ void add_help(CLI::App& app, Run& run)
     auto* command = app.add_subcommand("help", "Tells more of a command, as its --help does.");
     const auto words = std::make_shared<std::vector<std::string>>();
     command->add_option("COMMAND", *words, "a command, and one of its own; none for all");
-    command->callback([&app, &run, words] {
-        run = [&app, words](Context& context) {
-            context.out.write(help_of(app, *words));
-            return Exit::Good;
-        };
+    when_chosen(*command, run, [&app, words](Context& context) {
+        context.out.write(help_of(app, *words));
+        return Exit::Good;
     });
 }
 

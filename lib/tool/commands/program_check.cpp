@@ -141,13 +141,11 @@ void add_file_check(CLI::App& program, Run& run)
     check->add_flag("--strict", arguments->is_strict,
                     "refuse a program with a declaration that is left out");
     check->add_flag("--together", arguments->is_one, "all files are one program");
-    check->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            for (std::string& file : arguments->files) {
-                unmark(file);
-            }
-            return check_program(context, *arguments);
-        };
+    when_chosen(*check, run, [arguments](Context& context) {
+        for (std::string& file : arguments->files) {
+            unmark(file);
+        }
+        return check_program(context, *arguments);
     });
 }
 

@@ -229,19 +229,17 @@ void add_read(CLI::App& app, Run& run)
     command->add_flag("--all", arguments->has_all, "all attributes of the nodes");
     add_limit_option(*command, arguments->limits);
     add_format_options(*command, arguments->format);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url_before(arguments->nodes, context.options);
-            check_addresses(arguments->nodes);
-            Connection connection{context};
-            if (!arguments->has_all) {
-                return read_values(context, connection, *arguments);
-            }
-            for (const std::string& node : arguments->nodes) {
-                read_all(context, connection, node, arguments->limits);
-            }
-            return Exit::Good;
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url_before(arguments->nodes, context.options);
+        check_addresses(arguments->nodes);
+        Connection connection{context};
+        if (!arguments->has_all) {
+            return read_values(context, connection, *arguments);
+        }
+        for (const std::string& node : arguments->nodes) {
+            read_all(context, connection, node, arguments->limits);
+        }
+        return Exit::Good;
     });
 }
 

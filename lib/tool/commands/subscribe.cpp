@@ -106,14 +106,12 @@ void add_subscribe(CLI::App& app, Run& run)
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);
     add_format_options(*command, arguments->format);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url_before(arguments->nodes, context.options);
-            check_addresses(arguments->nodes);
-            Connection connection{context, Connection::Endurance::Lasting};
-            refuse_ambiguous(connection, arguments->nodes);
-            return show(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url_before(arguments->nodes, context.options);
+        check_addresses(arguments->nodes);
+        Connection connection{context, Connection::Endurance::Lasting};
+        refuse_ambiguous(connection, arguments->nodes);
+        return show(context, connection, *arguments);
     });
 }
 

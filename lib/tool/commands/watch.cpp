@@ -186,11 +186,9 @@ void add_watch(CLI::App& app, Run& run)
     add_stream_options(*command, arguments->end);
     add_format_options(*command, arguments->format);
     command->footer(watch_footer);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url(arguments->nodes, context.options);
-            return watch_nodes(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url(arguments->nodes, context.options);
+        return watch_nodes(context, *arguments);
     });
 }
 

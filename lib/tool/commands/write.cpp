@@ -177,18 +177,16 @@ void add_write(CLI::App& app, Run& run)
     command->add_flag("--merge", arguments->is_merged,
                       "read structures first: fields that are not given stay as they are");
     command->footer(write_footer);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_url_before(arguments->nodes_and_values, context.options);
-            if (arguments->nodes_and_values.size() % 2 != 0) {
-                throw Failure{Exit::Usage, "a node has no value", "busbar write NODE VALUE"};
-            }
-            for (std::size_t i = 0; i < arguments->nodes_and_values.size(); i += 2) {
-                check_addresses({arguments->nodes_and_values[i]});
-            }
-            Connection connection{context};
-            return write_values(context, connection, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_url_before(arguments->nodes_and_values, context.options);
+        if (arguments->nodes_and_values.size() % 2 != 0) {
+            throw Failure{Exit::Usage, "a node has no value", "busbar write NODE VALUE"};
+        }
+        for (std::size_t i = 0; i < arguments->nodes_and_values.size(); i += 2) {
+            check_addresses({arguments->nodes_and_values[i]});
+        }
+        Connection connection{context};
+        return write_values(context, connection, *arguments);
     });
 }
 

@@ -1,6 +1,7 @@
 #include "context.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -110,6 +111,11 @@ std::string found_in(std::string_view url)
 }
 
 } // namespace
+
+void when_chosen(CLI::App& command, Run& run, Run function)
+{
+    command.callback([&run, function = std::move(function)] { run = function; });
+}
 
 void add_options(CLI::App& app, Options& options)
 {

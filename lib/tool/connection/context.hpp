@@ -68,6 +68,8 @@ struct Context {
 
 /// Carries a command out; throws Failure or OutputClosed.
 using Run = std::function<Exit(Context&)>;
+/// Makes `function` what is carried out if the command line has `command`.
+void when_chosen(CLI::App& command, Run& run, Run function);
 
 /// Adds the options to the program.
 void add_options(CLI::App& app, Options& options);

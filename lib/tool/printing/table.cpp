@@ -5,7 +5,6 @@
 
 #include "core/ascii_case.hpp"
 #include "display_text.hpp"
-#include "json_writer.hpp"
 
 namespace busbar::tool {
 
@@ -92,6 +91,19 @@ void Table::print(Output& out) const
     }
 }
 
+Exit print_rows(Context& context, const JsonLine& json, const Table& table,
+                std::string_view nothing)
+{
+    if (context.options.is_json) {
+        context.out.line(json.document());
+    } else if (table.row_count() == 0 && !nothing.empty()) {
+        context.out.line(nothing);
+    } else {
+        table.print(context.out);
+    }
+    return Exit::Good;
+}
+
 Exit print_differences(Context& context, const std::vector<Difference>& differences,
                        const DifferenceTitles& titles)
 {
@@ -108,13 +120,8 @@ Exit print_differences(Context& context, const std::vector<Difference>& differen
                    {each.second.empty() ? titles.nothing : safe(each.second)}});
     }
     const bool is_same = differences.empty();
-    if (context.options.is_json) {
-        context.out.line(json.close_array().member("isSame", is_same).close_object().document());
-    } else if (is_same) {
-        context.out.line("no differences");
-    } else {
-        table.print(context.out);
-    }
+    json.close_array().member("isSame", is_same).close_object();
+    print_rows(context, json, table, "no differences");
     return is_same ? Exit::Good : Exit::Failed;
 }
 

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "json_writer.hpp"
 #include "output.hpp"
 #include "tool/connection/context.hpp"
 
@@ -54,6 +56,11 @@ private:
     std::vector<Column> columns_;
     std::vector<Row> rows_;
 };
+
+/// Prints rows: as JSON, for which `json` has the document, or as a table, or `nothing` instead of
+/// a table without rows. Returns Good.
+Exit print_rows(Context& context, const JsonLine& json, const Table& table,
+                std::string_view nothing = {});
 
 /// One thing that differs, with the text of each side; empty if a side does not have it.
 struct Difference {

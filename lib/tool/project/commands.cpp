@@ -18,8 +18,9 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
     auto* command = project.add_subcommand(name, text);
     command->fallthrough();
     command->add_option(word_names, arguments->words);
-    command->callback([&run, arguments, least, most, action, names = std::string{word_names}] {
-        run = [arguments, least, most, action, names](Context& context) {
+    when_chosen(
+        *command, run,
+        [arguments, least, most, action, names = std::string{word_names}](Context& context) {
             for (std::string& word : arguments->words) {
                 unmark(word);
             }
@@ -31,8 +32,7 @@ CLI::App* add_offline(CLI::App& project, Run& run, const char* name, const char*
                               "expected " + names};
             }
             return action(context, *arguments);
-        };
-    });
+        });
     return command;
 }
 

@@ -138,12 +138,7 @@ Exit list_namespaces(Context& context, const ProjectArguments& arguments)
                    {required, each.state == controller::ModelState::OtherVersion ? Style::Bad
                                                                                  : Style::Plain}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table);
 }
 
 } // namespace

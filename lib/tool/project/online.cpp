@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "core/json.hpp"
 #include "tool/admin/commands.hpp"
 #include "tool/admin/remote_files.hpp"
 #include "tool/admin/remote_transfer.hpp"
@@ -15,8 +14,10 @@ namespace busbar::tool::project {
 
 namespace {
 
+using admin::items_in;
+using admin::Json;
 using admin::RemoteTransfer;
-using busbar::detail::Json;
+using admin::text_in;
 using RemoteArguments = admin::AdminArguments;
 
 RemoteTransfer transfer_of(Connection& connection)
@@ -24,18 +25,6 @@ RemoteTransfer transfer_of(Connection& connection)
     return {connection, "Project",
             "the server has no project, which --project gives it, or this user may not see it: "
             "log in as one with the role SecurityAdmin or ConfigureAdmin"};
-}
-
-Json answer_of(RemoteTransfer& transfer, const char* what)
-{
-    auto json = busbar::detail::parse_json(transfer.fetch(Variant{what}));
-    return json ? *std::move(json) : Json{};
-}
-
-std::string text_in(const Json& json, std::string_view name)
-{
-    const Json* const found = json.find(name);
-    return found != nullptr ? found->text : std::string{};
 }
 
 /// Sends the file to the server; reports the server's reason for a refusal, which the status does
@@ -56,7 +45,7 @@ void send(Context& context, RemoteTransfer& transfer, const char* what, const st
         std::string reason = failure.reason;
         if (reason.empty()) {
             try {
-                reason = text_in(answer_of(transfer, "report"), "problem");
+                reason = text_in(transfer.answer("report"), "problem");
             } catch (const Failure&) {
                 // The server refused it before it looked at the file: the status says why.
             }
@@ -117,10 +106,9 @@ Exit verify(Context& context, Connection& connection, const RemoteArguments& arg
     const std::string document = document_in(arguments.words[0]);
     RemoteTransfer transfer = transfer_of(connection);
     send(context, transfer, "verify", document);
-    const Json report = answer_of(transfer, "report");
-    const Json* const list = report.find("differences");
+    const Json report = transfer.answer("report");
     std::vector<controller::ProjectDifference> differences;
-    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+    for (const Json& each : items_in(report, "differences")) {
         differences.push_back(
             {text_in(each, "where"), text_in(each, "file"), text_in(each, "server")});
     }
@@ -131,7 +119,7 @@ Exit verify(Context& context, Connection& connection, const RemoteArguments& arg
 Json label_report(Context& context, RemoteTransfer& transfer)
 {
     send(context, transfer, "labels", {});
-    return answer_of(transfer, "report");
+    return transfer.answer("report");
 }
 
 /// Lists the labels that the PLC has not, or has of another type than their nodes.
@@ -139,12 +127,11 @@ Exit list_labels(Context& context, Connection& connection, const RemoteArguments
 {
     RemoteTransfer transfer = transfer_of(connection);
     const Json report = label_report(context, transfer);
-    const Json* const list = report.find("labels");
     Table table{{{"NODE", 12}, {"PART"}, {"LABEL", 12}, {"EXPECTED", 16}, {"FOUND", 12}, {"USE"}}};
     JsonLine json;
     json.open_object().key("labels").open_array();
     bool is_refused = false;
-    for (const Json& each : list != nullptr ? list->items : std::vector<Json>{}) {
+    for (const Json& each : items_in(report, "labels")) {
         std::vector<Cell> cells;
         json.open_object();
         for (const char* const name : {"node", "part", "label", "expected", "found", "use"}) {
@@ -202,7 +189,7 @@ Exit restart(Context& context, Connection& connection, const RemoteArguments& ar
 Exit show_status(Context& context, Connection& connection, const RemoteArguments&)
 {
     RemoteTransfer transfer = transfer_of(connection);
-    const Json status = answer_of(transfer, "status");
+    const Json status = transfer.answer("status");
     JsonLine json;
     json.open_object();
     Table table{{{"ITEM", 16}, {"STATE", 16}}};
@@ -210,12 +197,7 @@ Exit show_status(Context& context, Connection& connection, const RemoteArguments
         json.member(status.names[i], status.items[i].text);
         table.add({{safe(status.names[i])}, {safe(status.items[i].text)}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_object().document());
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_object(), table);
 }
 
 } // namespace

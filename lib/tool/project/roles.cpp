@@ -44,12 +44,7 @@ Exit list_roles(Context& context, const model::SpaceReader& space,
         json.member("roles", text).close_object();
         table.add({{safe(id)}, {safe(name)}, {text.empty() ? "everybody" : safe(text)}});
     }
-    if (context.options.is_json) {
-        context.out.line(json.close_array().document());
-    } else {
-        table.print(context.out);
-    }
-    return Exit::Good;
+    return print_rows(context, json.close_array(), table);
 }
 
 std::vector<NodeIndex> nodes_with_roles(const model::SpaceReader& space)

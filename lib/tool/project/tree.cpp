@@ -63,14 +63,7 @@ public:
     }
 
     void list(model::NodeIndex node, std::size_t level);
-    void print(Context& context)
-    {
-        if (context.options.is_json) {
-            context.out.line(json_.close_array().document());
-        } else {
-            table_.print(context.out);
-        }
-    }
+    void print(Context& context) { print_rows(context, json_.close_array(), table_); }
 
 private:
     static constexpr std::size_t max_levels = 100;

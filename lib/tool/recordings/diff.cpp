@@ -316,12 +316,10 @@ void add_diff(CLI::App& app, Run& run)
     command->add_flag("--no-values", arguments->ignores_values, "of servers, compare nodes alone");
     add_keys_option(*command, arguments->keys);
     add_comparison_options(*command, arguments->comparison);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            unmark(arguments->before);
-            unmark(arguments->after);
-            return diff(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        unmark(arguments->before);
+        unmark(arguments->after);
+        return diff(context, *arguments);
     });
 }
 

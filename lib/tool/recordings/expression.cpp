@@ -97,29 +97,17 @@ private:
         step.kind = Step::Kind::Operation;
         step.operation = operation;
     }
-    void sum()
+    void sum() { chain({"+", "-"}, &Parser::product); }
+    void product() { chain({"*", "/"}, &Parser::factor); }
+    /// Operands with one of these signs between two, from left to right.
+    void chain(std::array<std::string_view, 2> signs, void (Parser::*operand)())
     {
-        product();
+        (this->*operand)();
         for (bool goes_on = true; goes_on && flaw_.empty();) {
             goes_on = false;
-            for (const std::string_view sign : {"+", "-"}) {
+            for (const std::string_view sign : signs) {
                 if (take(sign)) {
-                    product();
-                    add(sign);
-                    goes_on = true;
-                    break;
-                }
-            }
-        }
-    }
-    void product()
-    {
-        factor();
-        for (bool goes_on = true; goes_on && flaw_.empty();) {
-            goes_on = false;
-            for (const std::string_view sign : {"*", "/"}) {
-                if (take(sign)) {
-                    factor();
+                    (this->*operand)();
                     add(sign);
                     goes_on = true;
                     break;

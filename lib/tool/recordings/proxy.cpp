@@ -215,11 +215,9 @@ void add_proxy(CLI::App& app, Run& run)
     command->add_flag("--any-client", arguments->has_any_client,
                       "accepts clients whose certificate is not trusted");
     add_live_options(*command, arguments->live);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            take_only_url(arguments->url, context.options);
-            return run_proxy(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        take_only_url(arguments->url, context.options);
+        return run_proxy(context, *arguments);
     });
 }
 

@@ -87,19 +87,17 @@ void add_replay(CLI::App& app, Run& run)
     command->add_flag("--pace", arguments->keeps_pace, "leaves the recorded time between requests");
     add_keys_option(*command, arguments->keys);
     add_comparison_options(*command, arguments->comparison);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            if (arguments->serve.empty()) {
-                take_url(arguments->places, context.options, 1);
-            } else {
-                unmark(arguments->places.front());
-            }
-            if (arguments->places.size() != 1) {
-                throw Failure{Exit::Usage, "one recording is to be given"};
-            }
-            return arguments->serve.empty() ? replay_to(context, *arguments)
-                                            : serve(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        if (arguments->serve.empty()) {
+            take_url(arguments->places, context.options, 1);
+        } else {
+            unmark(arguments->places.front());
+        }
+        if (arguments->places.size() != 1) {
+            throw Failure{Exit::Usage, "one recording is to be given"};
+        }
+        return arguments->serve.empty() ? replay_to(context, *arguments)
+                                        : serve(context, *arguments);
     });
 }
 

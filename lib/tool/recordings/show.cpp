@@ -75,11 +75,9 @@ void add_show(CLI::App& app, Run& run)
         ->add_option("--pcapng", arguments->pcapng,
                      "the same as it was sent, with the --keys, for Wireshark 4.4 and later")
         ->type_name("FILE");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            unmark(arguments->file);
-            return show(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        unmark(arguments->file);
+        return show(context, *arguments);
     });
 }
 

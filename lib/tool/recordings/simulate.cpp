@@ -285,13 +285,11 @@ void add_simulate(CLI::App& app, Run& run)
                      "lines as \"Level Double ramp 0 100 60s\", or NodeSet2")
         ->required();
     add_live_options(*command, arguments->live);
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
-            for (std::string& file : arguments->files) {
-                unmark(file);
-            }
-            return simulate(context, *arguments);
-        };
+    when_chosen(*command, run, [arguments](Context& context) {
+        for (std::string& file : arguments->files) {
+            unmark(file);
+        }
+        return simulate(context, *arguments);
     });
 }
 

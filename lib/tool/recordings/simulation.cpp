@@ -7,10 +7,13 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <type_traits>
 
 #include <busbar/client/value_text.hpp>
 #include <busbar/core/built_in_type.hpp>
 #include <busbar/core/text.hpp>
+
+#include "core/visit_built_in.hpp"
 
 namespace busbar::tool {
 
@@ -314,26 +317,15 @@ std::string unknown_name(const SimulatedMachine& machine)
 
 std::optional<double> number_in(const Variant& value)
 {
-    std::optional<double> number;
-    if (const bool* const flag = value.get_if<bool>()) {
-        number = *flag ? 1 : 0;
-    }
-    const auto look = [&]<typename T>(const T*) {
-        if (const T* const found = value.get_if<T>()) {
-            number = static_cast<double>(*found);
+    return busbar::detail::visit_built_in(value.type(), [&](auto tag) -> std::optional<double> {
+        using T = typename decltype(tag)::type;
+        if constexpr (std::is_arithmetic_v<T>) {
+            if (const T* const found = value.get_if<T>()) {
+                return static_cast<double>(*found);
+            }
         }
-    };
-    look(static_cast<const std::int8_t*>(nullptr));
-    look(static_cast<const std::uint8_t*>(nullptr));
-    look(static_cast<const std::int16_t*>(nullptr));
-    look(static_cast<const std::uint16_t*>(nullptr));
-    look(static_cast<const std::int32_t*>(nullptr));
-    look(static_cast<const std::uint32_t*>(nullptr));
-    look(static_cast<const std::int64_t*>(nullptr));
-    look(static_cast<const std::uint64_t*>(nullptr));
-    look(static_cast<const float*>(nullptr));
-    look(static_cast<const double*>(nullptr));
-    return number;
+        return std::nullopt;
+    });
 }
 
 namespace {
@@ -346,7 +338,9 @@ template <typename T>
 Variant number_as(double number, Beyond beyond)
 {
     using Limits = std::numeric_limits<T>;
-    if constexpr (std::is_floating_point_v<T>) {
+    if constexpr (std::is_same_v<T, bool>) {
+        return std::isnan(number) ? Variant{} : Variant{number != 0};
+    } else if constexpr (std::is_floating_point_v<T>) {
         const bool fits =
             !std::isfinite(number) || std::fabs(number) <= static_cast<double>(Limits::max());
         return fits ? Variant{static_cast<T>(number)}
@@ -369,26 +363,15 @@ Variant number_as(double number, Beyond beyond)
 
 Variant made_like(const Variant& model, double number, Beyond beyond)
 {
-    Variant made;
-    if (model.get_if<bool>() != nullptr && !std::isnan(number)) {
-        made = Variant{number != 0};
-    }
-    const auto make = [&]<typename T>(const T*) {
-        if (model.get_if<T>() != nullptr) {
-            made = number_as<T>(number, beyond);
+    return busbar::detail::visit_built_in(model.type(), [&](auto tag) -> Variant {
+        using T = typename decltype(tag)::type;
+        if constexpr (std::is_arithmetic_v<T>) {
+            if (model.get_if<T>() != nullptr) {
+                return number_as<T>(number, beyond);
+            }
         }
-    };
-    make(static_cast<const std::int8_t*>(nullptr));
-    make(static_cast<const std::uint8_t*>(nullptr));
-    make(static_cast<const std::int16_t*>(nullptr));
-    make(static_cast<const std::uint16_t*>(nullptr));
-    make(static_cast<const std::int32_t*>(nullptr));
-    make(static_cast<const std::uint32_t*>(nullptr));
-    make(static_cast<const std::int64_t*>(nullptr));
-    make(static_cast<const std::uint64_t*>(nullptr));
-    make(static_cast<const float*>(nullptr));
-    make(static_cast<const double*>(nullptr));
-    return made;
+        return {};
+    });
 }
 
 } // namespace
