@@ -59,7 +59,7 @@ TEST_CASE("the sources keep the house rules", "[tidy]")
 TEST_CASE("files of the library with fewer than 40 lines become fewer", "[tidy]")
 {
     // Lower it whenever files are folded into their neighbours, towards 8 % of all.
-    constexpr std::size_t ceiling = 312;
+    constexpr std::size_t ceiling = 195;
     constexpr std::size_t slack = 10;
     const std::filesystem::path root{BUSBAR_SOURCE_DIR};
     std::size_t small = 0;
