@@ -97,7 +97,7 @@ public:
     UserIdentity granted;
     /// The ClientUserId of the first user, followed by those of later ones, the latest last.
     std::vector<std::string> users;
-    /// The time when the user becomes anonymous (see user_expiry.hpp).
+    /// The time when the user becomes anonymous (see expire_user()).
     TimePoint user_deadline{no_deadline};
 
     /// Pending requests, over any channel.
